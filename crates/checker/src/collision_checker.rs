@@ -27,8 +27,8 @@ const BLOCK: usize = 256;
 
 /// Collision checker of a robot in a world; can be queried from any number of threads: `Send + Sync`, no lock.
 ///
-/// Each thread passes its own [`Workspace`]. Once a workspace is warm, queries on states do not allocate, except for the vectors of their
-/// reports.
+/// Each thread passes its own [`Workspace`]. Once a workspace is warm, queries on states do not allocate, except for
+/// the vectors of their reports.
 #[derive(Clone, Debug)]
 pub struct CollisionChecker {
     pairs: CheckedPairs,
@@ -56,7 +56,8 @@ impl CollisionChecker {
         Ok(Self::of_pairs(pairs, settings, matrix))
     }
 
-    /// The same robot in another world, or with other settings or another matrix. Hierarchies that do not change are shared.
+    /// The same robot in another world, or with other settings or another matrix. Hierarchies that do not change are
+    /// shared.
     pub fn with_world(
         &self,
         world: &World,
@@ -73,8 +74,8 @@ impl CollisionChecker {
         Self { pairs, settings, matrix: matrix.cloned(), certificates, identity }
     }
 
-    /// Changes the world in place: only obstacles that differ are updated, unless attached objects differ. If this is not possible,
-    /// returns an error and changes nothing.
+    /// Changes the world in place: only obstacles that differ are updated, unless attached objects differ. If this is
+    /// not possible, returns an error and changes nothing.
     pub fn set_world(&mut self, world: &World) -> Result<(), SettingsError> {
         let same = |(a, b): (&Arc<_>, &Arc<_>)| Arc::ptr_eq(a, b);
         let (held, holds) = (self.world().attached(), world.attached());
@@ -142,15 +143,17 @@ impl CollisionChecker {
         Workspace::new(self.identity, &self.pairs, Scratch::default())
     }
 
-    /// As [`Self::workspace`], but uses only the baseline instructions of this architecture. Results are the same, bit by bit.
+    /// As [`Self::workspace`], but uses only the baseline instructions of this architecture. Results are the same, bit
+    /// by bit.
     #[must_use]
     pub fn portable_workspace(&self) -> Workspace {
         Workspace::new(self.identity, &self.pairs, Scratch::portable())
     }
 
-    /// As [`Self::workspace`], for states that follow each other closely: results of one state are reused for the next, and only pairs
-    /// for which they do not suffice are searched again. Reports are the same, except for their work counts. Distances within a tolerance
-    /// ([`Self::check_with`]) are bounds that depend on earlier queries, for a fraction of the work.
+    /// As [`Self::workspace`], for states that follow each other closely: results of one state are reused for the next,
+    /// and only pairs for which they do not suffice are searched again. Reports are the same, except for their work
+    /// counts. Distances within a tolerance ([`Self::check_with`]) are bounds that depend on earlier queries, for a
+    /// fraction of the work.
     #[must_use]
     pub fn streaming_workspace(&self) -> Workspace {
         self.workspace().with_stream(&self.pairs)
@@ -173,9 +176,10 @@ impl CollisionChecker {
         self.check_with(q, question, &Effort::default(), workspace)
     }
 
-    /// As [`Self::check`], with tolerances for distances, or until a deadline. Pairs left open at the deadline are listed as undecided in
-    /// the report, and the robot is not free. Queries with a deadline do not use a stream's memory. Results of a stream within a
-    /// tolerance depend on earlier queries, and may include pairs of which only the lower bound is within the limit.
+    /// As [`Self::check`], with tolerances for distances, or until a deadline. Pairs left open at the deadline are
+    /// listed as undecided in the report, and the robot is not free. Queries with a deadline do not use a stream's
+    /// memory. Results of a stream within a tolerance depend on earlier queries, and may include pairs of which only
+    /// the lower bound is within the limit.
     #[must_use]
     pub fn check_with(
         &self,
@@ -192,8 +196,8 @@ impl CollisionChecker {
         report
     }
 
-    /// Uses the idle time before the next state: renews the memory of pairs that the next state will probably have to search, so that its
-    /// result comes sooner. Changes no exact result.
+    /// Uses the idle time before the next state: renews the memory of pairs that the next state will probably have to
+    /// search, so that its result comes sooner. Changes no exact result.
     pub fn prepare(&self, workspace: &mut Workspace) {
         workspace.prepare(self.identity, &self.pairs);
     }
@@ -221,8 +225,8 @@ impl CollisionChecker {
         workspace.batch_search(&self.pairs).find_free(states, free);
     }
 
-    /// Evaluates `question` on each state, as [`Self::check`] does: the same reports, in the order of the states, for any number of
-    /// threads.
+    /// Evaluates `question` on each state, as [`Self::check`] does: the same reports, in the order of the states, for
+    /// any number of threads.
     ///
     /// Runs on the threads of the rayon pool it is called in.
     #[must_use]
@@ -233,10 +237,12 @@ impl CollisionChecker {
             .collect()
     }
 
-    /// The contact of a pair of the pair list in the state `q`; `None` if the bodies are apart, or if this is no such pair.
+    /// The contact of a pair of the pair list in the state `q`; `None` if the bodies are apart, or if this is no such
+    /// pair.
     ///
     /// The depth of primitives comes from the expanding polytope algorithm (van den Bergen 2001), see
-    /// [`deepest_overlap`](clearance_proximity::deepest_overlap). If only the paddings overlap, it comes from the distance.
+    /// [`deepest_overlap`](clearance_proximity::deepest_overlap). If only the paddings overlap, it comes from the
+    /// distance.
     #[must_use]
     pub fn contact(
         &self,
@@ -250,7 +256,8 @@ impl CollisionChecker {
         Contact::of_pair(&self.pairs.pair(index, robot.frames()), scratch)
     }
 
-    /// Upper bound (m) on the change of any distance while joints move between two configurations; infinite where there is no bound.
+    /// Upper bound (m) on the change of any distance while joints move between two configurations; infinite where there
+    /// is no bound.
     #[must_use]
     pub fn travel(&self, from: &[f64], to: &[f64]) -> f64 {
         self.pairs.robot().travel_rates().between(from, to)
@@ -296,7 +303,8 @@ impl CollisionChecker {
             .collect()
     }
 
-    /// Checks whether a trajectory is free: either all segments are proven free, or the report is on the first that is not.
+    /// Checks whether a trajectory is free: either all segments are proven free, or the report is on the first that is
+    /// not.
     #[must_use]
     pub fn check_trajectory(
         &self,
@@ -351,8 +359,9 @@ impl CollisionChecker {
         CertificateSubject { pairs: &self.pairs, settings: &self.settings, matrix: self.matrix.as_ref() }
     }
 
-    /// Time (s) before which no pair can touch, up to `horizon` (s). The robot now moves with `velocities` (rad/s, m/s, one per
-    /// position), and no position accelerates by more than `accelerations` (rad/s², m/s²). Floating joints must be at rest.
+    /// Time (s) before which no pair can touch, up to `horizon` (s). The robot now moves with `velocities` (rad/s, m/s,
+    /// one per position), and no position accelerates by more than `accelerations` (rad/s², m/s²). Floating joints must
+    /// be at rest.
     pub fn look_ahead(
         &self,
         q: &Configuration,
@@ -366,8 +375,8 @@ impl CollisionChecker {
         motion::look_ahead(&self.pairs, state, horizon, workspace.motion())
     }
 
-    /// The swept volumes of all links and attached objects with geometry, in intervals of equal length; more intervals give smaller
-    /// volumes. Padding is not included. Bodies with a plane, which sweep over everything, have no volume.
+    /// The swept volumes of all links and attached objects with geometry, in intervals of equal length; more intervals
+    /// give smaller volumes. Padding is not included. Bodies with a plane, which sweep over everything, have no volume.
     #[must_use]
     pub fn swept_volumes(
         &self,
@@ -385,7 +394,8 @@ impl CollisionChecker {
         robot::link_volumes(self.pairs.robot(), level)
     }
 
-    /// Upper bound (m) on the distance of any point of the robot and its attached objects from its root, padding included.
+    /// Upper bound (m) on the distance of any point of the robot and its attached objects from its root, padding
+    /// included.
     #[must_use]
     pub fn extent(&self, poses: &LinkPoses) -> f64 {
         robot::extent(self.pairs.robot(), poses)

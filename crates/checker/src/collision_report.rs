@@ -22,8 +22,8 @@ pub enum Question {
         /// Larger distances (m) are not reported.
         limit: f64,
     },
-    /// Query of a monitor: as [`Self::PairDistances`] up to `influence_distance` (m), and the least distance even if it is larger, up to
-    /// `limit` (m).
+    /// Query of a monitor: as [`Self::PairDistances`] up to `influence_distance` (m), and the least distance even if it
+    /// is larger, up to `limit` (m).
     Survey {
         /// Up to this distance (m), the distance of every pair is reported.
         influence_distance: f64,
@@ -73,7 +73,8 @@ pub struct CollisionReport {
     pub colliding_pairs: Vec<(BodyId, BodyId)>,
     /// The least distance, if the query includes distances and something is within its limit.
     pub nearest: Option<PairDistance>,
-    /// For [`Question::PairDistances`] and [`Question::Survey`]: every pair within the limit, in the order of the pair list.
+    /// For [`Question::PairDistances`] and [`Question::Survey`]: every pair within the limit, in the order of the pair
+    /// list.
     pub pair_distances: Vec<PairDistance>,
     /// Pairs left undecided at the deadline; one pair may occur twice. Empty without a deadline.
     pub undecided: Vec<UndecidedPair>,
@@ -89,9 +90,9 @@ impl CollisionReport {
         !self.self_collision && !self.world_collision && apart
     }
 
-    /// Replaces the distance of every decided pair by its certain lower bound. Where tolerances left a gap, reported distances become
-    /// smaller than those of the witness points, and are never larger than the true ones.
-    pub fn tell_certain_distances(&mut self) {
+    /// Replaces the distance of every decided pair by its certain lower bound. Where tolerances left a gap, reported
+    /// distances become smaller than those of the witness points, and are never larger than the true ones.
+    pub fn use_lower_bounds(&mut self) {
         let is_open =
             |pair: &PairDistance| self.undecided.iter().any(|open| (open.a, open.b) == (pair.a, pair.b));
         for pair in self.pair_distances.iter_mut().chain(&mut self.nearest).filter(|pair| !is_open(pair)) {
@@ -124,7 +125,8 @@ impl CollisionReport {
         }
     }
 
-    /// Where two methods could differ, contact takes precedence: adds the nearest pair to the colliding pairs if its distance is zero.
+    /// Where two methods could differ, contact takes precedence: adds the nearest pair to the colliding pairs if its
+    /// distance is zero.
     pub(crate) fn include_contact_of_nearest(&mut self) {
         if let Some(touching) = self.nearest.filter(|n| n.distance == 0.0)
             && !self.has_collision_like(touching.b)

@@ -3,12 +3,12 @@
 //! | question | function |
 //! |---|---|
 //! | is this state free? (first hit) | [`CollisionChecker::is_free`] |
-//! | what hits, how far is the rest? | [`CollisionChecker::check`] |
-//! | the same of many states | [`CollisionChecker::are_free`], [`CollisionChecker::check_states`] |
-//! | how deep are two bodies in each other? | [`CollisionChecker::contact`] |
-//! | is the way from here to there free? | [`CollisionChecker::check_motion`], [`CollisionChecker::check_trajectory`] |
-//! | the same with a proof to show | [`CollisionChecker::certify_motion`], [`CollisionChecker::certify_trajectory`] |
-//! | until when can nothing touch? | [`CollisionChecker::look_ahead`] |
+//! | which pairs collide, how far apart are the others? | [`CollisionChecker::check`] |
+//! | the same for many states | [`CollisionChecker::are_free`], [`CollisionChecker::check_states`] |
+//! | how deep do two bodies overlap? | [`CollisionChecker::contact`] |
+//! | is a motion free? | [`CollisionChecker::check_motion`], [`CollisionChecker::check_trajectory`] |
+//! | the same, with a certificate | [`CollisionChecker::certify_motion`], [`CollisionChecker::certify_trajectory`] |
+//! | for how long can nothing touch? | [`CollisionChecker::look_ahead`] |
 
 // minimum and maximum of floating-point numbers, see `math/extremes.rs` of clearance-geometry
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]

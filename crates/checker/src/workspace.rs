@@ -12,8 +12,8 @@ use crate::state::{
     BatchSearch, ContactSearch, DistanceScratch, PairEvaluation, QueriedState, StateQuery, Stream,
 };
 
-/// Scratch memory of one thread's queries. Its contents save work in the next query and change no exact result. If it is passed to a
-/// checker other than its creator, it is adapted to that checker.
+/// Scratch memory of one thread's queries. Its contents save work in the next query and change no exact result. If it
+/// is passed to a checker other than its creator, it is adapted to that checker.
 #[derive(Clone, Debug)]
 pub struct Workspace {
     /// Identity of the checker it belongs to.

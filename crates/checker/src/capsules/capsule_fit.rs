@@ -6,8 +6,8 @@ use nalgebra::Vector2;
 
 use super::link_capsule::LinkCapsule;
 
-/// A capsule around shapes; a single round shape is its own capsule. Shapes with a plane get infinite radius, which level 0 never proves
-/// apart. `None` without shapes.
+/// A capsule around shapes; a single round shape is its own capsule. Shapes with a plane get infinite radius, which
+/// level 0 never proves apart. `None` without shapes.
 pub fn capsule_around(shapes: &[(Pose, Shape)]) -> Option<LinkCapsule> {
     if let [(pose, Shape::Primitive(primitive))] = shapes {
         match *primitive {
@@ -39,7 +39,7 @@ pub fn capsule_around(shapes: &[(Pose, Shape)]) -> Option<LinkCapsule> {
     fit_capsule(&points)
 }
 
-/// Of the box between two.
+/// Corners of the axis-aligned box between two points.
 pub fn corners((low, high): (Point, Point)) -> impl Iterator<Item = Point> {
     let side = move |i: usize, axis: usize| if i & (1 << axis) == 0 { low[axis] } else { high[axis] };
     (0..8).map(move |i| Point::new(side(i, 0), side(i, 1), side(i, 2)))
@@ -53,9 +53,9 @@ fn around_axis(pose: &Pose, half_length: f64, radius: f64) -> LinkCapsule {
 
 /// A tight capsule around `points`; `None` if there are none.
 ///
-/// The axis starts as the best of the three principal ones, then turns as long as the volume shrinks. Each axis gets
-/// the smallest circle around the points seen along it, and the shortest segment whose caps still reach them all.
-/// In the end the radius is that of the farthest point, rounded outward.
+/// The axis starts as the best of the three principal axes, and is turned as long as the volume shrinks. For each axis
+/// the capsule has the smallest circle around the projected points, and the shortest segment whose caps contain all
+/// points. At the end the radius is the distance of the farthest point, rounded outward.
 #[must_use]
 pub fn fit_capsule(points: &[Point]) -> Option<LinkCapsule> {
     let count = u32::try_from(points.len()).ok().filter(|&n| n > 0)?;
@@ -102,11 +102,12 @@ impl Fit {
 /// The smallest capsule around `points` along `axis`.
 fn along(points: &[Point], mean: Vector, axis: &UnitVector) -> Fit {
     let (x, y) = square_to(axis);
-    let seen = |p: &Point| Vector2::new(x.dot(&(p.coords - mean)), y.dot(&(p.coords - mean)));
-    let circle = smallest_circle(&points.iter().map(seen).collect::<Vec<_>>());
+    let projected = |p: &Point| Vector2::new(x.dot(&(p.coords - mean)), y.dot(&(p.coords - mean)));
+    let circle = smallest_circle(&points.iter().map(projected).collect::<Vec<_>>());
     // a cap's centre may lie this far behind a point and still reach it
-    let depth =
-        |p: &Point| (circle.radius.powi(2) - (seen(p) - circle.centre).norm_squared()).greater(0.0).sqrt();
+    let depth = |p: &Point| {
+        (circle.radius.powi(2) - (projected(p) - circle.centre).norm_squared()).greater(0.0).sqrt()
+    };
     let height = |p: &Point| axis.dot(&(p.coords - mean));
     let low = points.iter().map(|p| height(p) + depth(p)).fold(f64::INFINITY, f64::lesser);
     let high = points.iter().map(|p| height(p) - depth(p)).fold(f64::NEG_INFINITY, f64::greater);
@@ -128,31 +129,31 @@ struct Circle {
     radius: f64,
 }
 
-/// The smallest circle around points: as long as one lies outside, the farthest joins the two or three that hold the
-/// circle. Each circle is larger than the last, so none comes twice.
+/// The smallest circle around points. While a point lies outside, the farthest one is added to the two or three points
+/// that support the circle. The circle grows in each round, so the search ends.
 fn smallest_circle(points: &[Vector2<f64>]) -> Circle {
-    let mut held = vec![points[0]];
+    let mut support = vec![points[0]];
     let mut circle = Circle { centre: points[0], radius: 0.0 };
-    // a handful of rounds in practice; the bound is for rounding that makes circles come again
+    // a few rounds in practice; the limit covers rounding, with which circles could repeat
     for _ in 0..100 {
         let distance = |p: &Vector2<f64>| (p - circle.centre).norm_squared();
         let farthest = points.iter().max_by(|a, b| distance(a).total_cmp(&distance(b)));
         let Some(outside) = farthest.filter(|p| distance(p) > circle.radius.powi(2) * (1.0 + 1e-12)) else {
             break;
         };
-        held.push(*outside);
-        (circle, held) = smallest_circle_of_few(&held);
+        support.push(*outside);
+        (circle, support) = smallest_circle_of_few(&support);
     }
     circle
 }
 
-/// The smallest circle around at most four points, and those that hold it.
+/// The smallest circle around at most four points, and the points that support it.
 fn smallest_circle_of_few(points: &[Vector2<f64>]) -> (Circle, Vec<Vector2<f64>>) {
     let mut best = (Circle { centre: points[0], radius: f64::INFINITY }, points.to_vec());
-    let mut consider = |circle: Circle, held: &[Vector2<f64>]| {
+    let mut consider = |circle: Circle, support: &[Vector2<f64>]| {
         let all = points.iter().all(|p| (p - circle.centre).norm() <= circle.radius * (1.0 + 1e-12));
         if all && circle.radius < best.0.radius {
-            best = (circle, held.to_vec());
+            best = (circle, support.to_vec());
         }
     };
     for (i, a) in points.iter().enumerate() {

@@ -1,7 +1,7 @@
 //! Level 0 of a query: one capsule around each link; finds the pairs of a fixed list that may be near.
 //!
-//! A capsule is the set of all points within a radius of a segment. Eight pairs are tested at once: one pair in eight states, or eight
-//! pairs in one state, by the same formulas and with bit-identical results ([`super::segment_lanes`]).
+//! A capsule is the set of all points within a radius of a segment. Eight pairs are tested at once: one pair in eight
+//! states, or eight pairs in one state, by the same formulas and with bit-identical results ([`super::segment_lanes`]).
 
 use std::ops::{Add, Range};
 
@@ -12,7 +12,7 @@ use clearance_robot::{Columns, Frame, PlacedFrame};
 use nalgebra::Vector3;
 
 use super::link_capsule::LinkCapsule;
-use super::segment::{PlacedSegment, Segment, centres, difference, halves, up};
+use super::segment::{PlacedSegment, Segment, centres, difference, halves, round_up};
 use super::segment_lanes::{Constants, LEAST_SQUARE, Lanes, PARALLEL, SLACK, spheres_near};
 
 /// Capsules attached to bodies, and the pairs of them to test.
@@ -112,7 +112,7 @@ impl CapsulePairs {
             first_body: if order.is_empty() { 0 } else { body(0) },
             groups,
             size,
-            offset: up(offset.fold(0.0, f64::greater)),
+            offset: round_up(offset.fold(0.0, f64::greater)),
         }
     }
 
@@ -185,7 +185,8 @@ impl CapsulePairs {
         }
         let slack = self.slack(simd, extent_8(simd, segments));
         for ((group, masks), first) in self.groups.iter().zip(masks.chunks_mut(8)).zip((0..).step_by(8)) {
-            // sphere tests of all pairs come before any axis test: the outcome is hard to predict, so fewer branches are faster
+            // sphere tests of all pairs come before any axis test: the outcome is hard to predict, so fewer branches
+            // are faster
             let mut left = 0u8;
             for (lane, mask) in masks.iter_mut().enumerate() {
                 let lanes =
@@ -209,8 +210,8 @@ impl CapsulePairs {
         }
     }
 
-    /// For each pair, lower bounds (m) on its distance in eight states, negative where capsules overlap. Uses the same formulas as
-    /// [`Self::lower_bounds_one`]; tests compare the two.
+    /// For each pair, lower bounds (m) on its distance in eight states, negative where capsules overlap. Uses the same
+    /// formulas as [`Self::lower_bounds_one`]; tests compare the two.
     #[cfg(test)]
     #[inline(always)]
     pub fn lower_bounds<S: Simd>(&self, simd: S, segments: &[Segment<f32x8<S>>], bounds: &mut [[f32; 8]]) {
@@ -305,7 +306,7 @@ impl Group {
     fn set(&mut self, lane: usize, [(a, uu), (b, vv)]: [(usize, f64); 2], radii: f64) {
         let over = |x: f32| if x > 0.0 { 1.0 / x } else { 0.0 };
         (self.first[lane], self.second[lane]) = (a, b);
-        (self.radii[lane], self.reach[lane]) = (up(radii), up(radii + uu.sqrt() + vv.sqrt()));
+        (self.radii[lane], self.reach[lane]) = (round_up(radii), round_up(radii + uu.sqrt() + vv.sqrt()));
         (self.uu[lane], self.vv[lane]) = (uu.single(), vv.single());
         (self.over_uu[lane], self.over_vv[lane]) = (over(uu.single()), over(vv.single()));
         self.least[lane] = (uu * vv).single() * PARALLEL + LEAST_SQUARE;

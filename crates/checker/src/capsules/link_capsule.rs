@@ -39,8 +39,8 @@ impl LinkCapsule {
     }
 }
 
-/// Lower bound (m) on the distance between two capsules: the separation of their axes along the line between approximately nearest
-/// points, as at level 0, but in f64.
+/// Lower bound (m) on the distance between two capsules: the separation of their axes along the line between
+/// approximately nearest points, as at level 0, but in f64.
 pub fn capsule_distance_bound([a, b]: &[Reach; 2]) -> f64 {
     let (c, u) = ((a.ends[0] + a.ends[1]) * 0.5, (a.ends[1] - a.ends[0]) * 0.5);
     let (d, v) = ((b.ends[0] + b.ends[1]) * 0.5, (b.ends[1] - b.ends[0]) * 0.5);

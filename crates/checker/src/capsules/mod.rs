@@ -20,4 +20,4 @@ pub use capsule_fit::{capsule_around, corners};
 pub use capsule_pairs::CapsulePairs;
 pub use link_capsule::{LinkCapsule, capsule_distance_bound};
 pub use root_volume::{RootCapsule, RootVolume};
-pub use segment::{PlacedSegment, Segment, gather, up};
+pub use segment::{PlacedSegment, Segment, gather, round_up};

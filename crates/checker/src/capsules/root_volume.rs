@@ -2,16 +2,17 @@
 //!
 //! # The bounds
 //!
-//! For two capsules the bound is the one of level 0 ([`super::segment_lanes`]). For a capsule and a box it is similar: in the frame of
-//! the box the axis is `w + s·u` with s in [-1, 1]. For *any* direction n, its distance from a box of half extents e is at least the
-//! distance along n,
+//! For two capsules the bound is the one of level 0 ([`super::segment_lanes`]). For a capsule and a box it is similar:
+//! in the frame of the box the axis is `w + s·u` with s in [-1, 1]. For *any* direction n, its distance from a box of
+//! half extents e is at least the distance along n,
 //!
 //! > D ≥ (n·w - |n·u| - |n₁|e₁ - |n₂|e₂ - |n₃|e₃) / |n|.
 //!
-//! The search for n steps from the axis to the box, back to the axis, and to the box again; its last step is n. Axes and their products
-//! add four roundings to w and u. But here E and H are the *sums* over both volumes, and E includes C, so that |w| ≤ √3·E. Every term of
-//! level 0's table that contains |w| is therefore half as large, and so is the term of C: 64 roundings are more than enough, also where
-//! the centre and the half extents of a box are rounded from its corners. Where only a limit matters, squares are compared as at level 0.
+//! The search for n steps from the axis to the box, back to the axis, and to the box again; its last step is n. Axes
+//! and their products add four roundings to w and u. But here E and H are the *sums* over both volumes, and E includes
+//! C, so that |w| ≤ √3·E. Every term of level 0's table that contains |w| is therefore half as large, and so is the
+//! term of C: 64 roundings are more than enough, also where the centre and the half extents of a box are rounded from
+//! its corners. Where only a limit matters, squares are compared as at level 0.
 
 use clearance_geometry::math::{MatrixPose, Point};
 use clearance_geometry::simd::{LANES, Real, Simd, Single, Vectors, f32x8, low_byte, not_beyond};
@@ -19,7 +20,7 @@ use clearance_proximity::PieceVolume;
 use clearance_proximity::bvh::{AxisBox, EightBoxes};
 use clearance_robot::Reach;
 
-use super::segment::{Segment, up};
+use super::segment::{Segment, round_up};
 use super::segment_lanes::{LEAST_SQUARE, PARALLEL, SLACK};
 
 /// Capsule in the root frame: all points within `radius` (m) of a segment. Holds one capsule, or eight in lanes.
@@ -29,7 +30,8 @@ pub struct RootCapsule<V = f32> {
     /// 1 / |half|² (1/m²).
     over_square: V,
     radius: V,
-    /// E + H of the bounds (m): the largest coordinate it was computed from, plus the distance from its centre to its farthest point.
+    /// E + H of the bounds (m): the largest coordinate it was computed from, plus the distance from its centre to its
+    /// farthest point.
     size: V,
 }
 
@@ -58,7 +60,7 @@ impl RootCapsule {
     pub fn of_reach(reach: &Reach, padding: f64) -> Self {
         let [a, b] = reach.ends;
         let segment = Segment { centre: single((a + b) * 0.5), half: single((b - a) * 0.5) };
-        Self::new((), segment, [0.0; 3], up(reach.radius + padding), 0.0)
+        Self::new((), segment, [0.0; 3], round_up(reach.radius + padding), 0.0)
     }
 
     /// Axis-aligned box around the volume, grown by `by` (m).
@@ -101,8 +103,8 @@ impl RootCapsule {
 }
 
 impl<V: Single> RootCapsule<V> {
-    /// Capsule around a segment relative to `origin` (m, root frame), with `radius` (m). `offset` (m) or the coordinates of its centre
-    /// are the largest numbers that the centre was computed from.
+    /// Capsule around a segment relative to `origin` (m, root frame), with `radius` (m). `offset` (m) or the
+    /// coordinates of its centre are the largest numbers that the centre was computed from.
     #[inline(always)]
     #[must_use]
     pub fn new(token: V::Token, segment: Segment<V>, origin: [V; 3], radius: V, offset: V) -> Self {
@@ -170,7 +172,8 @@ impl<V: Single> RootCapsule<V> {
         self.radius + to.padding + (self.size + to.size) * SLACK
     }
 
-    /// Separation of the axis `w + s·u` (in the box frame) from a box of the given half extents, along an approximately nearest line.
+    /// Separation of the axis `w + s·u` (in the box frame) from a box of the given half extents, along an approximately
+    /// nearest line.
     #[inline(always)]
     fn axis_gap(&self, w: [V; 3], u: [V; 3], half_extents: [V; 3], token: V::Token) -> Shadow<V> {
         let one = V::splat(token, 1.0);
@@ -244,9 +247,9 @@ impl RootVolume {
                 Self::Box(RootBox {
                     centre: single(centre.coords),
                     axes: [0, 1, 2].map(|k| single(axes.column(k).into())),
-                    half_extents: [0, 1, 2].map(|i| up(half_extents[i])),
-                    padding: up(padding),
-                    size: up(centre.coords.amax() + reach),
+                    half_extents: [0, 1, 2].map(|i| round_up(half_extents[i])),
+                    padding: round_up(padding),
+                    size: round_up(centre.coords.amax() + reach),
                 })
             }
         }

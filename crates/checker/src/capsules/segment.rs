@@ -11,7 +11,8 @@ pub struct Segment<V> {
     pub half: [V; 3],
 }
 
-/// A segment `centre ± half` of one state, in single precision: the centre and an unused number, then the half and an unused number.
+/// A segment `centre ± half` of one state, in single precision: the centre and an unused number, then the half and an
+/// unused number.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(32))]
 pub struct PlacedSegment(pub(super) [f32; LANES]);
@@ -29,7 +30,7 @@ impl PlacedSegment {
 }
 
 /// The nearest f32 that is not smaller; infinite for NaN.
-pub fn up(x: f64) -> f32 {
+pub fn round_up(x: f64) -> f32 {
     let nearest = x.single();
     if f64::from(nearest) >= x {
         nearest

@@ -7,17 +7,19 @@
 //!
 //! > D ≥ (n·w − |n·u| − |n·v|) / |n|,
 //!
-//! with equality when n joins the nearest points. So the nearest points need not be exact (Ericson, *Real-Time Collision Detection*,
-//! 5.1.9, without special cases for parallel and degenerate segments): n between approximate ones still gives a bound. Where the bound is
-//! loose, as for nearly parallel or touching segments, it is too small, never too large.
+//! with equality when n joins the nearest points. So the nearest points need not be exact (Ericson, *Real-Time
+//! Collision Detection*, 5.1.9, without special cases for parallel and degenerate segments): n between approximate ones
+//! still gives a bound. Where the bound is loose, as for nearly parallel or touching segments, it is too small, never
+//! too large.
 //!
 //! # Its rounding
 //!
-//! Let ε = 2⁻²⁴ be the rounding of f32, E the largest coordinate of any centre, H the largest |u| + |v| + radii of any pair, C the
-//! largest distance of a centre from the origin of its body. Body poses relative to the first body are computed in f64, the rest in f32.
-//! A centre is t + Rc with |t| ≤ E + C in each coordinate; R, c and t are rounded, and so are three products and three sums. Each
-//! coordinate of a centre has an error of at most ε(5C + (E + C) + E). With the subtraction, the coordinates of w have an error of at
-//! most ε(12C + 6E), and those of u and v at most 5ε|u| and 5ε|v|. For the computed n, whatever its value, and with |w| ≤ 2√3·E:
+//! Let ε = 2⁻²⁴ be the rounding of f32, E the largest coordinate of any centre, H the largest |u| + |v| + radii of any
+//! pair, C the largest distance of a centre from the origin of its body. Body poses relative to the first body are
+//! computed in f64, the rest in f32. A centre is t + Rc with |t| ≤ E + C in each coordinate; R, c and t are rounded,
+//! and so are three products and three sums. Each coordinate of a centre has an error of at most ε(5C + (E + C) + E).
+//! With the subtraction, the coordinates of w have an error of at most ε(12C + 6E), and those of u and v at most 5ε|u|
+//! and 5ε|v|. For the computed n, whatever its value, and with |w| ≤ 2√3·E:
 //!
 //! | quantity | error of at most, in ε·\|n\| |
 //! |---|---|
@@ -28,9 +30,9 @@
 //! | \|n\| and the quotient, or the squares in its stead | 4D ≤ 4\|w\| < 14E |
 //! | sums with radii and margin, up to D | 3(D + H) < 10.4E + 3H |
 //!
-//! The sum is less than 53E + 17H + 21C. Every bound is reduced by 64ε(E + max(H, C)) = 2⁻¹⁸(E + max(H, C)): 4 µm at one metre. The
-//! preceding sphere test has fewer terms: 21C + 10.4E for w and 4\|w\| for the squares. A tiny constant added to |n|² keeps the quotient
-//! defined where the segments touch, and only lowers a positive bound.
+//! The sum is less than 53E + 17H + 21C. Every bound is reduced by 64ε(E + max(H, C)) = 2⁻¹⁸(E + max(H, C)): 4 µm at
+//! one metre. The preceding sphere test has fewer terms: 21C + 10.4E for w and 4\|w\| for the squares. A tiny constant
+//! added to |n|² keeps the quotient defined where the segments touch, and only lowers a positive bound.
 
 use clearance_geometry::simd::prelude::*;
 use clearance_geometry::simd::{Simd, f32x8, low_byte};
@@ -43,7 +45,8 @@ pub const SLACK: f32 = 64.0 / 16_777_216.0;
 /// Added to |n|², m².
 pub const LEAST_SQUARE: f32 = 1e-30;
 
-/// Segments with a smaller squared sine count as parallel: below this value, f32 does not resolve where they are nearest.
+/// Segments with a smaller squared sine count as parallel: below this value, f32 does not resolve where they are
+/// nearest.
 pub const PARALLEL: f32 = 1e-6;
 
 /// Eight pairs of segments.
@@ -103,7 +106,8 @@ impl<S: Simd> Lanes<S> {
     }
 }
 
-/// Mask of the lanes whose bounding spheres may be near: `w` joins the centres, `reach` is the sum of radii, margin and rounding slack.
+/// Mask of the lanes whose bounding spheres may be near: `w` joins the centres, `reach` is the sum of radii, margin and
+/// rounding slack.
 #[inline(always)]
 pub fn spheres_near<S: Simd>(w: [f32x8<S>; 3], reach: f32x8<S>) -> u8 {
     // a comparison with NaN is false, which counts as near

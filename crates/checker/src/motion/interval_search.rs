@@ -19,8 +19,8 @@ const SHORT_MOTION: f32 = 0.07;
 /// Maximum number of intervals at level 0.
 const MOST_INTERVALS: usize = 1024;
 
-/// Fractions of the motion that are sampled when any contact suffices: first the end, where most colliding motions collide, then each as
-/// far as possible from the earlier ones.
+/// Fractions of the motion that are sampled when any contact suffices: first the end, where most colliding motions
+/// collide, then each as far as possible from the earlier ones.
 const SAMPLES: [f64; LANES] = [1.0, 0.5, 0.75, 0.25, 0.875, 0.625, 0.375, 0.125];
 
 /// Number of doublings from the first interval of a widening motion to the whole motion.
@@ -69,8 +69,8 @@ impl<'p, 'a, 'w> IntervalSearch<'p, 'a, 'w> {
         }
     }
 
-    /// Search of a motion whose deviation grows with time: each interval is as long as all before it. After the first interval without a
-    /// proof, nothing matters.
+    /// Search of a motion whose deviation grows with time: each interval is as long as all before it. After the first
+    /// interval without a proof, nothing matters.
     fn search_widening(&mut self) {
         let mut from = 0.0;
         for doubling in (0..DOUBLINGS).rev() {
@@ -103,8 +103,8 @@ impl<'p, 'a, 'w> IntervalSearch<'p, 'a, 'w> {
         self.prover.near()
     }
 
-    /// Searches blocks of eight intervals in order. Where a run of intervals begins in which level 0 leaves a pair open, the pair is
-    /// searched in the whole run: a pair that is always near often moves little.
+    /// Searches blocks of eight intervals in order. Where a run of intervals begins in which level 0 leaves a pair
+    /// open, the pair is searched in the whole run: a pair that is always near often moves little.
     fn search_earliest(&mut self, blocks: usize) {
         for block in 0..blocks {
             let ends = self.screen_block(block, blocks);
@@ -123,8 +123,8 @@ impl<'p, 'a, 'w> IntervalSearch<'p, 'a, 'w> {
         }
     }
 
-    /// Most colliding motions collide for long: eight states are tested first, then all intervals that level 0 leaves open; each is
-    /// searched once before any of its parts.
+    /// Most colliding motions collide for long: eight states are tested first, then all intervals that level 0 leaves
+    /// open; each is searched once before any of its parts.
     fn search_any(&mut self, blocks: usize) {
         if let Some(pair) = self.pair_in_contact_at_samples() {
             self.leave_all_open(pair);

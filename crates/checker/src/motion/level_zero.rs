@@ -10,7 +10,7 @@ use clearance_robot::{Deviation, Deviations, Frame};
 
 use super::checked_motion::CheckedMotion;
 use super::interval_midpoint::deviations_within;
-use crate::capsules::up;
+use crate::capsules::round_up;
 use crate::pairs::{CheckedPairs, PlacedRobot};
 use crate::robot::set_bits;
 use crate::state::EightStates;
@@ -109,7 +109,7 @@ impl LevelZeroScratch {
 impl MotionBounds {
     /// By index of the bounds: the maximum decrease (m) of the distance within an interval of this half width.
     fn within(&self, half_width: f64) -> impl Fn(usize) -> f32 + '_ {
-        let half_width = up(half_width * (1.0 + 1e-6));
+        let half_width = round_up(half_width * (1.0 + 1e-6));
         // an interval of zero width is a state
         let loose = f32::from(u8::from(half_width > 0.0));
         let (speeds, tolerances) = (&self.speeds[..], &self.tolerances[..]);
@@ -177,7 +177,8 @@ impl LevelZero<'_> {
         });
     }
 
-    /// The pairs that capsules do not prove apart in the whole motion, from its middle alone; reported as the first interval.
+    /// The pairs that capsules do not prove apart in the whole motion, from its middle alone; reported as the first
+    /// interval.
     pub fn screen_whole(&mut self) {
         let CheckedMotion { pairs, segment } = self.motion;
         let LevelZeroScratch { positions, near, motion, .. } = &mut *self.memory;
@@ -215,7 +216,7 @@ impl LevelZero<'_> {
             let robot_body = &pairs.robot()[part];
             let reach = robot_body.reach_in(&robot.frame(robot_body.chain_body()));
             let moved = pairs.robot().part_motion(part, &reach, robot.frames(), &whole);
-            up((moved.way + moved.off) * (1.0 + MOTION_SLACK) + MOTION_SLACK)
+            round_up((moved.way + moved.off) * (1.0 + MOTION_SLACK) + MOTION_SLACK)
         };
         ObstacleScreen { motion: self.motion, broad_phase: self.broad_phase, scratch: self.scratch, near }
             .run(|body, _| robot.frame(body), motion);
@@ -231,8 +232,8 @@ struct ObstacleScreen<'w> {
 }
 
 impl ObstacleScreen<'_> {
-    /// Adds the pairs that are not proven apart; `frame` gives the pose of a chain body in the middle of an interval, and `motion` the
-    /// maximum motion (m) of a part towards either end.
+    /// Adds the pairs that are not proven apart; `frame` gives the pose of a chain body in the middle of an interval,
+    /// and `motion` the maximum motion (m) of a part towards either end.
     fn run(self, frame: impl Fn(usize, usize) -> Frame<f64>, motion: impl Fn(usize) -> f32) {
         let Self { motion: CheckedMotion { pairs, .. }, broad_phase, scratch, near } = self;
         let world = pairs.world();
@@ -243,7 +244,7 @@ impl ObstacleScreen<'_> {
         for (part, robot_body) in pairs.robot().parts().iter().enumerate() {
             let capsules: [_; LANES] =
                 std::array::from_fn(|lane| robot_body.padded_capsule(&frame(robot_body.chain_body(), lane)));
-            let limit = up(f64::from(motion(part)) + CONTACT_DISTANCE + MOTION_SLACK);
+            let limit = round_up(f64::from(motion(part)) + CONTACT_DISTANCE + MOTION_SLACK);
             let query = EightStatesQuery { part, capsules: &capsules, limit };
             world.for_each_near_in_eight_states(query, broad_phase, scratch, |place, intervals| {
                 if !movers.contains(&place) {
@@ -261,13 +262,14 @@ impl ObstacleScreen<'_> {
 
 /// The largest padding (m) of any self pair, rounded up.
 fn padding_with_slack(pairs: &CheckedPairs) -> f32 {
-    up(pairs.self_pairs().largest_padding() + CONTACT_DISTANCE + MOTION_SLACK)
+    round_up(pairs.self_pairs().largest_padding() + CONTACT_DISTANCE + MOTION_SLACK)
 }
 
-/// By self pair: the sum of the values along its kinematic path; then by part: the sum along its path to the root. All are rounded up.
+/// By self pair: the sum of the values along its kinematic path; then by part: the sum along its path to the root. All
+/// are rounded up.
 fn sum_along_paths(pairs: &CheckedPairs, path_values: &[f64], sums: &mut Vec<f32>) {
     let robot = pairs.robot();
     sums.clear();
     sums.extend(pairs.self_pairs().sums_between(path_values, robot));
-    sums.extend(robot.path_sums().to_root(path_values).map(up));
+    sums.extend(robot.path_sums().to_root(path_values).map(round_up));
 }

@@ -1,8 +1,8 @@
 //! Time before which nothing can touch, whatever motion follows within the acceleration limits.
 //!
-//! From a state with joint velocities, a robot with limited joint accelerations a is, after a time τ, within ½ a τ² of where its
-//! velocities alone would bring it. This is a tube around a straight motion that widens with time (Hubbard 1995, *Collision detection for
-//! interactive graphics applications*, calls such bounds space-time bounds).
+//! From a state with joint velocities, a robot with limited joint accelerations a is, after a time τ, within ½ a τ² of
+//! where its velocities alone would bring it. This is a tube around a straight motion that widens with time (Hubbard
+//! 1995, *Collision detection for interactive graphics applications*, calls such bounds space-time bounds).
 
 use clearance_motion::{MotionSegment, SegmentError, floating};
 use clearance_robot::{Configuration, RobotModel};

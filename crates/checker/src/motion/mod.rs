@@ -1,8 +1,8 @@
 //! Certified continuous collision checking of motions: a result `Free` is a proof for every t in [0, 1].
 //!
-//! An interval of the motion is free for a pair if the pair's distance in the middle is larger than its possible decrease towards either
-//! end; that bound is derived in `docs/derivations/motion-bound.md`. Unproven parts are split until they are proven, or a contact is
-//! found, or the motion within a piece is less than the tolerance.
+//! An interval of the motion is free for a pair if the pair's distance in the middle is larger than its possible
+//! decrease towards either end; that bound is derived in `docs/derivations/motion-bound.md`. Unproven parts are split
+//! until they are proven, or a contact is found, or the motion within a piece is less than the tolerance.
 //!
 //! | content | file |
 //! |---|---|

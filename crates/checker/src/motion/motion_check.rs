@@ -46,13 +46,13 @@ impl<'a> MotionCheck<'a> {
             return report;
         };
         let nominal = self.prove(&segment.nominal(), false).0;
-        let looks = report.looks + nominal.looks;
+        let evaluations = report.evaluations + nominal.evaluations;
         match nominal.verdict {
             MotionVerdict::Contact { t: [lo, hi], pair, witness } => {
                 let verdict = MotionVerdict::Contact { t: [lo.lesser(open), hi], pair, witness };
-                MotionReport { verdict, looks, ..report }
+                MotionReport { verdict, evaluations, ..report }
             }
-            _ => MotionReport { looks, ..report },
+            _ => MotionReport { evaluations, ..report },
         }
     }
 
@@ -70,10 +70,10 @@ impl<'a> MotionCheck<'a> {
             prover.test_ends();
         }
         let verdict = prover.verdict();
-        let (looks, mut proofs) = prover.finish();
+        let (evaluations, mut proofs) = prover.finish();
         self.number_in_order(&mut proofs);
         proofs.sort_by(|p, q| p.0.cmp(&q.0).then(p.1.total_cmp(&q.1)));
-        (MotionReport { verdict, looks, work: self.workspace.scratch.work }, proofs)
+        (MotionReport { verdict, evaluations, work: self.workspace.scratch.work }, proofs)
     }
 
     /// Converts pair numbers to indices in the list of all pairs.

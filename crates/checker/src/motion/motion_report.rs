@@ -11,8 +11,8 @@ use clearance_scene::BodyId;
 /// Options of a motion check.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MotionOptions {
-    /// An interval in which no body moves more than this (m) may stay undecided: pairs that stay farther apart than this are always
-    /// decided.
+    /// An interval in which no body moves more than this (m) may stay undecided: pairs that stay farther apart than
+    /// this are always decided.
     pub tolerance: f64,
     /// Which contact the check searches for.
     pub order: MotionOrder,
@@ -99,7 +99,8 @@ pub enum UndecidedReason {
     Budget,
     /// The pair is two planes, for which nothing is proven, or numbers are too large for the computation.
     Overflow,
-    /// The motion belongs to another robot, moves an obstacle that is not in the world, or has segments that do not join.
+    /// The motion belongs to another robot, moves an obstacle that is not in the world, or has segments that do not
+    /// join.
     Mismatch,
 }
 
@@ -139,7 +140,7 @@ pub struct MotionReport {
     /// The result: free, contact or undecided.
     pub verdict: MotionVerdict,
     /// Number of evaluations of a pair in one interval.
-    pub looks: u64,
+    pub evaluations: u64,
     /// Volume tests and primitive tests that the check took.
     pub work: Work,
 }
@@ -149,7 +150,7 @@ impl MotionReport {
     pub(crate) fn not_evaluated(reason: UndecidedReason) -> Self {
         let (t, distance) = ([0.0, 1.0], [0.0, f64::INFINITY]);
         let verdict = MotionVerdict::Undecided { t, pair: None, distance, reason };
-        Self { verdict, looks: 0, work: Work::default() }
+        Self { verdict, evaluations: 0, work: Work::default() }
     }
 
     /// True only if the motion is proven free.

@@ -1,9 +1,9 @@
 //! Proves pairs of one motion free in intervals, and collects open intervals and contacts.
 //!
-//! A pair that level 0 leaves open in an interval is evaluated in the middle. Its distance proves a part of the interval around the
-//! middle free; the remainders on either side are evaluated in turn (two-sided conservative advancement; Schwarzer, Saha & Latombe 2005
-//! bisect). The hierarchies are searched only where capsules do not suffice, and only where the motion is small enough for the result to
-//! be useful.
+//! A pair that level 0 leaves open in an interval is evaluated in the middle. Its distance proves a part of the
+//! interval around the middle free; the remainders on either side are evaluated next (two-sided conservative
+//! advancement; Schwarzer, Saha & Latombe 2005 bisect). The hierarchies are searched only where capsules do not
+//! suffice, and only where the motion is small enough for the result to be useful.
 
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::{Extremes, Point};
@@ -27,7 +27,8 @@ const DISTANCE_TOLERANCE: f64 = 0.15;
 /// Smallest fraction of an interval that becomes an interval of its own.
 const LEAST_SHARE: f64 = 0.15;
 
-/// Motion (m) within an interval below which it is not split further: about where contact and its absence cannot be distinguished.
+/// Motion (m) within an interval below which it is not split further: about where contact and its absence cannot be
+/// distinguished.
 const FLOOR: f64 = 4e-9;
 
 /// For a widening motion: an interval that is short relative to the time before it need not be split.

@@ -8,9 +8,9 @@ use super::checked_motion::CheckedMotion;
 use super::interval_midpoint::deviations_within;
 use super::motion_scratch::MotionWorkspace;
 
-/// Swept volume of a link or an attached object between two times: it lies within `radius` of the segment from `a` to `b` (root frame,
-/// metres). This is the body's capsule in the middle of the interval, grown by the largest motion of any of its points towards either
-/// end.
+/// Swept volume of a link or an attached object between two times: it lies within `radius` of the segment from `a` to
+/// `b` (root frame, metres). This is the body's capsule in the middle of the interval, grown by the largest motion of
+/// any of its points towards either end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SweptVolume {
     /// The link or attached object.

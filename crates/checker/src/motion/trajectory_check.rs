@@ -16,7 +16,7 @@ pub struct TrajectoryReport {
     /// Times (s from the start): the trajectory is proven free before the first. `None` if it is free or has no times.
     pub time: Option<[f64; 2]>,
     /// Number of evaluations of a pair in one interval.
-    pub looks: u64,
+    pub evaluations: u64,
     /// Volume tests and primitive tests that the check took.
     pub work: Work,
 }
@@ -44,20 +44,20 @@ pub fn check_stretches(
     options: &MotionOptions,
     mut check: impl FnMut(Stretch) -> MotionReport,
 ) -> TrajectoryReport {
-    let (mut looks, mut work) = (0, Work::default());
+    let (mut evaluations, mut work) = (0, Work::default());
     let segments = trajectory.segments();
     for (i, segment) in segments.iter().enumerate() {
         let gap = if i == 0 { None } else { check_gap([&segments[i - 1], segment], &mut check) };
         if let Some(report) = &gap {
-            looks += report.looks;
+            evaluations += report.evaluations;
             work += report.work;
         }
         let report = match (gap.filter(|report| !report.is_free()), options.stopped_by()) {
-            (Some(open), _) => MotionReport { looks: 0, work: Work::default(), ..open },
+            (Some(open), _) => MotionReport { evaluations: 0, work: Work::default(), ..open },
             (None, Some(reason)) => MotionReport::not_evaluated(reason),
             (None, None) => check(Stretch::Segment(segment)),
         };
-        looks += report.looks;
+        evaluations += report.evaluations;
         work += report.work;
         let t = match report.verdict {
             MotionVerdict::Free => {
@@ -69,10 +69,10 @@ pub fn check_stretches(
             MotionVerdict::Contact { t, .. } | MotionVerdict::Undecided { t, .. } => t,
         };
         let time = trajectory.time(i, t[0]).zip(trajectory.time(i, t[1])).map(|(lo, hi)| [lo, hi]);
-        return TrajectoryReport { verdict: report.verdict, segment: i, time, looks, work };
+        return TrajectoryReport { verdict: report.verdict, segment: i, time, evaluations, work };
     }
     let segment = trajectory.segments().len().saturating_sub(1);
-    TrajectoryReport { verdict: MotionVerdict::Free, segment, time: None, looks, work }
+    TrajectoryReport { verdict: MotionVerdict::Free, segment, time: None, evaluations, work }
 }
 
 /// A part of a trajectory that is to be checked.

@@ -14,7 +14,8 @@ use crate::world::{WorldIndex, WorldPair, obstacle_id};
 
 /// The robot, the world, and the pairs of bodies that are checked.
 ///
-/// Pairs have numbers: first the self pairs in the order of their list, then for each robot part one number per place of an obstacle.
+/// Pairs have numbers: first the self pairs in the order of their list, then for each robot part one number per place
+/// of an obstacle.
 #[derive(Clone, Debug)]
 pub struct CheckedPairs {
     robot: RobotGeometry,
@@ -32,8 +33,8 @@ pub enum PairBodies {
 }
 
 impl CheckedPairs {
-    /// Selects the pairs by a scene's matrix, if given, or else by SRDF or adjacency. Geometry of `known`, which has the same robot, is
-    /// reused where it does not change.
+    /// Selects the pairs by a scene's matrix, if given, or else by SRDF or adjacency. Geometry of `known`, which has
+    /// the same robot, is reused where it does not change.
     pub fn new(
         robot: Arc<RobotModel>,
         world: &World,

@@ -29,8 +29,8 @@ pub struct MeasuredPair {
 }
 
 impl MeasuredPair {
-    /// Order of preference for the report: the nearer first. Of equally near pairs the first is preferred, and of touching pairs the one
-    /// that was found first. Within one pair the order of [`clearance_proximity`] applies.
+    /// Order of preference for the report: the nearer first. Of equally near pairs the first is preferred, and of
+    /// touching pairs the one that was found first. Within one pair the order of [`clearance_proximity`] applies.
     pub fn is_before(&self, other: &Self) -> bool {
         if self.index == other.index {
             return (self.raw.distance, self.elements) < (other.raw.distance, other.elements);

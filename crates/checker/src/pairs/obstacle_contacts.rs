@@ -6,7 +6,7 @@ use clearance_proximity::Scratch;
 use clearance_robot::{Chain, Frame};
 
 use super::checked_pairs::CheckedPairs;
-use crate::capsules::{RootCapsule, up};
+use crate::capsules::{RootCapsule, round_up};
 use crate::robot::PlacedSegments;
 use crate::world::{BodiesInReach, BodyOrder, BroadPhaseScratch, EightQuery, PartQuery, WorldPair};
 
@@ -70,7 +70,7 @@ impl ObstacleContacts<'_> {
                 capsules: &capsules,
                 among,
                 are_expected: is_expected,
-                limit: up(CONTACT_DISTANCE),
+                limit: round_up(CONTACT_DISTANCE),
                 checks,
             };
             world.find_near_eight(simd, query, broad_phase, &mut scratch.work);
@@ -121,7 +121,7 @@ impl ObstacleContacts<'_> {
                 capsules: &capsules(part),
                 among: left,
                 are_expected,
-                limit: up(CONTACT_DISTANCE),
+                limit: round_up(CONTACT_DISTANCE),
                 checks,
             };
             world.find_near_eight(simd, query, broad_phase, &mut scratch.work);
@@ -195,7 +195,7 @@ fn find_bodies_in_reach(
     let fixed_contact = fixed.any(|part| fixed_part_touches(pairs, part, broad_phase, scratch));
     let moving: Vec<usize> = robot.parts_on(|body| body != Chain::ROOT).rev().collect();
     let comes_near = |part: &usize| {
-        let Some(ball) = world.reachable().of_part(*part) else { return true };
+        let Some(ball) = world.reachable().ball_of_part(*part) else { return true };
         world.anything_near(PartQuery::new(*part, &ball, CONTACT_DISTANCE), broad_phase, scratch)
     };
     let parts = moving.iter().copied().filter(comes_near).collect();

@@ -1,12 +1,13 @@
 //! PairMemory of one pair of bodies, from state to state.
 //!
-//! It holds a lower bound on the distance at an earlier pose. At another pose this bound is reduced by the motion of one body in the
-//! frame of the other, which is at most the largest displacement of the body's bounding sphere. Earlier witness points give an upper
-//! bound on the distance. For a pair that stays near, the elements that may be nearest are kept, too.
+//! It stores a lower bound on the distance at an earlier pose. At another pose this bound is reduced by the motion of
+//! one body in the frame of the other, which is at most the largest displacement of the body's bounding sphere. Earlier
+//! witness points give an upper bound on the distance. For a pair that stays near, the elements that may be nearest are
+//! kept, too.
 //!
-//! This changes no exact result: the distance found depends neither on the search limit, as long as the limit is not smaller, nor on the
-//! order in which elements are visited. (The common point of touching bodies does depend on them; for reports it comes from a separate
-//! search.)
+//! This changes no exact result: the distance found depends neither on the search limit, as long as the limit is not
+//! smaller, nor on the order in which elements are visited. (The common point of touching bodies does depend on them;
+//! for reports it comes from a separate search.)
 
 mod tolerance;
 
@@ -17,22 +18,23 @@ use clearance_proximity::{Effort, Front, Scratch, Separation};
 
 use super::posed_pair::{PosedPair, RoughDistance};
 
-/// Distance (m) beyond the requested limit up to which a pair is searched, so that the result lasts for some further states.
+/// Distance (m) beyond the requested limit up to which a pair is searched, so that the result lasts for some further
+/// states.
 const LOOK_AHEAD: f64 = 0.03;
 
 /// Margin (m) beyond the nearest triangles within which other triangles are kept, since they may become the nearest.
-const FRONT: f64 = 0.015;
+const FRONT_MARGIN: f64 = 0.015;
 
 /// Number of states for which a front must last to be worth its cost.
-const WORTH: u32 = 8;
+const LEAST_SERVED: u32 = 8;
 
 /// Maximum pause, in states, before a front is collected again where this was never worth its cost.
 const LONGEST_PAUSE: u32 = 1024;
 
 /// Rounding error (relative to the coordinates used) allowed for remembered points.
-const ROUNDING: f64 = 1e-13;
+const POINT_ROUNDING: f64 = 1e-13;
 
-/// PairMemory of a pair; distances are between the bodies, without padding.
+/// Memory of a pair; distances are between the bodies, without padding.
 #[derive(Clone, Debug)]
 pub struct PairMemory {
     pose_ab: MatrixPose,
@@ -43,17 +45,17 @@ pub struct PairMemory {
     /// Points of the bodies that were near each other at that pose.
     near_points: Option<PointPair>,
     /// Remaining tolerance (m) at the last state, and whether it will probably not last for the next state.
-    left: f64,
+    tolerance_left: f64,
     is_due: bool,
     front: Front,
     /// Number of states that the front has served.
     served: u32,
     /// States until the next front is collected, and the length of the last such pause.
-    pause: u32,
-    last_pause: u32,
+    front_pause: u32,
+    last_front_pause: u32,
     /// Cost of searches since the last front was collected, and the cost of collecting it.
-    searching: u64,
-    collecting: u64,
+    search_cost: u64,
+    collection_cost: u64,
     /// True if a front is to be collected in the idle time until the next state.
     front_is_requested: bool,
     /// States until the exact distance is tried again, and the length of the last such pause.
@@ -62,7 +64,7 @@ pub struct PairMemory {
 }
 
 impl PairMemory {
-    /// PairMemory of a search at the pair's pose up to `limit` (m).
+    /// Memory of a search at the pair's pose up to `limit` (m).
     fn new(pair: &PosedPair, limit: f64, found: Option<Separation>) -> Self {
         let lower = found.map_or(limit, |f| f.distance);
         let near_points = found.map(|f| f.witness_points);
@@ -71,14 +73,14 @@ impl PairMemory {
             lower,
             found,
             near_points,
-            left: f64::INFINITY,
+            tolerance_left: f64::INFINITY,
             is_due: false,
             front: Front::default(),
             served: 0,
-            pause: 0,
-            last_pause: WORTH,
-            searching: 0,
-            collecting: 0,
+            front_pause: 0,
+            last_front_pause: LEAST_SERVED,
+            search_cost: 0,
+            collection_cost: 0,
             front_is_requested: false,
             exact_pause: 0,
             last_exact_pause: 0,
@@ -92,12 +94,12 @@ impl PairMemory {
         tries
     }
 
-    /// Records bounds within a tolerance, after the exact distance cost too much. The exact distance is tried again after a pause; each
-    /// pause is twice as long as the last.
+    /// Records bounds within a tolerance, after the exact distance cost too much. The exact distance is tried again
+    /// after a pause; each pause is twice as long as the last.
     fn record_bounds_only(&mut self, pair: &PosedPair, found: &RoughDistance) {
         self.renew(pair, found.lower, None);
         self.near_points = Some(found.upper.witness_points);
-        (self.left, self.is_due) = (f64::INFINITY, false);
+        (self.tolerance_left, self.is_due) = (f64::INFINITY, false);
         self.last_exact_pause = (2 * self.last_exact_pause).clamp(1, LONGEST_PAUSE);
         self.exact_pause = self.last_exact_pause;
     }
@@ -111,40 +113,52 @@ impl PairMemory {
         self.found = found;
     }
 
-    /// Discards a front that did not suffice. If it served few states, later fronts would not last either: bodies move fast, or large
-    /// parts of them are about equally near. Then the next front is collected after a pause; each pause is twice as long as the last.
+    /// Discards a front that did not suffice. If it served few states, later fronts would not last either: bodies move
+    /// fast, or large parts of them are about equally near. Then the next front is collected after a pause; each pause
+    /// is twice as long as the last.
     fn drop_front(&mut self) {
         if !self.front.is_collected() {
             return;
         }
         self.front.clear();
-        self.last_pause = if self.served < WORTH { (2 * self.last_pause).min(LONGEST_PAUSE) } else { WORTH };
-        self.pause = if self.served < WORTH { self.last_pause } else { 0 };
+        self.last_front_pause = if self.served < LEAST_SERVED {
+            (2 * self.last_front_pause).min(LONGEST_PAUSE)
+        } else {
+            LEAST_SERVED
+        };
+        self.front_pause = if self.served < LEAST_SERVED { self.last_front_pause } else { 0 };
     }
 
-    /// Requests a front to be collected before the next state, unless the last ones were useless, or searches since then have cost less
-    /// than collecting the last front.
+    /// Requests a front to be collected before the next state, unless the last ones were useless, or searches since
+    /// then have cost less than collecting the last front.
     fn request_front(&mut self, pair: &PosedPair, effort: &Effort, scratch: &mut Scratch) {
         if self.front_is_requested {
             // there was no idle time
             if effort.exact_cost == 0 {
                 self.collect_requested(pair, u64::MAX, scratch);
             }
-        } else if self.pause > 0 {
-            self.pause -= 1;
+        } else if self.front_pause > 0 {
+            self.front_pause -= 1;
         } else {
-            self.front_is_requested = self.searching >= self.collecting;
+            self.front_is_requested = self.search_cost >= self.collection_cost;
         }
     }
 
-    /// Collects a requested front, if there is one, at the pose where the pair was found, unless it costs more than `most`.
+    /// Collects a requested front, if there is one, at the pose where the pair was found, unless it costs more than
+    /// `most`.
     fn collect_requested(&mut self, pair: &PosedPair, most: u64, scratch: &mut Scratch) {
         let found = self.found.filter(|_| self.front_is_requested && self.pose_ab == pair.pose_ab);
         let Some(found) = found else { return };
         let before = scratch.work.cost();
-        self.front.collect(pair.bodies, &pair.pose_ab, &found, (found.distance + FRONT, most), scratch);
-        self.collecting = scratch.work.cost() - before;
-        (self.searching, self.served, self.front_is_requested) = (0, 0, false);
+        self.front.collect(
+            pair.bodies,
+            &pair.pose_ab,
+            &found,
+            (found.distance + FRONT_MARGIN, most),
+            scratch,
+        );
+        self.collection_cost = scratch.work.cost() - before;
+        (self.search_cost, self.served, self.front_is_requested) = (0, 0, false);
     }
 
     /// True if the idle time until the next state should be spent on this pair.
@@ -152,7 +166,8 @@ impl PairMemory {
         self.is_due || self.front_is_requested
     }
 
-    /// Lower bound (m) on the bodies' distance at another pose, from the motion of either body in the frame of the other.
+    /// Lower bound (m) on the bodies' distance at another pose, from the motion of either body in the frame of the
+    /// other.
     pub fn lower_at(&self, pair: &PosedPair) -> f64 {
         let (from, to) = (&self.pose_ab, &pair.pose_ab);
         let of_b = pair.bodies.1.bounding_sphere().displacement(from, to);
@@ -172,8 +187,8 @@ impl PairMemory {
         Some(Separation { distance: nalgebra::distance(&on_a, &moved), witness_points: [on_a, moved] })
     }
 
-    /// Near points of the bodies from which a search may start; `None` if the bodies are proven farther apart than `limit` (m), which is
-    /// recorded.
+    /// Near points of the bodies from which a search may start; `None` if the bodies are proven farther apart than
+    /// `limit` (m), which is recorded.
     fn near_points_within(
         &mut self,
         limit: f64,
@@ -197,11 +212,11 @@ impl PairMemory {
     }
 }
 
-/// Search limit (m) that the bodies' distance hardly exceeds, from points at the distance `near`. Points reported next to contact may lie
-/// slightly off their bodies, so a search within this limit may find nothing.
+/// Search limit (m) that the bodies' distance hardly exceeds, from points at the distance `near`. Points reported next
+/// to contact may lie slightly off their bodies, so a search within this limit may find nothing.
 fn hardly_less_than(near: &Separation) -> f64 {
     let reach: f64 = near.witness_points.iter().map(|point| point.coords.abs().sum()).sum();
-    near.distance + ROUNDING * reach + CONTACT_DISTANCE
+    near.distance + POINT_ROUNDING * reach + CONTACT_DISTANCE
 }
 
 /// A pair in one state, with the memory of earlier states.
@@ -242,7 +257,8 @@ impl RememberedPair<'_, '_> {
         found.is_some_and(|found| found.distance <= padding)
     }
 
-    /// As [`PosedPair::separation`], using the memory; distances are exact until the state has cost `exact_cost`, if not 0.
+    /// As [`PosedPair::separation`], using the memory; distances are exact until the state has cost `exact_cost`, if
+    /// not 0.
     pub fn separation(&mut self, limit: f64, exact_cost: u64, scratch: &mut Scratch) -> Option<Separation> {
         let exactly = Effort { exact_cost, ..Effort::default() };
         let found = self.separation_or_bounds(limit, &exactly, scratch);
@@ -287,7 +303,7 @@ impl RememberedPair<'_, '_> {
         let found = found.inspect_err(|roughly| known.record_bounds_only(pair, roughly))?;
         known.renew(pair, limit, found);
         known.last_exact_pause = 0;
-        known.searching += scratch.work.cost() - before;
+        known.search_cost += scratch.work.cost() - before;
         let Some(found) = found.filter(|found| found.distance <= limit) else { return Ok(None) };
         if found.distance > 0.0 {
             known.request_front(pair, effort, scratch);

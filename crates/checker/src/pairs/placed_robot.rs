@@ -6,7 +6,7 @@ use clearance_geometry::simd::{LANES, Level, Simd, dispatch};
 use clearance_robot::{Frame, PlacedFrame};
 
 use super::checked_pairs::CheckedPairs;
-use crate::capsules::{PlacedSegment, up};
+use crate::capsules::{PlacedSegment, round_up};
 use crate::robot::PlacedSegments;
 
 /// Scratch memory for one state. Each method overwrites what the one before it computed.
@@ -79,7 +79,8 @@ impl PlacedRobot {
         dispatch!(level, simd => pairs.robot().chain().frames_of_one(simd, positions, frames, |_, _| {}));
     }
 
-    /// Places all bodies, and computes the self pairs whose capsules do not prove them farther apart than their margins (m).
+    /// Places all bodies, and computes the self pairs whose capsules do not prove them farther apart than their margins
+    /// (m).
     #[inline(always)]
     pub fn screen<S: Simd>(
         &mut self,
@@ -104,7 +105,7 @@ impl PlacedRobot {
     /// As [`Self::screen`], for contact with paddings.
     #[inline(always)]
     pub fn screen_for_contact<S: Simd>(&mut self, simd: S, pairs: &CheckedPairs, positions: &[f64]) {
-        let margin = [up(pairs.self_pairs().largest_padding() + CONTACT_DISTANCE); LANES];
+        let margin = [round_up(pairs.self_pairs().largest_padding() + CONTACT_DISTANCE); LANES];
         self.screen(
             simd,
             pairs,

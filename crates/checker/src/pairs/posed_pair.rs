@@ -40,8 +40,9 @@ impl PosedPair<'_> {
         query::pieces_within_margin(a, (b, pieces), self.pose_ab, self.info.padding, scratch).is_some()
     }
 
-    /// Passes the candidates for the nearest elements of a and b, or of some pieces of b, to `postpone`, to be measured later. Nothing is
-    /// passed if they are proven farther apart than `limit` (m). Returns an upper bound (m) on the distance without padding.
+    /// Passes the candidates for the nearest elements of a and b, or of some pieces of b, to `postpone`, to be measured
+    /// later. Nothing is passed if they are proven farther apart than `limit` (m). Returns an upper bound (m) on the
+    /// distance without padding.
     pub fn postpone_nearest(
         &self,
         pieces: Option<&[Piece]>,
@@ -84,7 +85,8 @@ impl PosedPair<'_> {
         }
     }
 
-    /// As [`Self::separation_or_bounds`], limited by the known near points `near` of the bodies; `reached` (m) is at least their distance.
+    /// As [`Self::separation_or_bounds`], limited by the known near points `near` of the bodies; `reached` (m) is at
+    /// least their distance.
     pub fn separation_below_or_bounds(
         &self,
         near: &Separation,
@@ -103,8 +105,8 @@ impl PosedPair<'_> {
         }
     }
 
-    /// The reported form of an exact separation. Which common point of touching bodies is found depends on the search limit; a search
-    /// with a fixed limit keeps the report independent of earlier queries.
+    /// The reported form of an exact separation. Which common point of touching bodies is found depends on the search
+    /// limit; a search with a fixed limit keeps the report independent of earlier queries.
     pub fn reported(&self, exact: &Separation, scratch: &mut Scratch) -> PairDistance {
         if exact.distance > 0.0 {
             return self.padded(exact);

@@ -5,8 +5,8 @@ use std::sync::OnceLock;
 use super::measured_pair::MeasuredPair;
 use crate::world::BodiesInReach;
 
-/// Results for the parts that no joint moves, and for the reach of the others. Two threads may both compute a result, with the same
-/// value; neither waits for the other.
+/// Results for the parts that no joint moves, and for the reach of the others. Two threads may both compute a result,
+/// with the same value; neither waits for the other.
 #[derive(Clone, Debug, Default)]
 pub struct StateIndependent {
     /// Parts that are to be tested against obstacles.
@@ -20,8 +20,8 @@ pub struct StateIndependent {
 pub enum NearestToFixed {
     /// There is no obstacle, or no part that no joint moves.
     Nothing,
-    /// An obstacle touches such a part, padding included. If several touch, the reported one depends on the search order, so these parts
-    /// are searched in every state.
+    /// An obstacle touches such a part, padding included. If several touch, the reported one depends on the search
+    /// order, so these parts are searched in every state.
     Touching,
     Apart(MeasuredPair),
 }

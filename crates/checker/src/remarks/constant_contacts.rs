@@ -53,8 +53,8 @@ impl ConstantContacts {
         self.states == 0 || !self.pairs.is_empty()
     }
 
-    /// Remark that names the pairs that touched in every state, and the SRDF entries that would allow them. `states` names the states in
-    /// the text, for example `all 25 states`.
+    /// Remark that names the pairs that touched in every state, and the SRDF entries that would allow them. `states`
+    /// names the states in the text, for example `all 25 states`.
     #[must_use]
     pub fn remark(&self, states: &str, checker: &CollisionChecker) -> Option<String> {
         if self.states < Self::FEWEST_STATES || self.pairs.is_empty() {

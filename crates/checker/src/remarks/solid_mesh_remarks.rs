@@ -24,7 +24,8 @@ impl std::fmt::Display for SolidMeshRemark {
     }
 }
 
-/// Meshes of the robot, obstacles and attached objects that were repaired to be solids, or that stay surfaces at least in part.
+/// Meshes of the robot, obstacles and attached objects that were repaired to be solids, or that stay surfaces at least
+/// in part.
 #[must_use]
 pub fn solid_mesh_remarks(robot: &RobotModel, world: &World) -> Vec<SolidMeshRemark> {
     let of_links = robot.links().iter().flat_map(|link| {

@@ -3,8 +3,8 @@
 /// Maximum number of stored pairs; searching a longer list would cost more than it saves.
 const MOST: usize = 16;
 
-/// The pairs that collided most often recently, the most priority first. The order changes no result, only the time until a collision is
-/// found.
+/// The pairs that collided most often recently, the most priority first. The order changes no result, only the time
+/// until a collision is found.
 #[derive(Clone, Debug, Default)]
 pub struct PairPriority {
     pairs: Vec<usize>,
@@ -23,8 +23,8 @@ impl PairPriority {
         self.pairs.contains(&pair)
     }
 
-    /// Records a collision of a pair: moves it one step forward, or inserts it at the last place (Rivest 1976, *On self-organizing
-    /// sequential search heuristics*).
+    /// Records a collision of a pair: moves it one step forward, or inserts it at the last place (Rivest 1976, *On
+    /// self-organizing sequential search heuristics*).
     pub fn hit(&mut self, pair: usize) {
         match self.pairs.iter().position(|known| *known == pair) {
             Some(0) => {}

@@ -4,8 +4,8 @@ use clearance_robot::PathsToRoot;
 
 use super::robot_body::RobotBody;
 
-/// Places of each part's kinematic paths in a list of the paths of all parts. A part has one path per number of joints, from none up to
-/// all joints between it and the root.
+/// Places of each part's kinematic paths in a list of the paths of all parts. A part has one path per number of joints,
+/// from none up to all joints between it and the root.
 #[derive(Clone, Debug)]
 pub struct PathSums {
     /// By part: its first path, which has no joints.

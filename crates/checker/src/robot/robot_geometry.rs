@@ -96,8 +96,8 @@ impl RobotGeometry {
         &self.path_sums
     }
 
-    /// For each part, the values of its paths, for [`PathSums`]: upper bounds on the motion of the part by the first joints of the path.
-    /// `range` gives the maximum absolute value of a position.
+    /// For each part, the values of its paths, for [`PathSums`]: upper bounds on the motion of the part by the first
+    /// joints of the path. `range` gives the maximum absolute value of a position.
     pub fn stretched_motions(
         &self,
         deviations: &impl Deviations,

@@ -11,7 +11,7 @@ use clearance_scene::{BodyId, PairList, Settings};
 use super::pair_info::PairInfo;
 use super::robot_body::RobotBody;
 use super::robot_geometry::RobotGeometry;
-use crate::capsules::{CapsulePairs, PlacedSegment, RootCapsule, Segment, gather, up};
+use crate::capsules::{CapsulePairs, PlacedSegment, RootCapsule, Segment, gather, round_up};
 
 /// The self pairs, in the order of the pair list, with a capsule around each part.
 #[derive(Clone, Debug)]
@@ -35,7 +35,7 @@ impl SelfPairs {
         let pairs: Vec<_> = infos.iter().map(|info| info.bodies).collect();
         Self {
             capsules: CapsulePairs::new(&capsules, &pairs),
-            padded_radii: parts.iter().map(|robot_body| up(robot_body.padded_radius())).collect(),
+            padded_radii: parts.iter().map(|robot_body| round_up(robot_body.padded_radius())).collect(),
             largest_padding: infos.iter().map(|info| info.padding).fold(0.0, f64::greater),
             joints_between: joints_between(robot.paths_to_root(), parts, &infos),
             infos,
@@ -79,7 +79,7 @@ impl SelfPairs {
     ) -> impl Iterator<Item = f32> + 's {
         let value = |part: usize, joints: u32| robot.path_sums().of_joints(values, part, joints);
         let pairs = self.infos.iter().zip(&self.joints_between);
-        pairs.map(move |(info, [a, b])| up(value(info.bodies.0, *a) + value(info.bodies.1, *b)))
+        pairs.map(move |(info, [a, b])| round_up(value(info.bodies.0, *a) + value(info.bodies.1, *b)))
     }
 
     /// A part's capsule with its padding, from level 0's data: segments of eight states, relative to `origins`.

@@ -7,7 +7,7 @@ use clearance_proximity::Scratch;
 use clearance_robot::Configuration;
 
 use super::eight_states::EightStates;
-use crate::capsules::up;
+use crate::capsules::round_up;
 use crate::pairs::{CheckedPairs, ObstacleContacts, ObstacleScratch, StatesInLanes};
 use crate::robot::{CandidatePair, PairPriority};
 use crate::world::PartQuery;
@@ -78,7 +78,7 @@ impl BatchSearch<'_> {
             let origins = eight.origins(pairs);
             let capsules = |part: usize| eight.padded_capsule(simd, pairs, part, origins);
             let reachable = pairs.world().reachable();
-            let are_expected = states.iter().all(|q| reachable.expects(q.positions()));
+            let are_expected = states.iter().all(|q| reachable.is_expected(q.positions()));
             let left = StatesInLanes { among: all & !hit, are_expected };
             let mut obstacles =
                 ObstacleContacts { pairs, obstacles: &mut *self.obstacles, scratch: &mut *self.scratch };
@@ -110,7 +110,7 @@ impl BatchSearch<'_> {
         let state = |lane: usize| states[lane.min(states.len() - 1)].positions();
         let [a, b, c, d] = [state(0), state(1), state(2), state(3)];
         let [e, f, g, h] = [state(4), state(5), state(6), state(7)];
-        let margin = up(self.pairs.self_pairs().largest_padding() + CONTACT_DISTANCE);
+        let margin = round_up(self.pairs.self_pairs().largest_padding() + CONTACT_DISTANCE);
         eight.screen(
             simd,
             self.pairs,

@@ -58,7 +58,7 @@ mod tests {
 
     const URDF: &str = "<robot name='r'><link name='a'><collision><geometry><sphere radius='0.5'/></geometry></collision></link></robot>";
 
-    fn told(at: f64, padding: f64) -> Option<Contact> {
+    fn contact_at(at: f64, padding: f64) -> Option<Contact> {
         let robot = Arc::new(RobotModel::from_urdf(URDF, &MeshFiles::default()).unwrap());
         let mut world = World::default();
         let wall = Shape::Primitive(Primitive::Box { half_extents: [0.1, 1.0, 1.0] });
@@ -72,7 +72,7 @@ mod tests {
 
     #[test]
     fn a_ball_in_a_wall_is_as_deep_as_it_has_to_be_moved() {
-        let contact = told(0.55, 0.0).unwrap();
+        let contact = contact_at(0.55, 0.0).unwrap();
         assert!((contact.depth.unwrap() - 0.05).abs() < 1e-9, "{contact:?}");
         assert!((contact.normal.unwrap() - Vector::x()).norm() < 1e-9, "{contact:?}");
         assert!((contact.point - Point::new(0.475, 0.0, 0.0)).norm() < 1e-9, "{contact:?}");
@@ -91,9 +91,9 @@ mod tests {
 
     #[test]
     fn what_is_within_the_padding_is_as_deep_as_the_padding_is_wider() {
-        let contact = told(0.61, 0.03).unwrap();
+        let contact = contact_at(0.61, 0.03).unwrap();
         assert!((contact.depth.unwrap() - 0.02).abs() < 1e-9, "{contact:?}");
         assert!((contact.normal.unwrap() - Vector::x()).norm() < 1e-9, "{contact:?}");
-        assert_eq!(told(0.64, 0.03), None);
+        assert_eq!(contact_at(0.64, 0.03), None);
     }
 }

@@ -27,7 +27,7 @@ impl ContactSearch<'_> {
                 return true;
             }
             let Self { pairs, robot, obstacles, scratch, .. } = self;
-            let is_expected = pairs.world().reachable().expects(q.positions());
+            let is_expected = pairs.world().reachable().is_expected(q.positions());
             let segments = robot.segments(pairs);
             ObstacleContacts { pairs, obstacles, scratch }
                 .any_in_state(simd, segments, is_expected, &|body| robot.frame(body))

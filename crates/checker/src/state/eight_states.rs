@@ -25,7 +25,8 @@ impl<S: Simd> EightStates<S> {
         }
     }
 
-    /// Level 0 on the positions: computes kinematics and the self pairs that capsules do not prove farther apart than their margins (m).
+    /// Level 0 on the positions: computes kinematics and the self pairs that capsules do not prove farther apart than
+    /// their margins (m).
     #[inline(always)]
     pub fn screen(
         &mut self,

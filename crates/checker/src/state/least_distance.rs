@@ -10,8 +10,8 @@ use super::pair_evaluation::PairEvaluation;
 use crate::collision_report::PairDistance;
 use crate::pairs::NearestToFixed;
 
-/// The least distance of all pairs, unless it exceeds `limit` (m). The nearest candidates are searched first, and each pair only up to
-/// the least distance so far.
+/// The least distance of all pairs, unless it exceeds `limit` (m). The nearest candidates are searched first, and each
+/// pair only up to the least distance so far.
 pub fn least_distance(
     evaluation: &mut PairEvaluation,
     scratch: &mut DistanceScratch,

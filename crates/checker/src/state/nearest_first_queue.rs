@@ -7,7 +7,7 @@ use clearance_geometry::math::Extremes;
 use clearance_geometry::simd::LANES;
 use clearance_proximity::bvh::Child;
 
-use crate::capsules::up;
+use crate::capsules::round_up;
 use crate::world::SearchNode;
 
 /// A node of the search with its bound; the nearest are searched first.
@@ -20,8 +20,8 @@ pub struct QueuedNode {
 
 /// Priority queue by lower bound of the distance; equal ones are in order of insertion.
 ///
-/// The key is one word: a lower bound on the distance (m, not negative, f32) and an index. Candidates inserted together are queued under
-/// the smallest of their bounds: most of the others are never taken out.
+/// The key is one word: a lower bound on the distance (m, not negative, f32) and an index. Candidates inserted together
+/// are queued under the smallest of their bounds: most of the others are never taken out.
 #[derive(Clone, Debug, Default)]
 pub struct NearestFirstQueue {
     order: BinaryHeap<Reverse<u64>>,
@@ -36,7 +36,8 @@ enum Queued {
     Opened(usize),
 }
 
-/// The children of a node of the tree of pieces, with lower bounds (m) on their distances from a part; infinite once taken out.
+/// The children of a node of the tree of pieces, with lower bounds (m) on their distances from a part; infinite once
+/// taken out.
 #[derive(Clone, Debug)]
 struct Opened {
     part: usize,
@@ -53,7 +54,7 @@ impl NearestFirstQueue {
 
     pub fn push(&mut self, QueuedNode { lower, node }: QueuedNode) {
         // rounded down
-        self.order.push(word(-up(-lower), self.all.len()));
+        self.order.push(key(-round_up(-lower), self.all.len()));
         self.all.push(Queued::One(node));
     }
 
@@ -66,18 +67,18 @@ impl NearestFirstQueue {
         };
         let opened = Opened { part, lowers: std::array::from_fn(bound), children };
         if let Some((_, lower)) = opened.nearest() {
-            self.order.push(word(lower, self.all.len()));
+            self.order.push(key(lower, self.all.len()));
             self.all.push(Queued::Opened(self.opened.len()));
             self.opened.push(opened);
         }
     }
 
     /// Removes the candidate with the smallest bound.
-    #[allow(clippy::cast_possible_truncation)] // halves of a word
+    #[allow(clippy::cast_possible_truncation)] // halves of the key
     pub fn pop(&mut self) -> Option<QueuedNode> {
         loop {
-            let Reverse(word) = self.order.pop()?;
-            let (lower, index) = (f64::from(f32::from_bits((word >> 32) as u32)), (word as u32) as usize);
+            let Reverse(key) = self.order.pop()?;
+            let (lower, index) = (f64::from(f32::from_bits((key >> 32) as u32)), (key as u32) as usize);
             let node = match self.all[index] {
                 Queued::One(node) => Some(node),
                 Queued::Opened(number) => self.take_child(number, index),
@@ -93,7 +94,7 @@ impl NearestFirstQueue {
         let (lane, _) = opened.nearest()?;
         opened.lowers[lane] = f32::INFINITY;
         if let Some((_, lower)) = opened.nearest() {
-            self.order.push(word(lower, index));
+            self.order.push(key(lower, index));
         }
         let part = opened.part;
         match opened.children[lane] {
@@ -118,8 +119,8 @@ impl Opened {
     }
 }
 
-/// The bits of non-negative floats have the same order as the floats.
-fn word(lower: f32, index: usize) -> Reverse<u64> {
+/// Key of the queue. The bits of non-negative floats have the same order as the floats.
+fn key(lower: f32, index: usize) -> Reverse<u64> {
     Reverse(u64::from(lower.greater(0.0).to_bits()) << 32 | index as u64)
 }
 
@@ -161,7 +162,8 @@ mod tests {
                 let number = u32::try_from(LANES * part + lane).unwrap();
                 [Child::Nothing, Child::Item(number), Child::Node(number)][random.below(3)]
             });
-            let lowers = std::array::from_fn(|_| [f32::NAN, -1.0, up(random.within(2.0))][random.below(3)]);
+            let lowers =
+                std::array::from_fn(|_| [f32::NAN, -1.0, round_up(random.within(2.0))][random.below(3)]);
             queue.push_children(part, lowers, children);
             for (lower, child) in lowers.into_iter().zip(children) {
                 let node = match child {

@@ -1,5 +1,5 @@
-//! Best-first search for the nearest pair of a state. The nearest candidates are bounded first, for triangles in single precision. Only
-//! candidates that may still be the nearest at the end are measured exactly.
+//! Best-first search for the nearest pair of a state. The nearest candidates are bounded first, for triangles in single
+//! precision. Only candidates that may still be the nearest at the end are measured exactly.
 
 use clearance_geometry::math::Extremes;
 use clearance_geometry::simd::LANES;
@@ -175,7 +175,8 @@ impl<'s, 'a> NearestSearch<'s, 'a> {
         }
     }
 
-    /// Bounds the pair, or the part and the obstacle's pieces, that a candidate belongs to; or measures the pair at once.
+    /// Bounds the pair, or the part and the obstacle's pieces, that a candidate belongs to; or measures the pair at
+    /// once.
     fn bound_or_measure(&mut self, candidate: CandidatePair, nearest: Option<(usize, u32)>) {
         match nearest {
             _ if !self.postpones() => self.measure_at_once(candidate),
@@ -193,8 +194,8 @@ impl<'s, 'a> NearestSearch<'s, 'a> {
         first
     }
 
-    /// True if candidates are bounded before any is measured, obstacles piece by piece. Tolerances, deadlines and streams need
-    /// pair-by-pair measurement instead.
+    /// True if candidates are bounded before any is measured, obstacles piece by piece. Tolerances, deadlines and
+    /// streams need pair-by-pair measurement instead.
     fn postpones(&self) -> bool {
         self.evaluation.effort.is_exact() && self.evaluation.state.stream.is_none()
     }

@@ -1,4 +1,5 @@
-//! Nearest obstacle to the robot parts that no joint moves. Computed once per robot and world, since it is the same in all states.
+//! Nearest obstacle to the robot parts that no joint moves. Computed once per robot and world, since it is the same in
+//! all states.
 
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_proximity::Effort;
@@ -10,9 +11,9 @@ use super::queried_state::QueriedState;
 use crate::collision_report::CollisionReport;
 use crate::pairs::NearestToFixed;
 
-/// The nearest obstacle to fixed parts, computed at the first call; all bodies must be placed. Like the building of hierarchies, this does
-/// not count as work of a state. With a deadline the result is `None`: the report must depend neither on the time this takes nor on
-/// earlier queries.
+/// The nearest obstacle to fixed parts, computed at the first call; all bodies must be placed. Like the building of
+/// hierarchies, this does not count as work of a state. With a deadline the result is `None`: the report must depend
+/// neither on the time this takes nor on earlier queries.
 pub fn nearest_to_fixed(evaluation: &mut PairEvaluation) -> Option<NearestToFixed> {
     if evaluation.effort.deadline.is_some() {
         return None;
@@ -114,13 +115,13 @@ mod tests {
             let q = robot.configuration(&[random.within(3.0)]).unwrap();
             let limit = [f64::INFINITY, 0.2, 0.0][random.below(3)];
             let question = Question::Distance { limit };
-            let told = own.check(&q, question, &mut workspace);
+            let alone = own.check(&q, question, &mut workspace);
             let all = anew.check(&q, Question::PairDistances { limit }, &mut other);
             let streamed = anew.check(&q, question, &mut stream);
-            assert_eq!(told.is_free(), all.is_free());
-            let distances = [&told, &all, &streamed].map(|report| report.nearest.map(|n| n.distance));
+            assert_eq!(alone.is_free(), all.is_free());
+            let distances = [&alone, &all, &streamed].map(|report| report.nearest.map(|n| n.distance));
             assert_eq!(distances, [distances[0]; 3], "up to {limit}");
-            let Some(nearest) = told.nearest else {
+            let Some(nearest) = alone.nearest else {
                 counts.none += 1;
                 continue;
             };
@@ -135,7 +136,7 @@ mod tests {
                 counts.touching += 1;
                 continue;
             }
-            assert_eq!([told.nearest, streamed.nearest], [all.nearest; 2]);
+            assert_eq!([alone.nearest, streamed.nearest], [all.nearest; 2]);
             *(if fixed.contains(&nearest.a) { &mut counts.of_fixed } else { &mut counts.of_moving }) += 1;
         }
     }

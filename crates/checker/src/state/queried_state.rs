@@ -10,7 +10,8 @@ use crate::pairs::{CheckedPairs, PlacedRobot, PosedPair};
 use crate::robot::CandidatePair;
 use crate::world::{BroadPhaseScratch, PartQuery};
 
-/// Distance (m) beyond the requested limit up to which a stream searches for obstacles, so that the result lasts for some further states.
+/// Distance (m) beyond the requested limit up to which a stream searches for obstacles, so that the result lasts for
+/// some further states.
 const WORLD_LOOK_AHEAD: f64 = 0.05;
 
 /// One state of the robot, with the memory that its queries use.
@@ -45,8 +46,8 @@ impl<'a> QueriedState<'a> {
         self.pairs.pair(index, self.robot.frames())
     }
 
-    /// Queues the pairs that may be within `limit` (m), in their order, with lower bounds (m) on their distances; if there are any, all
-    /// bodies are placed.
+    /// Queues the pairs that may be within `limit` (m), in their order, with lower bounds (m) on their distances; if
+    /// there are any, all bodies are placed.
     pub fn queue_candidates(&mut self, limit: f64) {
         let limit = limit.greater(CONTACT_DISTANCE);
         if !self.queue_self_candidates(limit) {
@@ -92,7 +93,8 @@ impl<'a> QueriedState<'a> {
         true
     }
 
-    /// As [`Self::queue_self_candidates`], from the memory of the last states, and from capsules where that does not suffice.
+    /// As [`Self::queue_self_candidates`], from the memory of the last states, and from capsules where that does not
+    /// suffice.
     fn queue_self_candidates_of_stream(&mut self, limit: f64) -> bool {
         let pairs = self.pairs;
         let Some(stream) = &mut self.stream else { return false };

@@ -1,8 +1,9 @@
 //! Memory of the last states, so that a stream of states costs little per state.
 //!
-//! An upper bound on the change of all distances follows from the joints alone ([`TravelRates`]). The known lower bound of each pair's
-//! distance is reduced by this travel since the pair's last search. Only pairs whose remaining bound is too small are searched again; if
-//! there are none, bodies are not even placed. For obstacles, one bound per robot part covers all of them.
+//! An upper bound on the change of all distances follows from the joints alone ([`TravelRates`]). The known lower bound
+//! of each pair's distance is reduced by this travel since the pair's last search. Only pairs whose remaining bound is
+//! too small are searched again; if there are none, bodies are not even placed. For obstacles, one bound per robot part
+//! covers all of them.
 
 use std::collections::HashMap;
 use std::num::NonZeroU32;
@@ -24,7 +25,7 @@ const MOST_MEMORIES: usize = 4096;
 /// Maximum number of pairs noted for the idle time until the next state, in case it is never used.
 const MOST_DUE: usize = 1024;
 
-/// Memory of all pairs of one checker.
+/// Memory of all pairs of one checker in its present world.
 #[derive(Clone, Debug)]
 pub struct Stream {
     /// Revision of the world it belongs to.
@@ -41,8 +42,8 @@ pub struct Stream {
     near_obstacles: Vec<NearObstacle>,
     /// Lower bound on all horizons.
     nearest_horizon: f64,
-    memories: Memories,
-    /// Memories of pairs with obstacles.
+    self_memories: SelfPairMemories,
+    /// SelfPairMemories of pairs with obstacles.
     world_memories: HashMap<usize, Option<PairMemory>>,
     /// Pairs of the last state that the next state will probably have to search, with the options of their search.
     due: Vec<Due>,
@@ -77,7 +78,7 @@ impl Stream {
             world_horizons: vec![f64::NEG_INFINITY; parts],
             near_obstacles: Vec::new(),
             nearest_horizon: f64::NEG_INFINITY,
-            memories: Memories::new(self_pairs),
+            self_memories: SelfPairMemories::new(self_pairs),
             world_memories: HashMap::new(),
             due: Vec::new(),
         }
@@ -88,7 +89,7 @@ impl Stream {
         self.revision == revision
     }
 
-    /// Goes on to the next state.
+    /// Adds the travel to the next state.
     pub fn advance(&mut self, rates: &TravelRates, positions: &[f64]) {
         self.travelled += if self.positions.len() == positions.len() {
             rates.between(&self.positions, positions)
@@ -129,7 +130,7 @@ impl Stream {
 
     /// True if a self pair may be within `limit` (m), but was not near at its last search.
     pub fn is_unclear(&self, index: usize, limit: f64) -> bool {
-        self.lower(index) <= limit && !self.memories.get(index).is_some_and(PairMemory::was_near)
+        self.lower(index) <= limit && !self.self_memories.get(index).is_some_and(PairMemory::was_near)
     }
 
     /// Records a lower bound (m) on a pair's present padded distance.
@@ -155,8 +156,8 @@ impl Stream {
 
     /// Records the bound that a pair's memory gives at its present pose.
     pub fn record_bound_of_memory(&mut self, index: usize, pair: &PosedPair) {
-        let memory = if self.memories.has(index) {
-            self.memories.get(index)
+        let memory = if self.self_memories.is_self_pair(index) {
+            self.self_memories.get(index)
         } else {
             self.world_memories.get(&index).and_then(Option::as_ref)
         };
@@ -183,7 +184,8 @@ impl Stream {
         }
     }
 
-    /// Uses the idle time before the next state: renews the memory of pairs that the next state will probably have to search.
+    /// Uses the idle time before the next state: renews the memory of pairs that the next state will probably have to
+    /// search.
     pub fn prepare(&mut self, pairs: &CheckedPairs, robot: &PlacedRobot, scratch: &mut Scratch) {
         let before = scratch.work.cost();
         while let Some(Due { index, limit, effort }) = self.next_due() {
@@ -207,8 +209,8 @@ impl Stream {
 
     /// Memory of a pair.
     pub fn memory(&mut self, index: usize) -> &mut Option<PairMemory> {
-        if self.memories.has(index) {
-            self.memories.of(index)
+        if self.self_memories.is_self_pair(index) {
+            self.self_memories.get_or_insert(index)
         } else {
             self.world_memories.entry(index).or_default()
         }
@@ -217,39 +219,39 @@ impl Stream {
 
 /// Memories of self pairs. In a robot of many links few pairs ever come near each other, and only these have a memory.
 #[derive(Clone, Debug)]
-struct Memories {
+struct SelfPairMemories {
     /// By self pair: the place of its memory.
     places: Vec<Option<NonZeroU32>>,
-    kept: Vec<Option<PairMemory>>,
+    memories: Vec<Option<PairMemory>>,
 }
 
 /// Initial capacity, in pairs.
-const ROOM: usize = 1 << 12;
+const INITIAL_CAPACITY: usize = 1 << 12;
 
-impl Memories {
+impl SelfPairMemories {
     fn new(self_pairs: usize) -> Self {
-        let mut kept = Vec::with_capacity(1 + self_pairs.min(ROOM));
+        let mut memories = Vec::with_capacity(1 + self_pairs.min(INITIAL_CAPACITY));
         // the index that stands for no memory
-        kept.push(None);
-        Self { places: vec![None; self_pairs], kept }
+        memories.push(None);
+        Self { places: vec![None; self_pairs], memories }
     }
 
-    /// Whether this is the number of a self pair.
-    fn has(&self, index: usize) -> bool {
+    /// True if this is the number of a self pair.
+    fn is_self_pair(&self, index: usize) -> bool {
         index < self.places.len()
     }
 
     fn get(&self, index: usize) -> Option<&PairMemory> {
-        self.kept[self.places[index]?.get() as usize].as_ref()
+        self.memories[self.places[index]?.get() as usize].as_ref()
     }
 
-    fn of(&mut self, index: usize) -> &mut Option<PairMemory> {
+    fn get_or_insert(&mut self, index: usize) -> &mut Option<PairMemory> {
         let place = self.places[index].get_or_insert_with(|| {
-            self.kept.push(None);
-            let place = u32::try_from(self.kept.len() - 1).ok().and_then(NonZeroU32::new);
+            self.memories.push(None);
+            let place = u32::try_from(self.memories.len() - 1).ok().and_then(NonZeroU32::new);
             place.expect("pairs that come near are fewer than 32 bits count")
         });
-        &mut self.kept[place.get() as usize]
+        &mut self.memories[place.get() as usize]
     }
 }
 
@@ -291,7 +293,7 @@ mod tests {
             );
             noted.push(stream.stream().unwrap().due.len());
         }
-        assert_eq!(noted.iter().max(), Some(&MOST_DUE), "standing still, and nobody takes that time");
+        assert_eq!(noted.iter().max(), Some(&MOST_DUE), "standing still, and the idle time is never used");
         checker.prepare(&mut stream);
         assert_eq!(stream.stream().unwrap().due.len(), 0);
     }

@@ -3,7 +3,7 @@
 use clearance_geometry::simd::{LANES, Simd, f32x8};
 use clearance_proximity::Piece;
 
-use crate::capsules::{RootCapsule, up};
+use crate::capsules::{RootCapsule, round_up};
 
 /// Scratch memory of the broad phase.
 #[derive(Clone, Debug, Default)]
@@ -35,7 +35,7 @@ impl<'q> PartQuery<'q> {
     /// Obstacles within `limit` (m) of a part's padded capsule.
     #[inline]
     pub fn new(part: usize, capsule: &'q RootCapsule, limit: f64) -> Self {
-        Self { part, capsule, limit: up(limit) }
+        Self { part, capsule, limit: round_up(limit) }
     }
 }
 

@@ -16,9 +16,9 @@ pub struct PieceTrees {
     /// By place of an obstacle: the numbers of its pieces.
     of_places: Vec<Vec<u32>>,
     /// Pieces that the robot may reach in expected states.
-    within: DynamicTree,
+    reachable: DynamicTree,
     /// Pieces that the robot cannot reach in expected states.
-    beyond: DynamicTree,
+    unreachable: DynamicTree,
     /// Pieces without bounds.
     unbounded: Vec<u32>,
 }
@@ -56,22 +56,22 @@ pub struct EightBoxQuery<'q> {
 }
 
 /// Bit that marks node numbers of the tree of unreachable pieces.
-const BEYOND: u32 = 1 << 31;
+const UNREACHABLE: u32 = 1 << 31;
 
 /// Where a piece is stored.
 #[derive(Clone, Copy, PartialEq)]
-enum Side {
-    Within,
-    Beyond,
+enum PieceStore {
+    Reachable,
+    Unreachable,
     Unbounded,
 }
 
-impl Side {
-    fn of(volume: &RootVolume, bounds: &AxisBox, reachable: &ReachableRegions) -> Self {
+impl PieceStore {
+    fn of(volume: &RootVolume, bounds: &AxisBox, regions: &ReachableRegions) -> Self {
         match () {
             () if !bounds.is_bounded() => Self::Unbounded,
-            () if reachable.meets(volume) => Self::Within,
-            () => Self::Beyond,
+            () if regions.may_touch(volume) => Self::Reachable,
+            () => Self::Unreachable,
         }
     }
 }
@@ -88,29 +88,30 @@ pub struct PieceVolumes {
 
 impl PieceTrees {
     /// The pieces of obstacles by place.
-    pub fn new(places: Vec<Vec<PieceVolumes>>, reachable: &ReachableRegions) -> Self {
+    pub fn new(places: Vec<Vec<PieceVolumes>>, regions: &ReachableRegions) -> Self {
         let mut pieces = Self::default();
-        let (mut within, mut beyond) = (Vec::new(), Vec::new());
+        let (mut reachable, mut unreachable) = (Vec::new(), Vec::new());
         for (place, placed) in (0..).zip(places) {
             let numbers = (placed.into_iter())
                 .map(|PieceVolumes { piece, volume, bounds }| {
                     let number = pieces.take_number(PlacedPiece { place, piece, volume });
-                    match Side::of(&volume, &bounds, reachable) {
-                        Side::Within => within.push((number, bounds)),
-                        Side::Beyond => beyond.push((number, bounds)),
-                        Side::Unbounded => pieces.unbounded.push(number),
+                    match PieceStore::of(&volume, &bounds, regions) {
+                        PieceStore::Reachable => reachable.push((number, bounds)),
+                        PieceStore::Unreachable => unreachable.push((number, bounds)),
+                        PieceStore::Unbounded => pieces.unbounded.push(number),
                     }
                     number
                 })
                 .collect();
             pieces.of_places.push(numbers);
         }
-        (pieces.within, pieces.beyond) = (DynamicTree::build(&within), DynamicTree::build(&beyond));
+        (pieces.reachable, pieces.unreachable) =
+            (DynamicTree::build(&reachable), DynamicTree::build(&unreachable));
         pieces
     }
 
     /// Replaces the pieces of the obstacle that was at a place by the pieces of its present obstacle.
-    pub fn set(&mut self, place: u32, placed: Vec<PieceVolumes>, reachable: &ReachableRegions) {
+    pub fn set(&mut self, place: u32, placed: Vec<PieceVolumes>, regions: &ReachableRegions) {
         let at = place as usize;
         if self.of_places.len() <= at {
             self.of_places.resize(at + 1, Vec::new());
@@ -127,7 +128,7 @@ impl PieceTrees {
                 }
                 None => self.take_number(made),
             };
-            self.put(number, bounds, Side::of(&volume, &bounds, reachable));
+            self.put(number, bounds, PieceStore::of(&volume, &bounds, regions));
             numbers.push(number);
         }
         for number in before {
@@ -144,26 +145,26 @@ impl PieceTrees {
 
     /// Number of pieces that the robot cannot reach in expected states.
     #[cfg(test)]
-    pub fn beyond_count(&self) -> usize {
-        self.beyond.len()
+    pub fn unreachable_count(&self) -> usize {
+        self.unreachable.len()
     }
 
     /// All boxes, each with the number of its piece.
     pub fn boxes(&self) -> Vec<(u32, AxisBox)> {
-        [self.within.items(), self.beyond.items()].concat()
+        [self.reachable.items(), self.unreachable.items()].concat()
     }
 
-    /// Appends the pieces whose boxes overlap a box, and the pieces without bounds, to `found`; returns the number of boxes tested.
-    /// `stack` is scratch memory.
+    /// Appends the pieces whose boxes overlap a box, and the pieces without bounds, to `found`; returns the number of
+    /// boxes tested. `stack` is scratch memory.
     #[inline(always)]
     pub fn find<S: Simd>(&self, simd: S, with: &AxisBox, stack: &mut Vec<u32>, found: &mut Vec<u32>) -> u64 {
         found.extend_from_slice(&self.unbounded);
-        let within = self.within.find_overlapping(simd, with, stack, found);
-        within + self.beyond.find_overlapping(simd, with, stack, found)
+        let reachable = self.reachable.find_overlapping(simd, with, stack, found);
+        reachable + self.unreachable.find_overlapping(simd, with, stack, found)
     }
 
-    /// As above, for those of eight boxes whose bits are set in `among`; each result has a bit mask of the boxes it overlaps. For an
-    /// expected state only the pieces that the robot may reach are searched.
+    /// As above, for those of eight boxes whose bits are set in `among`; each result has a bit mask of the boxes it
+    /// overlaps. For an expected state only the pieces that the robot may reach are searched.
     #[inline(always)]
     pub fn find_any<S: Simd>(
         &self,
@@ -174,23 +175,23 @@ impl PieceTrees {
     ) -> u64 {
         let EightBoxQuery { boxes, among, are_expected } = query;
         found.extend(self.unbounded.iter().map(|piece| (*piece, among)));
-        let within = self.within.find_overlapping_any(simd, (boxes, among), stack, found);
+        let reachable = self.reachable.find_overlapping_any(simd, (boxes, among), stack, found);
         if are_expected {
-            return within;
+            return reachable;
         }
-        within + self.find_any_beyond(simd.level(), query, stack, found)
+        reachable + self.find_any_unreachable(simd.level(), query, stack, found)
     }
 
     #[cold]
     #[inline(never)]
-    fn find_any_beyond(
+    fn find_any_unreachable(
         &self,
         level: Level,
         EightBoxQuery { boxes, among, .. }: EightBoxQuery,
         stack: &mut Vec<(u32, u8)>,
         found: &mut Vec<(u32, u8)>,
     ) -> u64 {
-        dispatch!(level, simd => self.beyond.find_overlapping_any(simd, (boxes, among), stack, found))
+        dispatch!(level, simd => self.unreachable.find_overlapping_any(simd, (boxes, among), stack, found))
     }
 
     /// Pieces without bounds.
@@ -200,41 +201,41 @@ impl PieceTrees {
 
     /// The root nodes.
     pub fn roots(&self) -> impl Iterator<Item = u32> {
-        self.within.root().into_iter().chain(self.beyond.root().map(|node| node | BEYOND))
+        self.reachable.root().into_iter().chain(self.unreachable.root().map(|node| node | UNREACHABLE))
     }
 
     /// The children of a node and their boxes.
     pub fn node(&self, number: u32) -> (&EightBoxes, [Child; LANES]) {
-        if number & BEYOND == 0 {
-            let (boxes, children) = self.within.node(number);
+        if number & UNREACHABLE == 0 {
+            let (boxes, children) = self.reachable.node(number);
             return (boxes, *children);
         }
-        let (boxes, children) = self.beyond.node(number & !BEYOND);
-        let beyond = |child: &Child| match *child {
-            Child::Node(node) => Child::Node(node | BEYOND),
+        let (boxes, children) = self.unreachable.node(number & !UNREACHABLE);
+        let unreachable = |child: &Child| match *child {
+            Child::Node(node) => Child::Node(node | UNREACHABLE),
             other => other,
         };
-        (boxes, children.each_ref().map(beyond))
+        (boxes, children.each_ref().map(unreachable))
     }
 
-    fn put(&mut self, number: u32, bounds: AxisBox, side: Side) {
-        if side != Side::Within {
-            self.within.remove(number);
+    fn put(&mut self, number: u32, bounds: AxisBox, store: PieceStore) {
+        if store != PieceStore::Reachable {
+            self.reachable.remove(number);
         }
-        if side != Side::Beyond {
-            self.beyond.remove(number);
+        if store != PieceStore::Unreachable {
+            self.unreachable.remove(number);
         }
         self.unbounded.retain(|other| *other != number);
-        match side {
-            Side::Within => self.within.set(number, bounds),
-            Side::Beyond => self.beyond.set(number, bounds),
-            Side::Unbounded => self.unbounded.push(number),
+        match store {
+            PieceStore::Reachable => self.reachable.set(number, bounds),
+            PieceStore::Unreachable => self.unreachable.set(number, bounds),
+            PieceStore::Unbounded => self.unbounded.push(number),
         }
     }
 
     fn take_out(&mut self, number: u32) {
-        self.within.remove(number);
-        self.beyond.remove(number);
+        self.reachable.remove(number);
+        self.unreachable.remove(number);
         self.unbounded.retain(|other| *other != number);
     }
 

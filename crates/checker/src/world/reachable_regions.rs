@@ -1,4 +1,5 @@
-//! Regions that the robot's moving parts can reach, computed once. Obstacles outside them are skipped in every expected state.
+//! Regions that the robot's moving parts can reach, computed once. Obstacles outside them are skipped in every expected
+//! state.
 
 use std::ops::RangeInclusive;
 
@@ -6,14 +7,14 @@ use clearance_geometry::constants::{CONTACT_DISTANCE, MOTION_SLACK};
 use clearance_geometry::math::Vector;
 use clearance_robot::{Chain, Reach, ReachableRegion, RobotModel};
 
-use crate::capsules::{RootCapsule, RootVolume, up};
+use crate::capsules::{RootCapsule, RootVolume, round_up};
 use crate::robot::{RobotBody, RobotGeometry};
 
 /// Tolerance (m) beyond the limits of sliding joints: encoders are noisy, and drivers round.
-const BEYOND_LIMITS: f64 = 0.01;
+const LIMIT_TOLERANCE: f64 = 0.01;
 
-/// Bounding balls (root frame) of the parts with their paddings over all expected states. A state is expected if its sliding joints are
-/// within their limits and a tolerance.
+/// Bounding balls (root frame) of the parts with their paddings over all expected states. A state is expected if its
+/// sliding joints are within their limits and a tolerance.
 #[derive(Clone, Debug, Default)]
 pub struct ReachableRegions {
     /// Indices of positions of sliding joints, and the expected range of each.
@@ -51,20 +52,20 @@ impl ReachableRegions {
 
     /// True if all sliding joints are in their expected ranges.
     #[inline(always)]
-    pub fn expects(&self, positions: &[f64]) -> bool {
+    pub fn is_expected(&self, positions: &[f64]) -> bool {
         self.expected.iter().all(|(q, range)| range.contains(&positions[*q]))
     }
 
     /// Bounding ball of a part's motion, if it is bounded.
-    pub fn of_part(&self, part: usize) -> Option<RootCapsule> {
+    pub fn ball_of_part(&self, part: usize) -> Option<RootCapsule> {
         self.balls[part].as_ref().map(Ball::capsule)
     }
 
     /// True if a moving part may touch a volume in an expected state.
-    pub fn meets(&self, volume: &RootVolume) -> bool {
+    pub fn may_touch(&self, volume: &RootVolume) -> bool {
         let Some(balls) = &self.all else { return true };
         // NaN is no bound
-        let is_beyond = |ball: &RootCapsule| volume.lower_bound(ball) > up(CONTACT_DISTANCE);
+        let is_beyond = |ball: &RootCapsule| volume.lower_bound(ball) > round_up(CONTACT_DISTANCE);
         !balls.iter().all(is_beyond)
     }
 }
@@ -77,7 +78,7 @@ impl Ball {
         radius.is_finite().then_some(Self { centre: region.centre, radius })
     }
 
-    fn holds(&self, other: &Self) -> bool {
+    fn contains(&self, other: &Self) -> bool {
         (self.centre - other.centre).norm() + other.radius <= self.radius
     }
 
@@ -90,8 +91,8 @@ impl Ball {
 fn outermost(balls: &[Ball]) -> Vec<Ball> {
     let mut kept: Vec<Ball> = Vec::new();
     for ball in balls {
-        if !kept.iter().any(|other| other.holds(ball)) {
-            kept.retain(|other| !ball.holds(other));
+        if !kept.iter().any(|other| other.contains(ball)) {
+            kept.retain(|other| !ball.contains(other));
             kept.push(*ball);
         }
     }
@@ -103,7 +104,7 @@ fn expected_range(robot: &RobotModel, position: usize) -> Option<RangeInclusive<
     let joint = robot.joint_ids().find(|joint| robot.first_position(*joint) == Some(position))?;
     let joint = robot.joint(joint);
     let limits = joint.limits.filter(|_| joint.kind.position_suffixes().len() == 1)?;
-    Some(limits.lower - BEYOND_LIMITS..=limits.upper + BEYOND_LIMITS)
+    Some(limits.lower - LIMIT_TOLERANCE..=limits.upper + LIMIT_TOLERANCE)
 }
 
 #[cfg(test)]
@@ -175,9 +176,9 @@ mod tests {
                 free += alone.iter().filter(|free| **free).count();
                 let beyond = states
                     .iter()
-                    .map(|q| !checker.checked_pairs().world().reachable().expects(q.positions()));
+                    .map(|q| !checker.checked_pairs().world().reachable().is_expected(q.positions()));
                 hit_beyond += beyond.zip(&alone).filter(|(beyond, free)| *beyond && !**free).count();
-                far += checker.checked_pairs().world().obstacles().pieces().beyond_count();
+                far += checker.checked_pairs().world().obstacles().pieces().unreachable_count();
                 let all = checker.world_boxes().len();
                 assert_eq!(all, 20);
             }

@@ -1,4 +1,5 @@
-//! Index of the world's obstacles: finds those that may be near a robot part, first by boxes in a tree, then by capsules.
+//! Index of the world's obstacles: finds those that may be near a robot part, first by boxes in a tree, then by
+//! capsules.
 
 use clearance_geometry::math::Extremes;
 use clearance_geometry::simd::{LANES, Level, Simd, dispatch};
@@ -19,8 +20,8 @@ use crate::settings_error::SettingsError;
 
 /// The obstacles of a world with their collision geometry, and their pairs with robot parts.
 ///
-/// Obstacles are named by *place*: the index of their id. Pairs with obstacles are numbered after the self pairs: for each part, one
-/// number per place.
+/// Obstacles are named by *place*: the index of their id. Pairs with obstacles are numbered after the self pairs: for
+/// each part, one number per place.
 #[derive(Clone, Debug)]
 pub struct WorldIndex {
     world: World,
@@ -156,7 +157,8 @@ impl WorldIndex {
         self.number(WorldPair { part, place: place as usize })
     }
 
-    /// Pairs of a part with obstacles that may be near, in the order of their numbers, with lower bounds (m) on their distances.
+    /// Pairs of a part with obstacles that may be near, in the order of their numbers, with lower bounds (m) on their
+    /// distances.
     pub fn candidates(
         &self,
         query: PartQuery,
@@ -269,7 +271,8 @@ impl WorldIndex {
         nearby.pieces.extend(of_place.map(|near| near.piece));
     }
 
-    /// Calls `visit` for each obstacle that may be near a part in some of eight states, with its place and a bit mask of these states.
+    /// Calls `visit` for each obstacle that may be near a part in some of eight states, with its place and a bit mask
+    /// of these states.
     pub fn for_each_near_in_eight_states(
         &self,
         EightStatesQuery { part, capsules, limit }: EightStatesQuery,
@@ -311,8 +314,8 @@ impl WorldIndex {
         roots.chain(unbounded).filter(|_| !self.is_empty())
     }
 
-    /// The children of a node, with lower bounds (m) on their padded distances from a part's capsule, negative where boxes overlap; NaN
-    /// is no bound.
+    /// The children of a node, with lower bounds (m) on their padded distances from a part's capsule, negative where
+    /// boxes overlap; NaN is no bound.
     pub fn node(&self, node: u32, capsule: &RootCapsule, level: Level) -> ([f32; LANES], [Child; LANES]) {
         let (boxes, children) = self.obstacles.pieces().node(node);
         (dispatch!(level, simd => capsule.bounds_of_boxes(simd, boxes)), children)
@@ -328,8 +331,8 @@ impl WorldIndex {
         WorldPair { part, place: self.obstacles.pieces().at(piece).place as usize }
     }
 
-    /// Tests the bounding volumes of a piece and a part: returns the node with a lower bound (m) on its padded distance, or `None` if the
-    /// pair is not checked.
+    /// Tests the bounding volumes of a piece and a part: returns the node with a lower bound (m) on its padded
+    /// distance, or `None` if the pair is not checked.
     pub fn bounded_piece(
         &self,
         part: usize,

@@ -47,18 +47,18 @@ pub fn random_pair(random: &mut Random) -> (LinkCapsule, LinkCapsule) {
 }
 
 /// Results of all query functions on one state: bounds, and nearness to `margin`.
-struct Answers {
+struct Results {
     bounds: Vec<f32>,
     near: Vec<bool>,
 }
 
 #[inline(always)]
-fn ask_eight<S: Simd>(
+fn query_eight<S: Simd>(
     simd: S,
     pairs: &CapsulePairs,
     frames: &[Vec<Frame<f64>>],
     margin: f64,
-) -> Vec<Answers> {
+) -> Vec<Results> {
     let lanes = |of: &dyn Fn(usize) -> f64| f64x8::from_fn(simd, of);
     let frames: Vec<Frame<f64x8<S>>> = (0..frames[0].len())
         .map(|body| Frame {
@@ -70,10 +70,10 @@ fn ask_eight<S: Simd>(
     let mut segments = vec![Segment { centre: zero, half: zero }; pairs.capsule_count()];
     let (mut masks, mut bounds) = (vec![0; pairs.pair_count()], vec![[0.0; 8]; pairs.pair_count()]);
     pairs.place(&frames, &mut segments);
-    pairs.near(simd, &segments, |_| up(margin), &mut masks);
+    pairs.near(simd, &segments, |_| round_up(margin), &mut masks);
     pairs.lower_bounds(simd, &segments, &mut bounds);
     (0..8)
-        .map(|k| Answers {
+        .map(|k| Results {
             bounds: bounds.iter().map(|b| b[k]).collect(),
             near: masks.iter().map(|m| m >> k & 1 == 1).collect(),
         })
@@ -81,26 +81,26 @@ fn ask_eight<S: Simd>(
 }
 
 #[inline(always)]
-fn ask_one<S: Simd>(simd: S, pairs: &CapsulePairs, frames: &[Frame<f64>], margin: f64) -> Answers {
+fn query_one<S: Simd>(simd: S, pairs: &CapsulePairs, frames: &[Frame<f64>], margin: f64) -> Results {
     let mut segments = vec![PlacedSegment::default(); pairs.capsule_count()];
     let (mut masks, mut bounds) = (vec![0; pairs.group_count()], vec![[0.0; 8]; pairs.group_count()]);
     let placed: Vec<_> = frames.iter().map(PlacedFrame::from).collect();
     pairs.place_one(simd, &placed, &mut segments);
-    pairs.near_one(simd, &segments, |_| [up(margin); 8], &mut masks);
+    pairs.near_one(simd, &segments, |_| [round_up(margin); 8], &mut masks);
     pairs.lower_bounds_one(simd, &segments, &mut bounds);
     let count = pairs.pair_count();
     assert!((count..8 * masks.len()).all(|i| masks[i / 8] >> (i % 8) & 1 == 0));
-    Answers {
+    Results {
         bounds: bounds.into_flattened()[..count].to_vec(),
         near: (0..count).map(|i| masks[i / 8] >> (i % 8) & 1 == 1).collect(),
     }
 }
 
 /// Compares the results of all SIMD levels, in eight states and one by one.
-fn ask(pairs: &CapsulePairs, frames: &[Vec<Frame<f64>>], margin: f64, levels: &[Level]) -> Vec<Answers> {
-    let bits = |answers: &Answers| answers.bounds.iter().map(|b| b.to_bits()).collect::<Vec<_>>();
+fn query(pairs: &CapsulePairs, frames: &[Vec<Frame<f64>>], margin: f64, levels: &[Level]) -> Vec<Results> {
+    let bits = |results: &Results| results.bounds.iter().map(|b| b.to_bits()).collect::<Vec<_>>();
     let mut all =
-        levels.iter().map(|&level| dispatch!(level, simd => ask_eight(simd, pairs, frames, margin)));
+        levels.iter().map(|&level| dispatch!(level, simd => query_eight(simd, pairs, frames, margin)));
     let first = all.next().unwrap();
     for (level, other) in levels[1..].iter().zip(all) {
         for (a, b) in first.iter().zip(&other) {
@@ -109,7 +109,7 @@ fn ask(pairs: &CapsulePairs, frames: &[Vec<Frame<f64>>], margin: f64, levels: &[
     }
     for &level in levels {
         for (state, a) in frames.iter().zip(&first) {
-            let b = dispatch!(level, simd => ask_one(simd, pairs, state, margin));
+            let b = dispatch!(level, simd => query_one(simd, pairs, state, margin));
             assert!(bits(a) == bits(&b) && a.near == b.near, "{level:?}");
         }
     }
@@ -134,18 +134,18 @@ fn check(random: &mut Random, far: f64, levels: &[Level]) -> f64 {
         .collect();
     let margin = [0.0, 0.01, 0.2][random.below(3)];
     let mut loosest = 0.0_f64;
-    for (state, answers) in frames.iter().zip(ask(&pairs, &frames, margin, levels)) {
+    for (state, results) in frames.iter().zip(query(&pairs, &frames, margin, levels)) {
         let seen: Vec<_> = robot_bodies.iter().map(|(body, c)| c.seen_through(&state[*body])).collect();
         let extent =
             seen.iter().map(|c| (c.a - seen[0].a).amax().max((c.b - seen[0].a).amax())).fold(1.0, f64::max);
         for (i, pair) in seen.chunks_exact(2).enumerate() {
             let distance = true_distance(&pair[0], &pair[1]);
-            let bound = f64::from(answers.bounds[i]);
+            let bound = f64::from(results.bounds[i]);
             // far from the origin the poses themselves have rounding errors
             assert!(bound <= distance + 1e-15 * far, "{bound} > {distance}: {pair:?}");
-            assert!(answers.near[i] || distance > margin, "{distance} is near: {pair:?}");
+            assert!(results.near[i] || distance > margin, "{distance} is near: {pair:?}");
             // a mask is no stricter than the bound
-            assert!(!answers.near[i] || bound <= margin + 1e-5 * extent, "{bound} is not near: {pair:?}");
+            assert!(!results.near[i] || bound <= margin + 1e-5 * extent, "{bound} is not near: {pair:?}");
             if distance + pair[0].radius + pair[1].radius > 0.05 {
                 loosest = loosest.max((distance - bound) / extent);
             }
@@ -187,8 +187,8 @@ fn no_number_is_near() {
     for t in [f64::NAN, f64::INFINITY, 1e30] {
         let frames = vec![vec![Frame::IDENTITY, Frame { t: [t, 9.0, 9.0], ..Frame::IDENTITY }]; 8];
         for level in levels() {
-            let eight = dispatch!(level, simd => ask_eight(simd, &pairs, &frames, 0.0));
-            let one = dispatch!(level, simd => ask_one(simd, &pairs, &frames[0], 0.0));
+            let eight = dispatch!(level, simd => query_eight(simd, &pairs, &frames, 0.0));
+            let one = dispatch!(level, simd => query_one(simd, &pairs, &frames[0], 0.0));
             if t.is_nan() {
                 assert!(eight[0].near[0] && one.near[0], "{level:?}");
             }

@@ -11,7 +11,7 @@ use crate::capsules::capsule_pairs::tests::{random_pair, true_distance};
 fn seen_from(origin: Vector, capsule: &LinkCapsule) -> RootCapsule {
     let middle = (capsule.a.coords + capsule.b.coords) * 0.5;
     let segment = Segment { centre: single(middle - origin), half: single((capsule.b - capsule.a) * 0.5) };
-    RootCapsule::new((), segment, single(origin), up(capsule.radius), 0.0)
+    RootCapsule::new((), segment, single(origin), round_up(capsule.radius), 0.0)
 }
 
 fn reach(capsule: &LinkCapsule) -> Reach {
