@@ -264,7 +264,7 @@ fn are_bounds(
     };
     assert!(told.least_distance_lower() <= least && least <= nearest.distance + 1e-12);
     let mut certain = told.clone();
-    certain.tell_certain_distances();
+    certain.use_lower_bounds();
     let certain = certain.nearest.unwrap().distance;
     assert!(certain <= least && (certain > 0.0 || !truth.is_free()), "{certain} m, not {least} m");
 }

@@ -318,7 +318,12 @@ fn a_held_plane_costs_little() {
         let numbers = with.iter().flat_map(|v| [v.a.x, v.b.x, v.radius]);
         assert!(numbers.clone().all(f64::is_finite) && numbers.count() > 0);
         assert_eq!(with.len(), without.len());
-        assert!(report.looks < other.looks + 100, "{} looks instead of {}", report.looks, other.looks);
+        assert!(
+            report.evaluations < other.evaluations + 100,
+            "{} evaluations instead of {}",
+            report.evaluations,
+            other.evaluations
+        );
         // where obstacles come in pieces, the plane is asked about each obstacle once
         let q = random_state(&checker, &mut random);
         let least = Question::Distance { limit: f64::INFINITY };

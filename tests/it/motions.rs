@@ -87,8 +87,10 @@ fn thousands_of_edges() {
                     )
                     .collect();
                 let elapsed = start.elapsed().as_secs_f64() * 1e3;
-                let looks: u64 = reports.iter().map(|r| r.looks).sum();
-                eprintln!("{name} {scope} {order:?}: {elapsed:.1} us an edge on two, {looks} looks");
+                let evaluations: u64 = reports.iter().map(|r| r.evaluations).sum();
+                eprintln!(
+                    "{name} {scope} {order:?}: {elapsed:.1} us an edge on two, {evaluations} evaluations"
+                );
                 let mut tally = Tally::new(&format!("truth/{name}/truth_edges.json {scope} {order:?}"));
                 for (i, (edge, report)) in edges.iter().zip(&reports).enumerate() {
                     let name = format!("edge {i} of length {}", edge.length);

@@ -162,12 +162,12 @@ fn no_motion_takes_for_ever() {
     let checker = alone(&robot);
     let inside = checker.check_motion(&at(&robot, 0.0, 3.0), &at(&robot, 0.0, 3.0), &mut checker.workspace());
     assert!(matches!(inside.verdict, MotionVerdict::Contact { t: [0.0, 0.0], .. }), "{inside:?}");
-    assert!(inside.looks < 50, "{inside:?}");
+    assert!(inside.evaluations < 50, "{inside:?}");
     let spin = MotionSegment::straight(&robot, &at(&robot, 0.0, 2.8), &at(&robot, 3e7, 2.8));
     for order in [MotionOrder::Earliest, MotionOrder::Any] {
         let options = MotionOptions { order, budget: 10_000, tolerance: 1e-300, ..MotionOptions::default() };
         let report = checker.check_motion_with(&spin, &options, &mut checker.workspace());
-        assert!(!report.is_free() && report.looks < 20_000, "{report:?}");
+        assert!(!report.is_free() && report.evaluations < 20_000, "{report:?}");
     }
 }
 

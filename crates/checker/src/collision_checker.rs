@@ -1,97 +1,42 @@
-//! Collision checker: collision and distance queries on states of a robot in a world.
+//! Collision checker: collision and distance queries on states and motions of a robot in a world.
 
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
-use clearance_geometry::ScaleError;
-use clearance_geometry::math::Extremes;
-use clearance_geometry::simd::LANES;
-use clearance_motion::CertificateParts;
-use clearance_proximity::Scratch;
-use clearance_robot::{Chain, PathsToRoot, PlacedFrame, RobotModel, TravelRates};
-use clearance_scene::AllowedCollisionMatrix;
-use clearance_scene::World;
+use clearance_motion::{Certificate, MotionSegment, SegmentError, Trajectory};
+use clearance_proximity::bvh::AxisBox;
+use clearance_proximity::{Effort, Scratch};
+use clearance_robot::{Configuration, LinkPoses, RobotModel};
+use clearance_scene::{AllowedCollisionMatrix, BodyId, PairList, Settings, World};
+use rayon::prelude::*;
 
-use super::Workspace;
-use super::bodies::{
-    RobotBody, capsule_pairs, chain, joints_between, pair_infos, robot_bodies, travel_rates,
+use crate::collision_report::{CollisionReport, Question};
+use crate::motion::{
+    self, CertificateConstants, CertificateSubject, CheckedMotion, LookAhead, MotionCheck, MotionOptions,
+    MotionReport, MovingState, SweptVolume, TrajectoryReport,
 };
-use super::capsules::{CapsulePairs, PlacedSegment, up};
-use super::fixed_nearest::FixedNearest;
-use super::motion::{MotionScratch, Ways};
-use super::nearby::NearbyScratch;
-use super::nearest_first::NearestFirst;
-use super::obstacles::Obstacles;
-use super::pair::PairInfo;
-use super::pair_priority::PairPriority;
-use super::reachable::Reachable;
-use super::stream::Stream;
-use super::within_reach::{PartOrder, WithinReach};
-use clearance_scene::BodyId;
-use clearance_scene::PairList;
-use clearance_scene::Settings;
+use crate::pairs::CheckedPairs;
+use crate::revision::Revision;
+use crate::robot::{self, LinkVolume, RobotBody};
+use crate::settings_error::SettingsError;
+use crate::state::Contact;
+use crate::workspace::Workspace;
+use crate::world::PlacedObstacle;
+
+/// States that one thread takes at a time.
+const BLOCK: usize = 256;
 
 /// Collision checker of a robot in a world; can be queried from any number of threads: `Send + Sync`, no lock.
 ///
-/// Pairs have numbers: first the self pairs in the order of their list, then for each robot part one number per place of an obstacle.
+/// Each thread passes its own [`Workspace`]. Once a workspace is warm, queries on states do not allocate, except for
+/// the vectors of their reports.
 #[derive(Clone, Debug)]
 pub struct CollisionChecker {
-    robot: Arc<RobotModel>,
-    world: World,
+    pairs: CheckedPairs,
     settings: Settings,
-    pub(super) matrix: Option<AllowedCollisionMatrix>,
-    pairs: PairList,
-    pub(super) chain: Chain,
-    /// The parts of the robot that have geometry.
-    pub(super) robot_bodies: Vec<RobotBody>,
-    /// In the order of the self pairs.
-    pub(super) infos: Vec<PairInfo>,
-    /// A capsule around each part, and the self pairs of these capsules.
-    pub(super) capsules: CapsulePairs,
-    /// By part: the radius (m) of its capsule with its padding, rounded up.
-    pub(super) padded_radii: Vec<f32>,
-    /// The largest padding (m) of any self pair.
-    pub(super) largest_padding: f64,
-    pub(super) paths_to_root: PathsToRoot,
-    /// By self pair: the number of joints on either side of the lowest common ancestor of its bodies.
-    pub(super) joints_between: Vec<[u32; 2]>,
-    pub(super) ways: Ways,
-    /// Bounds on how far bodies move when joints move.
-    pub(super) rates: TravelRates,
-    pub(super) reachable: Reachable,
-    pub(super) obstacles: Obstacles,
-    /// Parts that are to be tested against obstacles; computed at the first query.
-    pub(super) within_reach: OnceLock<WithinReach>,
-    /// Nearest obstacle to the parts that no joint moves; computed at the first query.
-    pub(super) fixed_nearest: OnceLock<FixedNearest>,
-    /// Fingerprints of the model and the world; computed at the first use.
-    pub(super) fingerprints: OnceLock<[String; 2]>,
-    pub(super) parts: OnceLock<CertificateParts>,
-    /// Unique among all robots built in this process.
-    pub(super) identity: u64,
-    /// Unique among all robots in their worlds.
-    pub(super) revision: u64,
-}
-
-static BUILT: AtomicU64 = AtomicU64::new(0);
-
-fn next_identity() -> u64 {
-    BUILT.fetch_add(1, Ordering::Relaxed)
-}
-
-/// A setting that is invalid for this robot.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum SettingsError {
-    #[error("padding or scale is given for link '{0}', which the robot has not")]
-    UnknownLink(String),
-    #[error("padding{of} is {value:?}, but must be a finite number of metres, zero or more")]
-    BadPadding { of: String, value: f64 },
-    #[error("the scale of '{of}' is {value:?}, but must be more than zero and at most 1000")]
-    BadScale { of: String, value: f64 },
-    #[error("'{of}' can not be scaled: {why}")]
-    CannotScale { of: String, why: ScaleError },
-    #[error("object '{object}' is attached to link '{link}', which the robot has not")]
-    NoCarrier { object: String, link: String },
+    matrix: Option<AllowedCollisionMatrix>,
+    certificates: CertificateConstants,
+    /// Unique among all checkers that were built; a change of the world in place keeps it.
+    identity: Revision,
 }
 
 impl CollisionChecker {
@@ -107,182 +52,379 @@ impl CollisionChecker {
         settings: Settings,
         matrix: Option<&AllowedCollisionMatrix>,
     ) -> Result<Self, SettingsError> {
-        Self::build(robot, world, settings, matrix, (&[], &Obstacles::default()))
+        let pairs = CheckedPairs::new(robot, world, &settings, matrix, None)?;
+        Ok(Self::of_pairs(pairs, settings, matrix))
     }
 
-    /// The same robot in another world, or with other settings or another matrix. Hierarchies that do not change are shared.
+    /// The same robot in another world, or with other settings or another matrix. Hierarchies that do not change are
+    /// shared.
     pub fn with_world(
         &self,
         world: &World,
         settings: Settings,
         matrix: Option<&AllowedCollisionMatrix>,
     ) -> Result<Self, SettingsError> {
-        let known = (self.robot_bodies.as_slice(), &self.obstacles);
-        Self::build(Arc::clone(&self.robot), world, settings, matrix, known)
+        let robot = Arc::clone(self.robot());
+        let pairs = CheckedPairs::new(robot, world, &settings, matrix, Some(&self.pairs))?;
+        Ok(Self::of_pairs(pairs, settings, matrix))
     }
 
-    /// Changes the world in place: only obstacles that differ are updated, unless attached objects differ. If this is not possible,
-    /// returns an error and changes nothing.
+    fn of_pairs(pairs: CheckedPairs, settings: Settings, matrix: Option<&AllowedCollisionMatrix>) -> Self {
+        let (certificates, identity) = (CertificateConstants::default(), Revision::next());
+        Self { pairs, settings, matrix: matrix.cloned(), certificates, identity }
+    }
+
+    /// Changes the world in place: only obstacles that differ are updated, unless attached objects differ. If this is
+    /// not possible, returns an error and changes nothing.
     pub fn set_world(&mut self, world: &World) -> Result<(), SettingsError> {
         let same = |(a, b): (&Arc<_>, &Arc<_>)| Arc::ptr_eq(a, b);
-        let (held, holds) = (self.world.attached(), world.attached());
+        let (held, holds) = (self.world().attached(), world.attached());
         if held.len() != holds.len() || !held.iter().zip(holds).all(same) {
             *self = self.with_world(world, self.settings.clone(), self.matrix.as_ref())?;
             return Ok(());
         }
-        // all fallible steps come before the first change
-        for change in self.obstacles.outdated(world, &self.settings)? {
-            self.pairs.set_obstacle(change.0, world.place(change.0).map(|obstacle| obstacle.name.as_str()));
-            self.obstacles.set(change, &self.reachable);
-        }
-        self.world = world.clone();
-        self.within_reach = OnceLock::new();
-        self.fixed_nearest = OnceLock::new();
-        self.fingerprints = OnceLock::new();
-        self.parts = OnceLock::new();
-        self.revision = next_identity();
+        self.pairs.set_world(world, &self.settings)?;
+        self.certificates = CertificateConstants::default();
         Ok(())
     }
 
-    fn build(
-        robot: Arc<RobotModel>,
-        world: &World,
-        settings: Settings,
-        matrix: Option<&AllowedCollisionMatrix>,
-        (known_riders, known_obstacles): (&[RobotBody], &Obstacles),
-    ) -> Result<Self, SettingsError> {
-        let pairs =
-            PairList::new(&robot, world, matrix).restricted(settings.check_self, settings.check_world);
-        let chain = chain(&robot, world);
-        let robot_bodies = robot_bodies(&robot, world, (&chain, &pairs), &settings, known_riders)?;
-        let infos = pair_infos(&pairs, &robot_bodies, &settings);
-        let capsules = capsule_pairs(&robot_bodies, &infos);
-        let padded_radii = robot_bodies
-            .iter()
-            .map(|robot_body| up(robot_body.capsule.radius + robot_body.padding))
-            .collect();
-        let largest_padding = infos.iter().map(|p| p.padding).fold(0.0, f64::greater);
-        let reachable = Reachable::new(&robot, &chain, &robot_bodies);
-        let obstacles = Obstacles::new(world, &settings, known_obstacles, &reachable)?;
-        let rates = travel_rates(&robot, &chain, &robot_bodies);
-        let paths_to_root = chain.paths_to_root();
-        let joints_between = joints_between(&paths_to_root, &robot_bodies, &infos);
-        let ways = Ways::new(&paths_to_root, &robot_bodies);
-        Ok(Self {
-            robot,
-            world: world.clone(),
-            settings,
-            matrix: matrix.cloned(),
-            pairs,
-            chain,
-            robot_bodies,
-            infos,
-            capsules,
-            padded_radii,
-            largest_padding,
-            paths_to_root,
-            joints_between,
-            ways,
-            rates,
-            reachable,
-            obstacles,
-            within_reach: OnceLock::new(),
-            fixed_nearest: OnceLock::new(),
-            fingerprints: OnceLock::new(),
-            parts: OnceLock::new(),
-            identity: next_identity(),
-            revision: next_identity(),
-        })
-    }
-
+    /// The robot model that the checker was built from.
     #[must_use]
     pub fn robot(&self) -> &Arc<RobotModel> {
-        &self.robot
+        self.pairs.robot().model()
     }
 
+    /// The present world.
     #[must_use]
     pub fn world(&self) -> &World {
-        &self.world
+        self.pairs.world().world()
     }
 
+    /// The settings that the checker was built with.
     #[must_use]
     pub fn settings(&self) -> &Settings {
         &self.settings
     }
 
-    #[must_use]
-    pub fn pairs(&self) -> &PairList {
-        &self.pairs
+    /// True if a scene's allowed collision matrix selects the pairs.
+    pub(crate) fn has_matrix(&self) -> bool {
+        self.matrix.is_some()
     }
 
-    /// Upper bound (m) on the change of any distance while joints move between two configurations; infinite where there is no bound.
+    /// The pairs that are checked.
     #[must_use]
-    pub fn travel(&self, from: &[f64], to: &[f64]) -> f64 {
-        self.rates.between(from, to)
+    pub fn pairs(&self) -> &PairList {
+        self.pairs.world().pair_list()
+    }
+
+    #[cfg(test)]
+    pub(crate) fn checked_pairs(&self) -> &CheckedPairs {
+        &self.pairs
     }
 
     /// The name of a link or an object.
     #[must_use]
     pub fn body_name(&self, body: BodyId) -> &str {
-        match body {
-            BodyId::Link(id) => &self.robot.link(id).name,
-            BodyId::Attached(id) => &self.world.attached_object(id).name,
-            BodyId::Obstacle(id) => &self.world.obstacle(id).name,
-        }
-    }
-
-    /// Scratch memory for one thread.
-    #[must_use]
-    pub fn workspace(&self) -> Workspace {
-        self.workspace_with(Scratch::default())
-    }
-
-    /// As [`Self::workspace`], but uses only the baseline instructions of this architecture. Results are the same, bit by bit.
-    #[must_use]
-    pub fn portable_workspace(&self) -> Workspace {
-        self.workspace_with(Scratch::portable())
-    }
-
-    /// As [`Self::workspace`], for states that follow each other closely: results of one state are reused for the next, and only pairs
-    /// for which they do not suffice are searched again. Reports are the same, except for their work counts. Distances within a tolerance
-    /// ([`Self::check_with`]) are bounds that depend on earlier queries, for a fraction of the work.
-    #[must_use]
-    pub fn streaming_workspace(&self) -> Workspace {
-        let stream = Stream::new(self.revision, self.infos.len(), self.robot_bodies.len());
-        Workspace { stream: Some(stream), ..self.workspace() }
-    }
-
-    pub(super) fn workspace_with(&self, scratch: Scratch) -> Workspace {
-        let groups = self.capsules.group_count();
-        Workspace {
-            checker: self.identity,
-            frames: vec![PlacedFrame::IDENTITY; self.chain.body_count()],
-            segments: vec![PlacedSegment::default(); self.capsules.capsule_count()],
-            near: vec![0; groups],
-            bounds: vec![[0.0; LANES]; groups],
-            queue: Vec::with_capacity(self.pairs.len().min(1 << 12)),
-            nearest_first: NearestFirst::default(),
-            asked: Vec::new(),
-            in_doubt: Vec::new(),
-            part_order: PartOrder::default(),
-            likely: PairPriority::new(),
-            nearby: NearbyScratch::default(),
-            scratch,
-            motion: MotionScratch::default(),
-            stream: None,
-        }
-    }
-
-    /// The parts on some bodies of the chain.
-    pub(super) fn parts_on(&self, bodies: impl Fn(usize) -> bool) -> impl DoubleEndedIterator<Item = usize> {
-        (0..self.robot_bodies.len()).filter(move |part| bodies(self.robot_bodies[*part].body))
+        self.pairs.body_name(body)
     }
 
     /// Memory of all hierarchies and the triangles in them (bytes), and the number of triangles.
     #[must_use]
     pub fn hierarchy_size(&self) -> (usize, usize) {
-        let of_parts = self.robot_bodies.iter().map(|robot_body| &robot_body.solid);
-        let solids = of_parts.chain(self.obstacles.iter().map(|obstacle| &obstacle.solid));
+        let of_parts = self.pairs.robot().parts().iter().map(RobotBody::solid);
+        let of_obstacles = self.pairs.world().obstacles().iter().map(PlacedObstacle::solid);
+        let solids = of_parts.chain(of_obstacles);
         solids.fold((0, 0), |(bytes, triangles), s| (bytes + s.bytes(), triangles + s.triangle_count()))
+    }
+
+    /// Scratch memory for one thread.
+    #[must_use]
+    pub fn workspace(&self) -> Workspace {
+        Workspace::new(self.identity, &self.pairs, Scratch::default())
+    }
+
+    /// As [`Self::workspace`], but uses only the baseline instructions of this architecture. Results are the same, bit
+    /// by bit.
+    #[must_use]
+    pub fn portable_workspace(&self) -> Workspace {
+        Workspace::new(self.identity, &self.pairs, Scratch::portable())
+    }
+
+    /// As [`Self::workspace`], for states that follow each other closely: results of one state are reused for the next,
+    /// and only pairs for which they do not suffice are searched again. Reports are the same, except for their work
+    /// counts. Distances within a tolerance ([`Self::check_with`]) are bounds that depend on earlier queries, for a
+    /// fraction of the work.
+    #[must_use]
+    pub fn streaming_workspace(&self) -> Workspace {
+        self.workspace().with_stream(&self.pairs)
+    }
+
+    /// True if every pair is proven apart; stops at the first that is not.
+    #[must_use]
+    pub fn is_free(&self, q: &Configuration, workspace: &mut Workspace) -> bool {
+        workspace.adapt(self.identity, &self.pairs);
+        if workspace.has_stream_of(&self.pairs) {
+            let (effort, mut report) = (Effort::default(), CollisionReport::default());
+            return !workspace.state_query(&self.pairs, q, &effort, &mut report).any_contact();
+        }
+        !workspace.contact_search(&self.pairs).any_contact(q)
+    }
+
+    /// Evaluates `question` on the state `q`.
+    #[must_use]
+    pub fn check(&self, q: &Configuration, question: Question, workspace: &mut Workspace) -> CollisionReport {
+        self.check_with(q, question, &Effort::default(), workspace)
+    }
+
+    /// As [`Self::check`], with tolerances for distances, or until a deadline. Pairs left open at the deadline are
+    /// listed as undecided in the report, and the robot is not free. Queries with a deadline do not use a stream's
+    /// memory. Results of a stream within a tolerance depend on earlier queries, and may include pairs of which only
+    /// the lower bound is within the limit.
+    #[must_use]
+    pub fn check_with(
+        &self,
+        q: &Configuration,
+        question: Question,
+        effort: &Effort,
+        workspace: &mut Workspace,
+    ) -> CollisionReport {
+        workspace.adapt(self.identity, &self.pairs);
+        workspace.reset_work();
+        let mut report = CollisionReport::default();
+        workspace.state_query(&self.pairs, q, effort, &mut report).evaluate(question);
+        report.work = workspace.work();
+        report
+    }
+
+    /// Uses the idle time before the next state: renews the memory of pairs that the next state will probably have to
+    /// search, so that its result comes sooner. Changes no exact result.
+    pub fn prepare(&self, workspace: &mut Workspace) {
+        workspace.prepare(self.identity, &self.pairs);
+    }
+
+    /// For each state, the result of [`Self::is_free`]. Results are the same for any number of threads.
+    ///
+    /// Runs on the threads of the rayon pool it is called in.
+    #[must_use]
+    pub fn are_free(&self, states: &[Configuration]) -> Vec<bool> {
+        let mut free = vec![false; states.len()];
+        (free.par_chunks_mut(BLOCK).zip(states.par_chunks(BLOCK))).for_each_init(
+            || self.workspace(),
+            |workspace, (free, states)| self.are_free_with(states, workspace, free),
+        );
+        free
+    }
+
+    /// As [`Self::are_free`], on this thread and with this workspace; writes to `free`, which is as long as `states`.
+    ///
+    /// # Panics
+    /// When `free` is not as long as `states`.
+    pub fn are_free_with(&self, states: &[Configuration], workspace: &mut Workspace, free: &mut [bool]) {
+        assert_eq!(states.len(), free.len(), "a result for every state");
+        workspace.adapt(self.identity, &self.pairs);
+        workspace.batch_search(&self.pairs).find_free(states, free);
+    }
+
+    /// Evaluates `question` on each state, as [`Self::check`] does: the same reports, in the order of the states, for
+    /// any number of threads.
+    ///
+    /// Runs on the threads of the rayon pool it is called in.
+    #[must_use]
+    pub fn check_states(&self, states: &[Configuration], question: Question) -> Vec<CollisionReport> {
+        (states.par_iter())
+            .with_min_len(16)
+            .map_init(|| self.workspace(), |workspace, q| self.check(q, question, workspace))
+            .collect()
+    }
+
+    /// The contact of a pair of the pair list in the state `q`; `None` if the bodies are apart, or if this is no such
+    /// pair.
+    ///
+    /// The depth of primitives comes from the expanding polytope algorithm (van den Bergen 2001), see
+    /// [`deepest_overlap`](clearance_proximity::deepest_overlap). If only the paddings overlap, it comes from the
+    /// distance.
+    #[must_use]
+    pub fn contact(
+        &self,
+        q: &Configuration,
+        bodies: (BodyId, BodyId),
+        workspace: &mut Workspace,
+    ) -> Option<Contact> {
+        workspace.adapt(self.identity, &self.pairs);
+        let index = self.pairs.number_of(bodies)?;
+        let (robot, scratch) = workspace.place(&self.pairs, q);
+        Contact::of_pair(&self.pairs.pair(index, robot.frames()), scratch)
+    }
+
+    /// Upper bound (m) on the change of any distance while joints move between two configurations; infinite where there
+    /// is no bound.
+    #[must_use]
+    pub fn travel(&self, from: &[f64], to: &[f64]) -> f64 {
+        self.pairs.robot().travel_rates().between(from, to)
+    }
+
+    /// Checks whether the straight line in joint space between two configurations is free, with default options.
+    #[must_use]
+    pub fn check_motion(
+        &self,
+        from: &Configuration,
+        to: &Configuration,
+        workspace: &mut Workspace,
+    ) -> MotionReport {
+        let segment = MotionSegment::straight(self.robot(), from, to);
+        self.check_motion_with(&segment, &MotionOptions::default(), workspace)
+    }
+
+    /// Checks whether a motion is free: the result is proven free, contact, or undecided with a reason.
+    #[must_use]
+    pub fn check_motion_with(
+        &self,
+        segment: &MotionSegment,
+        options: &MotionOptions,
+        workspace: &mut Workspace,
+    ) -> MotionReport {
+        self.motion_check(options, workspace).check(segment)
+    }
+
+    /// Reports on many motions, in their order: the same for any number of threads, unless there is a deadline.
+    ///
+    /// Runs on the threads of the rayon pool it is called in.
+    #[must_use]
+    pub fn check_motions(&self, segments: &[MotionSegment], options: &MotionOptions) -> Vec<MotionReport> {
+        (segments.par_iter())
+            .with_min_len(4)
+            .map_init(
+                || self.workspace(),
+                |workspace, segment| match options.stopped_by() {
+                    Some(reason) => MotionReport::not_evaluated(reason),
+                    None => self.check_motion_with(segment, options, workspace),
+                },
+            )
+            .collect()
+    }
+
+    /// Checks whether a trajectory is free: either all segments are proven free, or the report is on the first that is
+    /// not.
+    #[must_use]
+    pub fn check_trajectory(
+        &self,
+        trajectory: &Trajectory,
+        options: &MotionOptions,
+        workspace: &mut Workspace,
+    ) -> TrajectoryReport {
+        motion::check_trajectory(&mut self.motion_check(options, workspace), trajectory)
+    }
+
+    /// As [`Self::check_motion_with`], with the certificate if the motion is free.
+    #[must_use]
+    pub fn certify_motion(
+        &self,
+        segment: &MotionSegment,
+        options: &MotionOptions,
+        workspace: &mut Workspace,
+    ) -> (MotionReport, Option<Certificate>) {
+        let (report, proofs) = motion::prove_motion(&mut self.motion_check(options, workspace), segment);
+        (
+            report,
+            proofs.map(|proofs| self.certificates.certificate(self.subject(), proofs, options.tolerance)),
+        )
+    }
+
+    /// As [`Self::check_trajectory`], with the certificate if the trajectory is free.
+    #[must_use]
+    pub fn certify_trajectory(
+        &self,
+        trajectory: &Trajectory,
+        options: &MotionOptions,
+        workspace: &mut Workspace,
+    ) -> (TrajectoryReport, Option<Certificate>) {
+        let (report, proofs) =
+            motion::prove_trajectory(&mut self.motion_check(options, workspace), trajectory);
+        (
+            report,
+            proofs.map(|proofs| self.certificates.certificate(self.subject(), proofs, options.tolerance)),
+        )
+    }
+
+    fn motion_check<'a>(
+        &'a self,
+        options: &'a MotionOptions,
+        workspace: &'a mut Workspace,
+    ) -> MotionCheck<'a> {
+        workspace.adapt(self.identity, &self.pairs);
+        MotionCheck::new(&self.pairs, options, workspace.motion())
+    }
+
+    fn subject(&self) -> CertificateSubject<'_> {
+        CertificateSubject { pairs: &self.pairs, settings: &self.settings, matrix: self.matrix.as_ref() }
+    }
+
+    /// Time (s) before which no pair can touch, up to `horizon` (s). The robot now moves with `velocities` (rad/s, m/s,
+    /// one per position), and no position accelerates by more than `accelerations` (rad/s², m/s²). Floating joints must
+    /// be at rest.
+    pub fn look_ahead(
+        &self,
+        q: &Configuration,
+        velocities: &[f64],
+        accelerations: &[f64],
+        horizon: f64,
+        workspace: &mut Workspace,
+    ) -> Result<LookAhead, SegmentError> {
+        workspace.adapt(self.identity, &self.pairs);
+        let state = MovingState { q, velocities, accelerations };
+        motion::look_ahead(&self.pairs, state, horizon, workspace.motion())
+    }
+
+    /// The swept volumes of all links and attached objects with geometry, in intervals of equal length; more intervals
+    /// give smaller volumes. Padding is not included. Bodies with a plane, which sweep over everything, have no volume.
+    #[must_use]
+    pub fn swept_volumes(
+        &self,
+        segment: &MotionSegment,
+        intervals: usize,
+        workspace: &mut Workspace,
+    ) -> Vec<SweptVolume> {
+        workspace.adapt(self.identity, &self.pairs);
+        motion::swept_volumes(CheckedMotion { pairs: &self.pairs, segment }, intervals, workspace.motion())
+    }
+
+    /// The boxes around links and their attached objects, at a given depth below the roots of their hierarchies
+    /// ([`CollisionBody::volumes`](clearance_proximity::CollisionBody::volumes)); without padding.
+    pub fn link_volumes(&self, level: usize) -> impl Iterator<Item = LinkVolume> {
+        robot::link_volumes(self.pairs.robot(), level)
+    }
+
+    /// Upper bound (m) on the distance of any point of the robot and its attached objects from its root, padding
+    /// included.
+    #[must_use]
+    pub fn extent(&self, poses: &LinkPoses) -> f64 {
+        robot::extent(self.pairs.robot(), poses)
+    }
+
+    /// Number of pairs, over all states, that level 0 passes on to the hierarchies. Runs only kinematics and capsules.
+    // public for the benchmark that measures the share of level 0 in every check
+    #[doc(hidden)]
+    pub fn count_near_pairs(&self, states: &[Configuration], workspace: &mut Workspace) -> u64 {
+        workspace.adapt(self.identity, &self.pairs);
+        workspace.batch_search(&self.pairs).count_near_pairs(states)
+    }
+
+    /// Axis-aligned boxes around the robot's parts with their paddings: the queries of the broad phase.
+    // public for the benchmark of the broad phase
+    #[doc(hidden)]
+    #[must_use]
+    pub fn part_boxes(&self, q: &Configuration, workspace: &mut Workspace) -> Vec<AxisBox> {
+        workspace.adapt(self.identity, &self.pairs);
+        let (robot, _) = workspace.place(&self.pairs, q);
+        let capsules = self.pairs.robot().padded_capsules(|body| robot.frame(body));
+        capsules.map(|capsule| capsule.axis_box(0.0)).collect()
+    }
+
+    /// Content of the broad phase: numbered boxes around obstacles, or around their pieces if the obstacles are large.
+    // public for the benchmark of the broad phase
+    #[doc(hidden)]
+    #[must_use]
+    pub fn world_boxes(&self) -> Vec<(u32, AxisBox)> {
+        self.pairs.world().obstacles().pieces().boxes()
     }
 }

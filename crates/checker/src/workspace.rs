@@ -1,62 +1,154 @@
 //! Per-thread state of queries, owned by the caller.
 
-use clearance_geometry::simd::LANES;
-use clearance_proximity::Scratch;
-use clearance_robot::PlacedFrame;
+use clearance_proximity::{Effort, Scratch, Work};
+use clearance_robot::Configuration;
 
-use super::capsules::PlacedSegment;
-use super::least_distance::InDoubt;
-use super::motion::MotionScratch;
-use super::nearby::NearbyScratch;
-use super::nearest_first::NearestFirst;
-use super::pair_priority::PairPriority;
-use super::stream::Stream;
-use super::within_reach::PartOrder;
+use crate::collision_report::CollisionReport;
+use crate::motion::{MotionScratch, MotionWorkspace};
+use crate::pairs::{CheckedPairs, ObstacleScratch, PlacedRobot};
+use crate::revision::Revision;
+use crate::robot::{CandidatePair, PairPriority};
+use crate::state::{
+    BatchSearch, ContactSearch, DistanceScratch, PairEvaluation, QueriedState, StateQuery, Stream,
+};
 
-/// Scratch memory of one thread's queries. Its contents save work in the next query and change no exact result. If it is passed to a
-/// checker other than its creator, it is adapted to that checker.
+/// Scratch memory of one thread's queries. Its contents save work in the next query and change no exact result. If it
+/// is passed to a checker other than its creator, it is adapted to that checker.
 #[derive(Clone, Debug)]
 pub struct Workspace {
-    /// Revision of the checker it belongs to.
-    pub(super) checker: u64,
-    /// Poses of the chain's bodies in the root frame.
-    pub(super) frames: Vec<PlacedFrame>,
-    /// Segments of the capsules around bodies.
-    pub(super) segments: Vec<PlacedSegment>,
-    /// For each group of eight pairs, a bit mask of the pairs that may be near.
-    pub(super) near: Vec<u8>,
-    /// For each group of eight pairs, lower bounds (m) on their distances.
-    pub(super) bounds: Vec<[f32; LANES]>,
+    /// Identity of the checker it belongs to.
+    checker: Revision,
+    /// Poses of the robot in the last state.
+    robot: PlacedRobot,
     /// Pairs to test.
-    pub(super) queue: Vec<QueuedPair>,
-    /// Queue of the search for the least distance.
-    pub(super) nearest_first: NearestFirst,
-    /// Pairs with obstacles that this search has already measured.
-    pub(super) asked: Vec<usize>,
-    /// Candidates that this search measures at the end.
-    pub(super) in_doubt: Vec<InDoubt>,
-    pub(super) part_order: PartOrder,
-    pub(super) likely: PairPriority,
-    pub(super) nearby: NearbyScratch,
-    pub(super) scratch: Scratch,
-    /// Scratch memory for motions.
-    pub(super) motion: MotionScratch,
+    candidates: Vec<CandidatePair>,
+    priority: PairPriority,
+    obstacles: ObstacleScratch,
+    distance: DistanceScratch,
+    motion: MotionScratch,
+    /// Scratch memory of the narrow phase, with the work counts.
+    scratch: Scratch,
     /// Memory for streams of states.
-    pub(super) stream: Option<Stream>,
+    stream: Option<Stream>,
 }
 
 impl Workspace {
-    /// The memory of the last states, if it belongs to this checker.
-    pub(super) fn stream_of(&mut self, checker: u64) -> Option<&mut Stream> {
-        self.stream.as_mut().filter(|stream| stream.is_of(checker))
+    pub(crate) fn new(checker: Revision, pairs: &CheckedPairs, scratch: Scratch) -> Self {
+        Self {
+            checker,
+            robot: PlacedRobot::new(pairs),
+            candidates: Vec::with_capacity(pairs.count().min(1 << 12)),
+            priority: PairPriority::new(),
+            obstacles: ObstacleScratch::default(),
+            distance: DistanceScratch::default(),
+            motion: MotionScratch::default(),
+            scratch,
+            stream: None,
+        }
     }
-}
 
-/// A pair to test.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct QueuedPair {
-    /// Lower bound (m) on its distance.
-    pub lower: f64,
-    /// Index in the pair list.
-    pub index: usize,
+    /// Adds the memory for a stream of states.
+    pub(crate) fn with_stream(self, pairs: &CheckedPairs) -> Self {
+        let (self_pairs, parts) = (pairs.self_pairs().count(), pairs.robot().parts().len());
+        Self { stream: Some(Stream::new(pairs.world().revision(), self_pairs, parts)), ..self }
+    }
+
+    /// Adapts the workspace to a checker; the memory of a stream stays with the other checker.
+    pub(crate) fn adapt(&mut self, checker: Revision, pairs: &CheckedPairs) {
+        if self.checker != checker {
+            let scratch = std::mem::take(&mut self.scratch);
+            let stream = self.stream.take();
+            *self = Self { stream, ..Self::new(checker, pairs, scratch) };
+        }
+    }
+
+    /// True if it holds the memory of a stream of states in this world.
+    pub(crate) fn has_stream_of(&self, pairs: &CheckedPairs) -> bool {
+        self.stream.as_ref().is_some_and(|stream| stream.is_of(pairs.world().revision()))
+    }
+
+    #[cfg(test)]
+    pub(crate) fn stream(&self) -> Option<&Stream> {
+        self.stream.as_ref()
+    }
+
+    /// Resets the work counts.
+    pub(crate) fn reset_work(&mut self) {
+        self.scratch.work = Work::default();
+    }
+
+    /// Work since the last reset.
+    pub(crate) fn work(&self) -> Work {
+        self.scratch.work
+    }
+
+    /// The memory for a query on one state. Queries with a deadline do not use a stream's memory.
+    pub(crate) fn state_query<'a>(
+        &'a mut self,
+        pairs: &'a CheckedPairs,
+        q: &'a Configuration,
+        effort: &'a Effort,
+        report: &'a mut CollisionReport,
+    ) -> StateQuery<'a> {
+        let revision = pairs.world().revision();
+        let has_deadline = effort.deadline.is_some();
+        let state = QueriedState {
+            pairs,
+            q,
+            robot: &mut self.robot,
+            broad_phase: &mut self.obstacles.broad_phase,
+            candidates: &mut self.candidates,
+            scratch: &mut self.scratch,
+            stream: self.stream.as_mut().filter(|stream| !has_deadline && stream.is_of(revision)),
+        };
+        let evaluation = PairEvaluation { state, effort, report };
+        StateQuery { evaluation, distance: &mut self.distance }
+    }
+
+    /// The memory for a contact search in one state.
+    pub(crate) fn contact_search<'a>(&'a mut self, pairs: &'a CheckedPairs) -> ContactSearch<'a> {
+        ContactSearch {
+            pairs,
+            robot: &mut self.robot,
+            priority: &mut self.priority,
+            obstacles: &mut self.obstacles,
+            scratch: &mut self.scratch,
+        }
+    }
+
+    /// The memory for a contact search in many states.
+    pub(crate) fn batch_search<'a>(&'a mut self, pairs: &'a CheckedPairs) -> BatchSearch<'a> {
+        BatchSearch {
+            pairs,
+            priority: &mut self.priority,
+            obstacles: &mut self.obstacles,
+            candidates: &mut self.candidates,
+            scratch: &mut self.scratch,
+        }
+    }
+
+    /// The memory for a motion check.
+    pub(crate) fn motion(&mut self) -> MotionWorkspace<'_> {
+        MotionWorkspace {
+            robot: &mut self.robot,
+            broad_phase: &mut self.obstacles.broad_phase,
+            scratch: &mut self.scratch,
+            motion: &mut self.motion,
+        }
+    }
+
+    /// Places the robot.
+    pub(crate) fn place(&mut self, pairs: &CheckedPairs, q: &Configuration) -> (&PlacedRobot, &mut Scratch) {
+        self.robot.place(pairs, q.positions(), self.scratch.level());
+        (&self.robot, &mut self.scratch)
+    }
+
+    /// Uses the idle time before the next state of a stream, if there is one of this checker.
+    pub(crate) fn prepare(&mut self, checker: Revision, pairs: &CheckedPairs) {
+        let revision = pairs.world().revision();
+        let is_own = |stream: &&mut Stream| self.checker == checker && stream.is_of(revision);
+        if let Some(stream) = self.stream.as_mut().filter(is_own) {
+            stream.prepare(pairs, &self.robot, &mut self.scratch);
+        }
+    }
 }

@@ -71,7 +71,7 @@ impl StateEvaluator {
         let effort = Effort { exact_within, ..check_budget.limit(effort, settings.exact_distance_share) };
         let mut report = checker.check_with(&configuration, survey, &effort, &mut self.workspace);
         let is_exact = report.is_exact();
-        report.tell_certain_distances();
+        report.use_lower_bounds();
         let told = settings.influence_distance.greater(settings.speed.reach());
         let (told, coming) = report.pair_distances.into_iter().partition(|pair| pair.distance <= told);
         report.pair_distances = told;

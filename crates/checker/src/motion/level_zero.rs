@@ -1,44 +1,41 @@
 //! Level 0 of a motion: capsule bounds of all pairs in eight intervals at once.
 
 use clearance_geometry::constants::{CONTACT_DISTANCE, MOTION_SLACK};
-use clearance_geometry::math::UnitVector;
+use clearance_geometry::math::{Extremes, UnitVector};
 use clearance_geometry::simd::prelude::*;
 use clearance_geometry::simd::{LANES, dispatch, f64x8};
 use clearance_motion::MotionSegment;
-use clearance_robot::{Deviation, Deviations, Frame, PathsToRoot};
+use clearance_proximity::Scratch;
+use clearance_robot::{Deviation, Deviations, Frame};
 
-use super::MotionScratch;
-use super::interval_midpoint::of_whole_interval;
-use crate::batch::Eight;
-use crate::bodies::RobotBody;
-use crate::capsules::up;
-use crate::collision_checker::CollisionChecker;
-use crate::questions::near_pairs;
-use crate::workspace::Workspace;
+use super::checked_motion::CheckedMotion;
+use super::interval_midpoint::deviations_within;
+use crate::capsules::round_up;
+use crate::pairs::{CheckedPairs, PlacedRobot};
+use crate::robot::set_bits;
+use crate::state::EightStates;
+use crate::world::{BroadPhaseScratch, EightStatesQuery, WorldPair};
 
-/// Index of each part's kinematic paths in a list of the paths of all parts.
-#[derive(Clone, Debug)]
-pub struct Ways {
-    /// By part: its first path, which has no joints.
-    starts: Vec<usize>,
-    /// By part: the path to the root, which matters for static obstacles.
-    to_root: Vec<usize>,
-    /// By part: the radius (m) around its body's origin that contains it.
-    reach: Vec<f64>,
+/// Scratch memory of level 0.
+#[derive(Clone, Debug, Default)]
+pub struct LevelZeroScratch {
+    positions: Vec<f64>,
+    /// By position, for eight states.
+    columns: Vec<[f64; LANES]>,
+    /// Pairs that may touch, with a mask of the eight intervals.
+    near: Vec<NearPair>,
+    /// Values of the kinematic paths of all parts.
+    path_values: Vec<f64>,
+    motion: MotionBounds,
 }
 
-impl Ways {
-    pub fn new(paths_to_root: &PathsToRoot, robot_bodies: &[RobotBody]) -> Self {
-        let (mut starts, mut to_root) = (Vec::new(), Vec::new());
-        let mut next = 0;
-        for robot_body in robot_bodies {
-            let depth = paths_to_root.depth(robot_body.body);
-            starts.push(next);
-            to_root.push(next + depth);
-            next += depth + 1;
-        }
-        Self { starts, to_root, reach: robot_bodies.iter().map(RobotBody::reach).collect() }
-    }
+/// Bounds on the decrease of distances: by self pair, then by part for its distance to static obstacles.
+#[derive(Clone, Debug, Default)]
+struct MotionBounds {
+    /// Maximum decrease (m) in one unit of t.
+    speeds: Vec<f32>,
+    /// Decrease (m) that the tolerances of the positions allow.
+    tolerances: Vec<f32>,
 }
 
 /// A pair that may touch in some of eight intervals, and a bit mask of these intervals.
@@ -66,9 +63,9 @@ impl Deviations for AtTopSpeed<'_> {
 }
 
 /// Tolerances of the positions.
-struct Off<'s>(&'s MotionSegment);
+struct WithTolerance<'s>(&'s MotionSegment);
 
-impl Deviations for Off<'_> {
+impl Deviations for WithTolerance<'_> {
     fn of(&self, position: usize) -> Deviation {
         Deviation { off: self.0.tube().get(position).copied().unwrap_or(0.0), ..Deviation::default() }
     }
@@ -82,65 +79,78 @@ impl Deviations for Off<'_> {
     }
 }
 
-impl CollisionChecker {
-    /// For each self pair, the maximum decrease (m) of its distance in one unit of t; then for each part, the maximum decrease of its
-    /// distance to static obstacles.
-    pub(super) fn approach_speeds(
-        &self,
-        segment: &MotionSegment,
-        ways: &mut Vec<f64>,
-        speeds: &mut Vec<f32>,
-    ) {
-        self.fill_ways(&AtTopSpeed(segment), segment, ways);
-        self.sums(ways, speeds);
-        if self.pairs().world_len() == 0 {
-            speeds[self.infos.len()..].fill(0.0);
-        }
+/// Level 0 of a motion, with the memory that it uses.
+pub struct LevelZero<'w> {
+    pub motion: CheckedMotion<'w>,
+    pub robot: &'w mut PlacedRobot,
+    pub broad_phase: &'w mut BroadPhaseScratch,
+    pub scratch: &'w mut Scratch,
+    pub memory: &'w mut LevelZeroScratch,
+}
+
+impl LevelZeroScratch {
+    /// Prepares the memory for a motion with this number of positions.
+    pub fn resize(&mut self, positions: usize) {
+        self.positions.resize(positions, 0.0);
     }
 
-    /// In the same order, the decrease (m) that tolerances allow.
-    pub(super) fn tolerated(&self, segment: &MotionSegment, ways: &mut Vec<f64>, off: &mut Vec<f32>) {
+    /// Pairs that may touch.
+    pub fn near(&self) -> &[NearPair] {
+        &self.near
+    }
+
+    /// The largest decrease (m) of a distance in one unit of t; level 0 leaves infinite bodies open in every interval.
+    pub fn fastest(&self) -> f32 {
+        let speeds = self.motion.speeds.iter().copied().filter(|speed| speed.is_finite());
+        speeds.fold(0.0, f32::greater)
+    }
+}
+
+impl MotionBounds {
+    /// By index of the bounds: the maximum decrease (m) of the distance within an interval of this half width.
+    fn within(&self, half_width: f64) -> impl Fn(usize) -> f32 + '_ {
+        let half_width = round_up(half_width * (1.0 + 1e-6));
+        // an interval of zero width is a state
+        let loose = f32::from(u8::from(half_width > 0.0));
+        let (speeds, tolerances) = (&self.speeds[..], &self.tolerances[..]);
+        move |i| (speeds[i] * half_width + tolerances[i] * loose) * (1.0 + 1e-6)
+    }
+}
+
+impl LevelZero<'_> {
+    /// Computes the bounds on the decrease of distances, which the other methods use.
+    pub fn bound_motion(&mut self) {
+        let CheckedMotion { pairs, segment } = self.motion;
+        let LevelZeroScratch { path_values, motion: MotionBounds { speeds, tolerances }, .. } =
+            &mut *self.memory;
+        let self_pairs = pairs.self_pairs().count();
+        let range = |i| segment.range(i);
+        pairs.robot().stretched_motions(&AtTopSpeed(segment), range, path_values);
+        sum_along_paths(pairs, path_values, speeds);
+        if pairs.world().is_empty() {
+            speeds[self_pairs..].fill(0.0);
+        }
         if segment.tube().is_empty() {
-            off.clear();
-            off.resize(self.infos.len() + self.robot_bodies.len(), 0.0);
-            return;
+            tolerances.clear();
+            tolerances.resize(self_pairs + pairs.robot().parts().len(), 0.0);
+        } else {
+            pairs.robot().stretched_motions(&WithTolerance(segment), range, path_values);
+            sum_along_paths(pairs, path_values, tolerances);
         }
-        self.fill_ways(&Off(segment), segment, ways);
-        self.sums(ways, off);
-    }
-
-    fn fill_ways(&self, deviations: &impl Deviations, segment: &MotionSegment, ways: &mut Vec<f64>) {
-        ways.clear();
-        for (robot_body, reach) in self.robot_bodies.iter().zip(&self.ways.reach) {
-            self.chain.stretched_ways(robot_body.body, *reach, deviations, |i| segment.range(i), ways);
-        }
-    }
-
-    fn sums(&self, ways: &[f64], sums: &mut Vec<f32>) {
-        sums.clear();
-        let way = |part: usize, joints: u32| ways[self.ways.starts[part] + joints as usize];
-        let of_pairs = self.infos.iter().zip(&self.joints_between);
-        sums.extend(of_pairs.map(|(info, [a, b])| up(way(info.bodies.0, *a) + way(info.bodies.1, *b))));
-        sums.extend(self.ways.to_root.iter().map(|way| up(ways[*way])));
     }
 
     /// The pairs that capsules do not prove apart in eight intervals of this half width around `middles`.
-    pub(super) fn screen_intervals(
-        &self,
-        segment: &MotionSegment,
-        (middles, half_width): ([f64; LANES], f64),
-        (speeds, off): (&[f32], &[f32]),
-        scratch: &mut MotionScratch,
-        workspace: &mut Workspace,
-    ) {
-        let motion = Self::motion_within(half_width, speeds, off);
-        let padding = up(self.largest_padding + CONTACT_DISTANCE + MOTION_SLACK);
-        let MotionScratch { positions, columns, near, .. } = scratch;
+    pub fn screen_intervals(&mut self, middles: [f64; LANES], half_width: f64) {
+        let CheckedMotion { pairs, segment } = self.motion;
+        let LevelZeroScratch { positions, columns, near, motion, .. } = &mut *self.memory;
+        let motion = motion.within(half_width);
+        let padding = padding_with_slack(pairs);
+        let self_pairs = pairs.self_pairs().count();
         near.clear();
         columns.resize(positions.len(), [0.0; LANES]);
-        workspace.scratch.work.volume_tests += (self.infos.len() * LANES) as u64;
-        dispatch!(workspace.scratch.level(), simd => {
-            let mut eight = Eight::new(self, simd);
+        self.scratch.work.volume_tests += (self_pairs * LANES) as u64;
+        dispatch!(self.scratch.level(), simd => {
+            let mut eight = EightStates::new(pairs, simd);
             for (lane, middle) in middles.iter().enumerate() {
                 segment.positions_at(*middle, positions);
                 for (column, position) in columns.iter_mut().zip(&*positions) {
@@ -149,117 +159,117 @@ impl CollisionChecker {
             }
             eight.screen(
                 simd,
-                self,
+                pairs,
                 #[inline(always)]
                 |i| f64x8::from_slice(simd, &columns[i]),
                 #[inline(always)]
                 |i| motion(i) + padding,
             );
-            let of_parts = eight.near.iter().enumerate().filter(|(_, intervals)| **intervals != 0);
+            let of_parts = eight.near().iter().enumerate().filter(|(_, intervals)| **intervals != 0);
             near.extend(of_parts.map(|(pair, intervals)| NearPair { pair, intervals: *intervals }));
-            let frame = |body: usize, lane: usize| eight.frame(body, lane);
-            self.screen_obstacles(segment, frame, |part| motion(self.infos.len() + part), workspace, near);
+            ObstacleScreen {
+                motion: self.motion,
+                broad_phase: self.broad_phase,
+                scratch: self.scratch,
+                near,
+            }
+            .run(|body, lane| eight.frame(body, lane), |part| motion(self_pairs + part));
         });
     }
 
-    /// As [`Self::screen_intervals`], for pairs with obstacles.
-    fn screen_obstacles(
-        &self,
-        segment: &MotionSegment,
-        frame: impl Fn(usize, usize) -> Frame<f64>,
-        motion: impl Fn(usize) -> f32,
-        workspace: &mut Workspace,
-        near: &mut Vec<NearPair>,
-    ) {
-        if self.pairs().world_len() == 0 {
+    /// The pairs that capsules do not prove apart in the whole motion, from its middle alone; reported as the first
+    /// interval.
+    pub fn screen_whole(&mut self) {
+        let CheckedMotion { pairs, segment } = self.motion;
+        let LevelZeroScratch { positions, near, motion, .. } = &mut *self.memory;
+        segment.positions_at(0.5, positions);
+        let motion = motion.within(0.5);
+        let padding = padding_with_slack(pairs);
+        let self_pairs = pairs.self_pairs().count();
+        // an incomplete group repeats its last pair
+        let last = self_pairs.saturating_sub(1);
+        let margins =
+            |group: usize| std::array::from_fn(|lane| motion((LANES * group + lane).min(last)) + padding);
+        self.scratch.work.volume_tests += self_pairs as u64;
+        let robot = &mut *self.robot;
+        dispatch!(self.scratch.level(), simd => robot.screen(simd, pairs, positions, margins));
+        near.clear();
+        near.extend(set_bits(robot.near()).map(|pair| NearPair { pair, intervals: 1 }));
+        ObstacleScreen { motion: self.motion, broad_phase: self.broad_phase, scratch: self.scratch, near }
+            .run(|body, _| robot.frame(body), |part| motion(self_pairs + part));
+    }
+
+    /// The pairs that capsules do not prove apart in an interval of a widening motion; reported as the first interval.
+    pub fn screen_widening(&mut self, [from, to]: [f64; 2]) {
+        let CheckedMotion { pairs, segment } = self.motion;
+        let LevelZeroScratch { positions, near, .. } = &mut *self.memory;
+        near.clear();
+        near.extend((0..pairs.self_pairs().count()).map(|pair| NearPair { pair, intervals: 1 }));
+        if pairs.world().is_empty() {
             return;
         }
-        let movers = self.moving_places(segment);
-        for (part, robot_body) in self.robot_bodies.iter().enumerate() {
+        segment.positions_at(0.5 * (from + to), positions);
+        let robot = &mut *self.robot;
+        robot.place(pairs, positions, self.scratch.level());
+        let whole = deviations_within(segment, [from, to]);
+        let motion = |part: usize| {
+            let robot_body = &pairs.robot()[part];
+            let reach = robot_body.reach_in(&robot.frame(robot_body.chain_body()));
+            let moved = pairs.robot().part_motion(part, &reach, robot.frames(), &whole);
+            round_up((moved.way + moved.off) * (1.0 + MOTION_SLACK) + MOTION_SLACK)
+        };
+        ObstacleScreen { motion: self.motion, broad_phase: self.broad_phase, scratch: self.scratch, near }
+            .run(|body, _| robot.frame(body), motion);
+    }
+}
+
+/// Level 0 for pairs with obstacles.
+struct ObstacleScreen<'w> {
+    motion: CheckedMotion<'w>,
+    broad_phase: &'w mut BroadPhaseScratch,
+    scratch: &'w mut Scratch,
+    near: &'w mut Vec<NearPair>,
+}
+
+impl ObstacleScreen<'_> {
+    /// Adds the pairs that are not proven apart; `frame` gives the pose of a chain body in the middle of an interval,
+    /// and `motion` the maximum motion (m) of a part towards either end.
+    fn run(self, frame: impl Fn(usize, usize) -> Frame<f64>, motion: impl Fn(usize) -> f32) {
+        let Self { motion: CheckedMotion { pairs, .. }, broad_phase, scratch, near } = self;
+        let world = pairs.world();
+        if world.is_empty() {
+            return;
+        }
+        let movers = self.motion.moving_places();
+        for (part, robot_body) in pairs.robot().parts().iter().enumerate() {
             let capsules: [_; LANES] =
-                std::array::from_fn(|lane| self.capsule_of(part, &frame(robot_body.body, lane)));
-            let motion = f64::from(motion(part));
-            self.each_obstacle_near(part, &capsules, motion, workspace, |place, intervals| {
+                std::array::from_fn(|lane| robot_body.padded_capsule(&frame(robot_body.chain_body(), lane)));
+            let limit = round_up(f64::from(motion(part)) + CONTACT_DISTANCE + MOTION_SLACK);
+            let query = EightStatesQuery { part, capsules: &capsules, limit };
+            world.for_each_near_in_eight_states(query, broad_phase, scratch, |place, intervals| {
                 if !movers.contains(&place) {
-                    near.push(NearPair { pair: self.world_pair(part, place), intervals });
+                    near.push(NearPair { pair: world.number(WorldPair { part, place }), intervals });
                 }
             });
             // level 0 does not bound moving obstacles
-            let moving =
-                movers.iter().map(|place| self.world_pair(part, *place)).filter(|i| self.is_pair(*i));
+            let moving = movers.iter().map(|place| world.number(WorldPair { part, place: *place }));
+            let moving = moving.filter(|pair| pairs.is_checked(*pair));
             near.extend(moving.map(|pair| NearPair { pair, intervals: u8::MAX }));
         }
         near.sort_unstable_by_key(|near| near.pair);
     }
+}
 
-    /// By index of [`Self::approach_speeds`]: the maximum decrease (m) of the distance within an interval of this half width.
-    fn motion_within<'m>(
-        half_width: f64,
-        speeds: &'m [f32],
-        off: &'m [f32],
-    ) -> impl Fn(usize) -> f32 + use<'m> {
-        let half_width = up(half_width * (1.0 + 1e-6));
-        // an interval of zero width is a state
-        let loose = f32::from(u8::from(half_width > 0.0));
-        move |i| (speeds[i] * half_width + off[i] * loose) * (1.0 + 1e-6)
-    }
+/// The largest padding (m) of any self pair, rounded up.
+fn padding_with_slack(pairs: &CheckedPairs) -> f32 {
+    round_up(pairs.self_pairs().largest_padding() + CONTACT_DISTANCE + MOTION_SLACK)
+}
 
-    /// The pairs that capsules do not prove apart in the whole motion, from its middle alone; reported as the first interval.
-    pub(super) fn screen_whole(
-        &self,
-        segment: &MotionSegment,
-        (speeds, off): (&[f32], &[f32]),
-        scratch: &mut MotionScratch,
-        workspace: &mut Workspace,
-    ) {
-        let MotionScratch { positions, near: found, .. } = scratch;
-        segment.positions_at(0.5, positions);
-        let motion = Self::motion_within(0.5, speeds, off);
-        let padding = up(self.largest_padding + CONTACT_DISTANCE + MOTION_SLACK);
-        // an incomplete group repeats its last pair
-        let last = self.infos.len().saturating_sub(1);
-        let margins =
-            |group: usize| std::array::from_fn(|lane| motion((LANES * group + lane).min(last)) + padding);
-        let Workspace { frames, segments, near, scratch, .. } = &mut *workspace;
-        scratch.work.volume_tests += self.infos.len() as u64;
-        dispatch!(scratch.level(), simd => {
-            self.place_one(simd, positions, frames, segments);
-            self.capsules.near_one(simd, segments, margins, near);
-        });
-        found.clear();
-        found.extend(near_pairs(near).map(|pair| NearPair { pair, intervals: 1 }));
-        let frames = std::mem::take(&mut workspace.frames);
-        let motion = |part: usize| motion(self.infos.len() + part);
-        self.screen_obstacles(segment, |body, _| frames[body].frame(), motion, workspace, found);
-        workspace.frames = frames;
-    }
-
-    /// The pairs that capsules do not prove apart in an interval of a widening motion; reported as the first interval.
-    pub(super) fn screen_widening(
-        &self,
-        segment: &MotionSegment,
-        [from, to]: [f64; 2],
-        scratch: &mut MotionScratch,
-        workspace: &mut Workspace,
-    ) {
-        let MotionScratch { positions, near: found, .. } = scratch;
-        found.clear();
-        found.extend((0..self.infos.len()).map(|pair| NearPair { pair, intervals: 1 }));
-        if self.pairs().world_len() == 0 {
-            return;
-        }
-        segment.positions_at(0.5 * (from + to), positions);
-        let mut frames = std::mem::take(&mut workspace.frames);
-        dispatch!(workspace.scratch.level(), simd => {
-            self.chain.frames_of_one(simd, positions, &mut frames, |_, _| {});
-        });
-        let whole = of_whole_interval(segment, [from, to]);
-        let motion = |part: usize| {
-            let reach = self.reach_of(part, &frames[self.robot_bodies[part].body].frame());
-            let moved = self.chain.side_motion(self.to_root(part).side(0), &reach, &frames, &whole);
-            up((moved.way + moved.off) * (1.0 + MOTION_SLACK) + MOTION_SLACK)
-        };
-        self.screen_obstacles(segment, |body, _| frames[body].frame(), motion, workspace, found);
-        workspace.frames = frames;
-    }
+/// By self pair: the sum of the values along its kinematic path; then by part: the sum along its path to the root. All
+/// are rounded up.
+fn sum_along_paths(pairs: &CheckedPairs, path_values: &[f64], sums: &mut Vec<f32>) {
+    let robot = pairs.robot();
+    sums.clear();
+    sums.extend(pairs.self_pairs().sums_between(path_values, robot));
+    sums.extend(robot.path_sums().to_root(path_values).map(round_up));
 }

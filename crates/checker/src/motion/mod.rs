@@ -1,37 +1,45 @@
 //! Certified continuous collision checking of motions: a result `Free` is a proof for every t in [0, 1].
 //!
-//! An interval of the motion is free for a pair if the pair's distance in the middle is larger than its possible decrease towards either
-//! end; that bound is derived in `docs/derivations/motion-bound.md`. Unproven parts are split until they are proven, or a contact is
-//! found, or the motion within a piece is less than the tolerance.
+//! An interval of the motion is free for a pair if the pair's distance in the middle is larger than its possible
+//! decrease towards either end; that bound is derived in `docs/derivations/motion-bound.md`. Unproven parts are split
+//! until they are proven, or a contact is found, or the motion within a piece is less than the tolerance.
 //!
-//! | step | file |
+//! | content | file |
 //! |---|---|
+//! | one motion, and pairs placed along it | `checked_motion` |
+//! | one pair in the middle of an interval: its distance, and a bound on its motion | `interval_midpoint` |
 //! | capsules of all pairs, eight intervals at once | `level_zero` |
-//! | one pair at one moment: its distance, and the interval it proves free | `interval_midpoint` |
-//! | order in which intervals are searched | `order` |
-//! | proofs and results of the check | `prover` |
-//! | certificates of free motions | `certify` |
-//! | many motions; stretches one after the other | `edges`, `trajectory` |
+//! | scratch memory | `motion_scratch` |
+//! | proofs, contacts and open intervals of the check | `prover` |
+//! | order in which intervals are searched | `interval_search` |
+//! | check of one motion | `motion_check` |
+//! | options and result of the check | `motion_report` |
+//! | check of a trajectory, segment by segment | `trajectory_check` |
+//! | certificates of free motions | `certification` |
 //! | progress of a check, and its cancellation | `watch` |
 //! | volumes around a motion | `swept_volume` |
 //! | time before which nothing can touch | `look_ahead` |
 
-mod certify;
-mod edges;
+mod certification;
+mod checked_motion;
 mod interval_midpoint;
+mod interval_search;
 mod level_zero;
 mod look_ahead;
-mod order;
+mod motion_check;
+mod motion_report;
+mod motion_scratch;
 mod prover;
-mod report;
 mod swept_volume;
-mod trajectory;
+mod trajectory_check;
 mod watch;
 
-pub(super) use level_zero::Ways;
-pub use look_ahead::LookAhead;
-pub(super) use prover::MotionScratch;
-pub use report::{MotionOptions, MotionOrder, MotionReport, MotionVerdict, UndecidedReason};
-pub use swept_volume::SweptVolume;
-pub use trajectory::TrajectoryReport;
+pub use certification::{CertificateConstants, CertificateSubject, prove_motion, prove_trajectory};
+pub use checked_motion::CheckedMotion;
+pub use look_ahead::{LookAhead, MovingState, look_ahead};
+pub use motion_check::MotionCheck;
+pub use motion_report::{MotionOptions, MotionOrder, MotionReport, MotionVerdict, UndecidedReason};
+pub use motion_scratch::{MotionScratch, MotionWorkspace};
+pub use swept_volume::{SweptVolume, swept_volumes};
+pub use trajectory_check::{TrajectoryReport, check_trajectory};
 pub use watch::Watch;

@@ -25,6 +25,7 @@ impl Watch {
         self.0.is_stopped.store(true, Ordering::Relaxed);
     }
 
+    /// True if the check is to stop.
     #[must_use]
     pub fn is_stopped(&self) -> bool {
         self.0.is_stopped.load(Ordering::Relaxed)
@@ -36,7 +37,8 @@ impl Watch {
         self.0.segments_free.load(Ordering::Relaxed)
     }
 
-    pub(super) fn note_free(&self, segments: usize) {
+    /// Records the number of segments proven free so far.
+    pub(super) fn record_free(&self, segments: usize) {
         self.0.segments_free.store(segments, Ordering::Relaxed);
     }
 }

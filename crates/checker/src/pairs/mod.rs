@@ -1,0 +1,27 @@
+//! Pairs of bodies that are checked: their numbers, and queries on them.
+//!
+//! | content | file |
+//! |---|---|
+//! | all pairs of a robot in its world, by number | `checked_pairs` |
+//! | one pair at its poses | `posed_pair` |
+//! | one pair with the memory of earlier states | `pair_memory` |
+//! | candidates for the nearest pair | `measured_pair` |
+//! | results that are the same in all states | `state_independent` |
+//! | poses of the robot, and level 0 of self pairs, in one state | `placed_robot` |
+//! | contacts with obstacles, in SIMD lanes | `obstacle_contacts` |
+
+mod checked_pairs;
+mod measured_pair;
+mod obstacle_contacts;
+mod pair_memory;
+mod placed_robot;
+mod posed_pair;
+mod state_independent;
+
+pub use checked_pairs::{CheckedPairs, PairBodies};
+pub use measured_pair::{MeasuredPair, PostponedPair};
+pub use obstacle_contacts::{ObstacleContacts, ObstacleScratch, StatesInLanes};
+pub use pair_memory::{PairMemory, RememberedPair};
+pub use placed_robot::PlacedRobot;
+pub use posed_pair::{PosedPair, RoughDistance};
+pub use state_independent::NearestToFixed;

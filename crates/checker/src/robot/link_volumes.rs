@@ -1,0 +1,96 @@
+//! Boxes around the robot's parts at one level of their hierarchies, for visualisation.
+
+use clearance_geometry::math::{Extremes, Pose, Vector};
+use clearance_robot::{LinkId, LinkPoses};
+use clearance_scene::BodyId;
+
+use super::robot_body::RobotBody;
+use super::robot_geometry::RobotGeometry;
+
+/// A box of the hierarchy of a part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinkVolume {
+    /// The link or attached object.
+    pub body: BodyId,
+    /// The link that is or carries the part.
+    pub link: LinkId,
+    /// Pose of the box in the frame of that link.
+    pub pose_lv: Pose,
+    /// Half of the lengths of the edges (m).
+    pub half_extents: Vector,
+}
+
+/// The boxes around the parts, at a depth below the roots of their hierarchies.
+pub fn link_volumes(robot: &RobotGeometry, level: usize) -> impl Iterator<Item = LinkVolume> {
+    robot.parts().iter().flat_map(move |robot_body| {
+        let pose_lb = robot_body.pose_bl().inverse();
+        robot_body.solid().volumes(level).into_iter().map(move |volume| LinkVolume {
+            body: robot_body.id(),
+            link: robot_body.link(),
+            pose_lv: pose_lb * volume.pose_bv,
+            half_extents: volume.half_extents,
+        })
+    })
+}
+
+/// Upper bound (m) on the distance of any point of the robot and its attached objects from its root, padding included.
+pub fn extent(robot: &RobotGeometry, poses: &LinkPoses) -> f64 {
+    let of_part = |robot_body: &RobotBody| {
+        let pose_rb = poses.pose(robot_body.link()) * robot_body.pose_bl().inverse();
+        let capsule = robot_body.capsule();
+        let ends = [capsule.a, capsule.b].map(|end| (pose_rb * end).coords.norm());
+        ends[0].greater(ends[1]) + capsule.radius + robot_body.padding()
+    };
+    robot.parts().iter().map(of_part).fold(0.0, f64::greater)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::CollisionChecker;
+    use clearance_geometry::{Primitive, Shape};
+    use clearance_robot::{MeshFiles, RobotModel};
+    use clearance_scene::Settings;
+    use clearance_scene::{Obstacle, World};
+
+    /// The bar is attached to the base by a fixed joint; the box is rotated in the frame of the bar.
+    const URDF: &str = r#"<robot name="bars">
+      <link name="base"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+      <link name="bar"><collision><origin xyz="0 0 1" rpy="0.5 0 0"/><geometry><box size="2 0.4 0.2"/></geometry></collision></link>
+      <link name="hand"><collision><geometry><sphere radius="0.2"/></geometry></collision></link>
+      <joint name="fixed" type="fixed"><parent link="base"/><child link="bar"/><origin xyz="3 0 0" rpy="0 1 0"/></joint>
+      <joint name="turn" type="continuous"><parent link="bar"/><child link="hand"/><origin xyz="9 0 0"/><axis xyz="0 0 1"/></joint>
+    </robot>"#;
+
+    #[test]
+    fn volumes_lie_where_the_shapes_are_in_the_frames_of_their_links() {
+        let robot = Arc::new(RobotModel::from_urdf(URDF, &MeshFiles::default()).unwrap());
+        let mut world = World::default();
+        let tool = Shape::Primitive(Primitive::Sphere { radius: 0.3 });
+        let tool = Obstacle::of_shape("tool", Pose::translation(0.0, 7.0, 0.0), tool);
+        let held = clearance_scene::AttachedObject::grasped(&tool, "hand", &Pose::identity(), vec![]);
+        world.attach(held).unwrap();
+        let checker = CollisionChecker::new(robot, &world, Settings::default()).unwrap();
+        let volumes: Vec<LinkVolume> = checker.link_volumes(0).collect();
+        let of = |name: &str| {
+            let found = volumes.iter().find(|volume| checker.body_name(volume.body) == name).unwrap();
+            (checker.robot().link(found.link).name.as_str(), *found)
+        };
+        let (link, bar) = of("bar");
+        assert_eq!(link, "bar");
+        assert!((bar.pose_lv.translation.vector - Vector::z()).norm() < 1e-6, "{bar:?}");
+        // in either order of the axes
+        let mut sizes: Vec<f64> = bar.half_extents.iter().copied().collect();
+        sizes.sort_by(f64::total_cmp);
+        assert!(
+            sizes.iter().zip([0.1, 0.2, 1.0]).all(|(size, wanted)| (size - wanted).abs() < 1e-5),
+            "{bar:?}"
+        );
+        let (link, tool) = of("tool");
+        assert_eq!(link, "hand");
+        assert!((tool.pose_lv.translation.vector - Vector::new(0.0, 7.0, 0.0)).norm() < 1e-6, "{tool:?}");
+        assert!((tool.half_extents - Vector::repeat(0.3)).amax() < 1e-5);
+    }
+}

@@ -1,0 +1,32 @@
+//! The robot of a checker: bodies with geometry on a kinematic chain, and their self pairs.
+//!
+//! | content | file |
+//! |---|---|
+//! | paddings and scale factors, validated | `geometry_settings` |
+//! | collision body of scaled shapes | `scaled_body` |
+//! | link or attached object with geometry | `robot_body` |
+//! | kinematic chain with its bodies, and bounds on their motion | `robot_geometry` |
+//! | boxes around the robot's parts, and its extent | `link_volumes` |
+//! | sums along kinematic paths | `path_sums` |
+//! | constants of a pair; candidate pairs | `pair_info` |
+//! | self pairs and their capsules | `self_pairs` |
+//! | self pairs that collided most often recently | `pair_priority` |
+
+mod geometry_settings;
+mod link_volumes;
+mod pair_info;
+mod pair_priority;
+mod path_sums;
+mod robot_body;
+mod robot_geometry;
+mod scaled_body;
+mod self_pairs;
+
+pub use geometry_settings::{object_padding, object_scale};
+pub use link_volumes::{LinkVolume, extent, link_volumes};
+pub use pair_info::{CandidatePair, PairInfo};
+pub use pair_priority::PairPriority;
+pub use robot_body::{RobotBody, SceneOfRobot};
+pub use robot_geometry::RobotGeometry;
+pub use scaled_body::scaled_body;
+pub use self_pairs::{PlacedSegments, SelfPairs, set_bits};

@@ -1,0 +1,57 @@
+//! Search for any contact of a robot in one state; stops at the first.
+
+use clearance_geometry::simd::{LANES, dispatch};
+use clearance_proximity::Scratch;
+use clearance_robot::Configuration;
+
+use crate::pairs::{CheckedPairs, ObstacleContacts, ObstacleScratch, PlacedRobot};
+use crate::robot::{PairPriority, set_bits};
+
+/// One state, with the memory that the search uses.
+pub struct ContactSearch<'a> {
+    pub pairs: &'a CheckedPairs,
+    pub robot: &'a mut PlacedRobot,
+    pub priority: &'a mut PairPriority,
+    pub obstacles: &'a mut ObstacleScratch,
+    pub scratch: &'a mut Scratch,
+}
+
+impl ContactSearch<'_> {
+    /// True if a pair touches.
+    pub fn any_contact(&mut self, q: &Configuration) -> bool {
+        let level = self.scratch.level();
+        dispatch!(level, simd => {
+            self.scratch.work.volume_tests += self.pairs.self_pairs().count() as u64;
+            self.robot.screen_for_contact(simd, self.pairs, q.positions());
+            if self.robot.near().iter().any(|group| *group != 0) && self.any_self_contact() {
+                return true;
+            }
+            let Self { pairs, robot, obstacles, scratch, .. } = self;
+            let is_expected = pairs.world().reachable().is_expected(q.positions());
+            let segments = robot.segments(pairs);
+            ObstacleContacts { pairs, obstacles, scratch }
+                .any_in_state(simd, segments, is_expected, &|body| robot.frame(body))
+        })
+    }
+
+    /// True if parts touch, given placed bodies and screened pairs; pairs that are likely to collide are tested first.
+    #[inline(never)]
+    fn any_self_contact(&mut self) -> bool {
+        let Self { pairs, robot, priority, scratch, .. } = self;
+        let (near, frames) = (robot.near(), robot.frames());
+        let is_near = |i: usize| near[i / LANES] & (1 << (i % LANES)) != 0;
+        for rank in 0.. {
+            let Some(i) = priority.get(rank) else { break };
+            if is_near(i) && pairs.pair(i, frames).touches(scratch) {
+                priority.hit(i);
+                return true;
+            }
+        }
+        let other =
+            set_bits(near).find(|i| !priority.contains(*i) && pairs.pair(*i, frames).touches(scratch));
+        if let Some(hit) = other {
+            priority.hit(hit);
+        }
+        other.is_some()
+    }
+}

@@ -1,0 +1,134 @@
+//! State that is queried: places the robot, and finds the pairs that may be near.
+
+use clearance_geometry::constants::CONTACT_DISTANCE;
+use clearance_geometry::math::Extremes;
+use clearance_proximity::Scratch;
+use clearance_robot::Configuration;
+
+use super::stream::Stream;
+use crate::pairs::{CheckedPairs, PlacedRobot, PosedPair};
+use crate::robot::CandidatePair;
+use crate::world::{BroadPhaseScratch, PartQuery};
+
+/// Distance (m) beyond the requested limit up to which a stream searches for obstacles, so that the result lasts for
+/// some further states.
+const WORLD_LOOK_AHEAD: f64 = 0.05;
+
+/// One state of the robot, with the memory that its queries use.
+pub struct QueriedState<'a> {
+    pub pairs: &'a CheckedPairs,
+    pub q: &'a Configuration,
+    pub robot: &'a mut PlacedRobot,
+    pub broad_phase: &'a mut BroadPhaseScratch,
+    /// Pairs to test.
+    pub candidates: &'a mut Vec<CandidatePair>,
+    pub scratch: &'a mut Scratch,
+    /// Memory of the last states, if this state is one of a stream.
+    pub stream: Option<&'a mut Stream>,
+}
+
+impl<'a> QueriedState<'a> {
+    /// The same state, queried without the memory of the last states.
+    pub fn without_stream(&mut self) -> QueriedState<'_> {
+        QueriedState {
+            pairs: self.pairs,
+            q: self.q,
+            robot: &mut *self.robot,
+            broad_phase: &mut *self.broad_phase,
+            candidates: &mut *self.candidates,
+            scratch: &mut *self.scratch,
+            stream: None,
+        }
+    }
+
+    /// A pair in this state; all bodies must be placed.
+    pub fn pair(&self, index: usize) -> PosedPair<'a> {
+        self.pairs.pair(index, self.robot.frames())
+    }
+
+    /// Queues the pairs that may be within `limit` (m), in their order, with lower bounds (m) on their distances; if
+    /// there are any, all bodies are placed.
+    pub fn queue_candidates(&mut self, limit: f64) {
+        let limit = limit.greater(CONTACT_DISTANCE);
+        if !self.queue_self_candidates(limit) {
+            return;
+        }
+        let Self { pairs, robot, broad_phase, candidates, scratch, stream, .. } = self;
+        for (part, robot_body) in pairs.robot().parts().iter().enumerate() {
+            if stream.as_ref().is_some_and(|stream| stream.obstacles_beyond(part, limit)) {
+                continue;
+            }
+            let capsule = robot_body.padded_capsule(&robot.frame(robot_body.chain_body()));
+            let Some(stream) = stream else {
+                let query = PartQuery::new(part, &capsule, limit);
+                pairs.world().candidates(query, broad_phase, scratch, candidates);
+                continue;
+            };
+            let begin = candidates.len();
+            let farther = limit + WORLD_LOOK_AHEAD;
+            let query = PartQuery::new(part, &capsule, farther);
+            pairs.world().candidates(query, broad_phase, scratch, candidates);
+            stream.record_obstacles(part, farther, &candidates[begin..]);
+            let mut rank = 0;
+            candidates.retain(|pair| {
+                rank += 1;
+                rank <= begin || pair.lower <= limit
+            });
+        }
+    }
+
+    /// As [`Self::queue_candidates`], for self pairs only; returns true if any pair may be within the limit.
+    pub fn queue_self_candidates(&mut self, limit: f64) -> bool {
+        self.candidates.clear();
+        if self.stream.is_some() {
+            return self.queue_self_candidates_of_stream(limit);
+        }
+        self.place();
+        self.bound();
+        let Self { pairs, robot, candidates, .. } = self;
+        let infos = pairs.self_pairs().infos().iter().enumerate();
+        let bounded =
+            infos.map(|(index, info)| CandidatePair { lower: robot.lower_bound(index, info.padding), index });
+        candidates.extend(bounded.filter(|pair| pair.lower <= limit));
+        true
+    }
+
+    /// As [`Self::queue_self_candidates`], from the memory of the last states, and from capsules where that does not
+    /// suffice.
+    fn queue_self_candidates_of_stream(&mut self, limit: f64) -> bool {
+        let pairs = self.pairs;
+        let Some(stream) = &mut self.stream else { return false };
+        stream.advance(pairs.robot().travel_rates(), self.q.positions());
+        if stream.all_beyond(limit) {
+            return false;
+        }
+        let unclear = (0..pairs.self_pairs().count()).any(|i| stream.is_unclear(i, limit));
+        self.place();
+        if unclear {
+            self.bound();
+        }
+        let Self { robot, candidates, stream, .. } = self;
+        let Some(stream) = stream else { return false };
+        for (index, info) in pairs.self_pairs().infos().iter().enumerate() {
+            if unclear {
+                stream.record_bound(index, robot.lower_bound(index, info.padding));
+            }
+            let lower = stream.lower(index);
+            if lower <= limit {
+                candidates.push(CandidatePair { lower: lower.greater(0.0), index });
+            }
+        }
+        true
+    }
+
+    /// Places all bodies.
+    fn place(&mut self) {
+        self.robot.place(self.pairs, self.q.positions(), self.scratch.level());
+    }
+
+    /// Bounds the distances of all self pairs by their capsules.
+    fn bound(&mut self) {
+        self.scratch.work.volume_tests += self.pairs.self_pairs().count() as u64;
+        self.robot.bound(self.pairs, self.scratch.level());
+    }
+}
