@@ -9,7 +9,7 @@ use clearance::motion::{Certificate, Trajectory};
 use clearance::robot::RobotModel;
 use clearance::scene::Settings;
 use clearance::scene::World;
-use clearance::verifier::{Expected, Refusal, Verified, Verifier};
+use clearance::verifier::{ExpectedMotion, Rejection, VerificationStatistics, Verifier};
 use serde_json::json;
 
 use super::certificate_summary::{Summary, on_one_line};
@@ -83,7 +83,7 @@ pub fn run(args: &VerifyArgs) -> Result<ExitCode, Failure> {
 
 impl VerifyArgs {
     /// The expected motion, tube and tolerance.
-    fn expected(&self, robot: &RobotModel, world: &World) -> Result<Expected, Failure> {
+    fn expected(&self, robot: &RobotModel, world: &World) -> Result<ExpectedMotion, Failure> {
         let tolerance = self.tolerance.map(|m| positive("--tolerance", m)).transpose()?;
         if self.way.moves_obstacles() && !self.way.is_given() {
             let needed =
@@ -95,13 +95,14 @@ impl VerifyArgs {
             return Err(Failure::Input(needed.to_owned()));
         }
         let tube = self.way.tube(robot)?;
-        let expected = Expected { motion: None, any_obstacle_motion: self.moving_obstacles, tube, tolerance };
+        let expected =
+            ExpectedMotion { motion: None, any_obstacle_motion: self.moving_obstacles, tube, tolerance };
         if !self.way.is_given() {
             return Ok(expected);
         }
         let ways = self.way.with_obstacles(&self.way.ways(robot)?, world)?;
         match <[Trajectory; 1]>::try_from(ways) {
-            Ok([motion]) => Ok(Expected { motion: Some(motion), ..expected }),
+            Ok([motion]) => Ok(ExpectedMotion { motion: Some(motion), ..expected }),
             Err(ways) => {
                 let count = ways.len();
                 Err(Failure::Input(format!("--edges: a certificate is about one way, but {count} are given")))
@@ -140,10 +141,14 @@ struct Told<'t> {
 }
 
 impl Told<'_> {
-    fn text(&self, verified: &Result<Verified, Refusal>, expected: &Expected) -> String {
-        let Verified { segments, pairs, proofs, .. } = match verified {
+    fn text(
+        &self,
+        verified: &Result<VerificationStatistics, Rejection>,
+        expected: &ExpectedMotion,
+    ) -> String {
+        let VerificationStatistics { segments, pairs, proofs, .. } = match verified {
             Ok(verified) => verified,
-            Err(refusal) => return format!("NOT PROVEN: {refusal}"),
+            Err(rejection) => return format!("NOT PROVEN: {rejection}"),
         };
         let summary = Summary::new(self.robot, self.settings, self.certificate);
         let about = match (&expected.motion, expected.any_obstacle_motion && summary.moves_obstacles()) {
@@ -161,7 +166,11 @@ impl Told<'_> {
         )
     }
 
-    fn json(&self, verified: &Result<Verified, Refusal>, expected: &Expected) -> String {
+    fn json(
+        &self,
+        verified: &Result<VerificationStatistics, Rejection>,
+        expected: &ExpectedMotion,
+    ) -> String {
         let told = expected.motion.is_some();
         match verified {
             Ok(v) => {
@@ -177,8 +186,8 @@ impl Told<'_> {
                 }
                 answer.to_string()
             }
-            Err(refusal) => {
-                json!({"verified": false, "reason": refusal.to_string(), "expected_motion_given": told})
+            Err(rejection) => {
+                json!({"verified": false, "reason": rejection.to_string(), "expected_motion_given": told})
                     .to_string()
             }
         }

@@ -1,41 +1,19 @@
-//! Results of verification.
+//! Reasons why a certificate is rejected.
 
 use clearance_geometry::ScaleError;
 use clearance_motion::CertificateError;
 
-use super::differences::Differences;
-
-/// Statistics of an accepted certificate.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Verified {
-    pub segments: usize,
-    /// Pairs of bodies, each apart throughout every segment.
-    pub pairs: usize,
-    /// Pairs proven apart on an interval.
-    pub proofs: usize,
-    /// Proofs for which boxes around the bodies were too rough, and their own corners were looked at.
-    pub exact_bounds: usize,
-    /// Pairs of triangles or primitives whose distance was looked at.
-    pub element_tests: u64,
-}
-
-impl Verified {
-    /// Counts what one more segment took.
-    pub(super) fn add(&mut self, segment: &Self) {
-        self.proofs += segment.proofs;
-        self.exact_bounds += segment.exact_bounds;
-        self.element_tests += segment.element_tests;
-    }
-}
+use super::CertificateDifferences;
 
 /// The differing part, or the candidates if the document does not contain enough to identify it.
-fn or(differences: &Differences, otherwise: &str) -> String {
+fn or(differences: &CertificateDifferences, otherwise: &str) -> String {
     if differences.is_empty() { otherwise.to_owned() } else { differences.to_string() }
 }
 
 /// Reason why a certificate was rejected: the first error found. Names of pairs are links and obstacles; lengths are in metres.
 #[derive(Debug, thiserror::Error)]
-pub enum Refusal {
+#[allow(missing_docs, reason = "the message of each variant describes it and its fields")]
+pub enum Rejection {
     #[error("padding is given for link '{0}', which the robot has not")]
     UnknownLink(String),
     #[error("padding of '{of}' is {value}, but must be a finite number of metres, zero or more")]
@@ -49,13 +27,13 @@ pub enum Refusal {
     #[error("it is about robot '{given}', not '{expected}'")]
     Robot { given: String, expected: String },
     #[error("it is about another model: {}", or(.0, "links, joints, shapes, paddings or pairs differ"))]
-    Model(Differences),
+    Model(CertificateDifferences),
     #[error("it is about another world: {}", or(.0, "obstacles or attached objects differ"))]
-    World(Differences),
+    World(CertificateDifferences),
     #[error("its list of parts does not fit its hashes: {}", or(.0, "their order differs"))]
-    Parts(Differences),
+    Parts(CertificateDifferences),
     #[error("it is about another motion: {0}")]
-    OtherMotion(Differences),
+    OtherMotion(CertificateDifferences),
     #[error("its tolerance is {0}, but must be a finite number of metres, more than zero")]
     Tolerance(f64),
     #[error("the hash of the motion does not fit the motion")]

@@ -5,80 +5,84 @@ use std::collections::HashSet;
 use clearance_motion::{Certificate, CertificateParts, shown};
 use clearance_robot::RobotModel;
 
-use super::Refusal;
-use super::differences::Differences;
+use super::CertificateDifferences;
+use super::Rejection;
+use super::body_pair::BodyPair;
 use super::segment_kinematics::SegmentKinematics;
-use super::subjects::Pair;
 
-/// What a certificate has to name.
+/// Fingerprints, parts and pairs that a certificate must contain.
 #[derive(Debug)]
-pub(super) struct Subject {
+pub(super) struct RequiredContent {
     pub model: String,
     pub world: String,
     pub parts: CertificateParts,
-    pub pairs: Vec<Pair>,
+    pub pairs: Vec<BodyPair>,
 }
 
-/// Rejects certificates of something else.
-pub(super) fn check(certificate: &Certificate, robot: &RobotModel, subject: &Subject) -> Result<(), Refusal> {
+/// Rejects certificates of another robot, world or set of pairs.
+pub(super) fn check(
+    certificate: &Certificate,
+    robot: &RobotModel,
+    required: &RequiredContent,
+) -> Result<(), Rejection> {
     if !certificate.has_known_format() {
-        return Err(Refusal::Format(shown(&certificate.format)));
+        return Err(Rejection::Format(shown(&certificate.format)));
     }
     if certificate.digest != certificate.content_hash() {
-        return Err(Refusal::Digest);
+        return Err(Rejection::Digest);
     }
     if certificate.robot != robot.name() {
         let (given, expected) = (shown(&certificate.robot), robot.name().to_owned());
-        return Err(Refusal::Robot { given, expected });
+        return Err(Rejection::Robot { given, expected });
     }
-    check_subject(certificate, subject)?;
+    check_robot_and_world(certificate, required)?;
     if let Some(tolerance) = certificate.tolerance.filter(|t| !(t.is_finite() && *t > 0.0)) {
-        return Err(Refusal::Tolerance(tolerance));
+        return Err(Rejection::Tolerance(tolerance));
     }
     if certificate.motion != certificate.motion_hash() {
-        return Err(Refusal::MotionHash);
+        return Err(Rejection::MotionHash);
     }
     check_joints(&certificate.joints, robot.position_names())?;
-    check_pairs(&certificate.pairs, &subject.pairs)?;
-    if certificate.segments.is_empty() { Err(Refusal::NoSegments) } else { Ok(()) }
+    check_pairs(&certificate.pairs, &required.pairs)?;
+    if certificate.segments.is_empty() { Err(Rejection::NoSegments) } else { Ok(()) }
 }
 
 /// Rejects another robot or another world. The hashes decide; the parts only describe the differences, and must not contradict the hashes.
-fn check_subject(certificate: &Certificate, subject: &Subject) -> Result<(), Refusal> {
-    let (mut models, mut worlds) = (Differences::default(), Differences::default());
+fn check_robot_and_world(certificate: &Certificate, required: &RequiredContent) -> Result<(), Rejection> {
+    let (mut models, mut worlds) = (CertificateDifferences::default(), CertificateDifferences::default());
     if let Some(parts) = &certificate.parts {
-        models.add_models(parts, &subject.parts);
-        worlds.add_worlds(parts, &subject.parts);
+        models.add_models(parts, &required.parts);
+        worlds.add_worlds(parts, &required.parts);
     }
-    let is_another = [certificate.model != subject.model, certificate.world != subject.world];
+    let is_another = [certificate.model != required.model, certificate.world != required.world];
     if is_another[0] {
-        // of pairs with obstacles the world decides
+        // pairs with obstacles depend on the world
         if models.is_empty() && !is_another[1] {
-            models.add_pairs(&certificate.pairs, &subject.pairs);
+            models.add_pairs(&certificate.pairs, &required.pairs);
         }
-        return Err(Refusal::Model(models));
+        return Err(Rejection::Model(models));
     }
     if is_another[1] {
-        return Err(Refusal::World(worlds));
+        return Err(Rejection::World(worlds));
     }
-    match certificate.parts.as_ref().filter(|parts| **parts != subject.parts) {
-        Some(_) if !models.is_empty() => Err(Refusal::Parts(models)),
-        Some(_) => Err(Refusal::Parts(worlds)),
+    match certificate.parts.as_ref().filter(|parts| **parts != required.parts) {
+        Some(_) if !models.is_empty() => Err(Rejection::Parts(models)),
+        Some(_) => Err(Rejection::Parts(worlds)),
         None => Ok(()),
     }
 }
 
-fn check_joints(given: &[String], expected: &[String]) -> Result<(), Refusal> {
+fn check_joints(given: &[String], expected: &[String]) -> Result<(), Rejection> {
     for place in 0..given.len().max(expected.len()) {
         let name = |list: &[String]| list.get(place).map(|name| shown(name)).unwrap_or_default();
         if given.get(place) != expected.get(place) {
-            return Err(Refusal::Joints { place, given: name(given), expected: name(expected) });
+            return Err(Rejection::Joints { place, given: name(given), expected: name(expected) });
         }
     }
     Ok(())
 }
 
-fn check_pairs(given: &[[String; 2]], expected: &[Pair]) -> Result<(), Refusal> {
+fn check_pairs(given: &[[String; 2]], expected: &[BodyPair]) -> Result<(), Rejection> {
     let same = given.len() == expected.len() && given.iter().zip(expected).all(|(g, e)| *g == e.names);
     if same {
         return Ok(());
@@ -86,16 +90,16 @@ fn check_pairs(given: &[[String; 2]], expected: &[Pair]) -> Result<(), Refusal> 
     let listed: HashSet<&[String; 2]> = given.iter().collect();
     if let Some(missing) = expected.iter().find(|e| !listed.contains(&e.names)) {
         let [a, b] = missing.names.clone();
-        return Err(Refusal::MissingPair(a, b));
+        return Err(Rejection::MissingPair(a, b));
     }
     let needed: HashSet<&[String; 2]> = expected.iter().map(|e| &e.names).collect();
     if let Some([a, b]) = given.iter().find(|g| !needed.contains(g)) {
-        return Err(Refusal::UnknownPair(shown(a), shown(b)));
+        return Err(Rejection::UnknownPair(shown(a), shown(b)));
     }
     let place = given.iter().zip(expected).position(|(g, e)| *g != e.names).unwrap_or(expected.len());
     let name = |names: Option<&[String; 2]>| names.map(|[a, b]| [shown(a), shown(b)]).unwrap_or_default();
     let expected = name(expected.get(place).map(|e| &e.names));
-    Err(Refusal::PairOrder { place, given: name(given.get(place)), expected })
+    Err(Rejection::PairOrder { place, given: name(given.get(place)), expected })
 }
 
 /// Rejects a segment whose ends are no valid configurations.
@@ -103,10 +107,10 @@ pub(super) fn check_ends(
     segment: usize,
     course: &SegmentKinematics,
     robot: &RobotModel,
-) -> Result<(), Refusal> {
+) -> Result<(), Rejection> {
     for t in [0.0, 1.0] {
         let end = course.motion.at(t);
-        robot.configuration(end.positions()).map_err(|error| Refusal::Configuration { segment, error })?;
+        robot.configuration(end.positions()).map_err(|error| Rejection::Configuration { segment, error })?;
     }
     Ok(())
 }

@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 use super::prover::prove;
 use super::scenes;
-use crate::{Expected, Refusal, Verifier, verify};
+use crate::{ExpectedMotion, Rejection, Verifier, verify};
 
 const TWO_LINK: &str = include_str!("../../../../urdf/two_link/two_link.urdf");
 
@@ -77,26 +77,26 @@ fn what_is_proven_is_accepted() {
     assert_eq!(verifier.verify(&read).unwrap(), found);
 }
 
-/// Changes a certificate, and says what the refusal must look like once the digest fits again.
-type Alteration = (&'static str, fn(&mut Certificate), fn(&Refusal) -> bool);
+/// Changes a certificate, and says what the rejection must look like once the digest fits again.
+type Alteration = (&'static str, fn(&mut Certificate), fn(&Rejection) -> bool);
 
 fn first_proof(c: &mut Certificate) -> &mut Proof {
     &mut c.segments[0].proofs[0]
 }
 
 const ALTERATIONS: &[Alteration] = &[
-    ("format", |c| c.format.push('2'), |r| matches!(r, Refusal::Format(_))),
-    ("robot", |c| c.robot.push('2'), |r| matches!(r, Refusal::Robot { .. })),
-    ("model", |c| c.model.replace_range(..1, "x"), |r| matches!(r, Refusal::Model(_))),
-    ("world", |c| c.world.replace_range(..1, "x"), |r| matches!(r, Refusal::World(_))),
-    ("motion hash", |c| c.motion.replace_range(..1, "x"), |r| matches!(r, Refusal::MotionHash)),
+    ("format", |c| c.format.push('2'), |r| matches!(r, Rejection::Format(_))),
+    ("robot", |c| c.robot.push('2'), |r| matches!(r, Rejection::Robot { .. })),
+    ("model", |c| c.model.replace_range(..1, "x"), |r| matches!(r, Rejection::Model(_))),
+    ("world", |c| c.world.replace_range(..1, "x"), |r| matches!(r, Rejection::World(_))),
+    ("motion hash", |c| c.motion.replace_range(..1, "x"), |r| matches!(r, Rejection::MotionHash)),
     (
         "joints swapped",
         |c| {
             c.joints.swap(0, 1);
             c.motion = c.motion_hash();
         },
-        |r| matches!(r, Refusal::Joints { place: 0, .. }),
+        |r| matches!(r, Rejection::Joints { place: 0, .. }),
     ),
     (
         "joint missing",
@@ -104,7 +104,7 @@ const ALTERATIONS: &[Alteration] = &[
             c.joints.pop();
             c.motion = c.motion_hash();
         },
-        |r| matches!(r, Refusal::Joints { place: 1, .. }),
+        |r| matches!(r, Rejection::Joints { place: 1, .. }),
     ),
     (
         "joint added",
@@ -112,34 +112,34 @@ const ALTERATIONS: &[Alteration] = &[
             c.joints.push("j".into());
             c.motion = c.motion_hash();
         },
-        |r| matches!(r, Refusal::Joints { place: 2, .. }),
+        |r| matches!(r, Rejection::Joints { place: 2, .. }),
     ),
     (
         "pair missing",
         |c| {
             c.pairs.remove(2);
         },
-        |r| matches!(r, Refusal::MissingPair(..)),
+        |r| matches!(r, Rejection::MissingPair(..)),
     ),
-    ("pair renamed", |c| c.pairs[1][0] = "x".into(), |r| matches!(r, Refusal::MissingPair(..))),
-    ("pair added", |c| c.pairs.push(["x".into(), "y".into()]), |r| matches!(r, Refusal::UnknownPair(..))),
+    ("pair renamed", |c| c.pairs[1][0] = "x".into(), |r| matches!(r, Rejection::MissingPair(..))),
+    ("pair added", |c| c.pairs.push(["x".into(), "y".into()]), |r| matches!(r, Rejection::UnknownPair(..))),
     (
         "pair twice",
         |c| {
             let p = c.pairs[0].clone();
             c.pairs.push(p);
         },
-        |r| matches!(r, Refusal::PairOrder { place: 7, .. }),
+        |r| matches!(r, Rejection::PairOrder { place: 7, .. }),
     ),
-    ("pairs swapped", |c| c.pairs.swap(1, 2), |r| matches!(r, Refusal::PairOrder { place: 1, .. })),
-    ("names swapped", |c| c.pairs[1].swap(0, 1), |r| matches!(r, Refusal::MissingPair(..))),
+    ("pairs swapped", |c| c.pairs.swap(1, 2), |r| matches!(r, Rejection::PairOrder { place: 1, .. })),
+    ("names swapped", |c| c.pairs[1].swap(0, 1), |r| matches!(r, Rejection::MissingPair(..))),
     (
         "no segments",
         |c| {
             c.segments.clear();
             c.motion = c.motion_hash();
         },
-        |r| matches!(r, Refusal::NoSegments),
+        |r| matches!(r, Rejection::NoSegments),
     ),
     (
         "segment missing",
@@ -147,17 +147,21 @@ const ALTERATIONS: &[Alteration] = &[
             c.segments.remove(1);
             c.motion = c.motion_hash();
         },
-        |r| matches!(r, Refusal::Jump { segment: 1, .. }),
+        |r| matches!(r, Rejection::Jump { segment: 1, .. }),
     ),
-    ("motion altered", |c| c.segments[0].motion.tube = vec![0.1, 0.1], |r| matches!(r, Refusal::MotionHash)),
-    ("ends apart", |c| shift_end(c, 1e-6), |r| matches!(r, Refusal::Jump { segment: 1, .. })),
+    (
+        "motion altered",
+        |c| c.segments[0].motion.tube = vec![0.1, 0.1],
+        |r| matches!(r, Rejection::MotionHash),
+    ),
+    ("ends apart", |c| shift_end(c, 1e-6), |r| matches!(r, Rejection::Jump { segment: 1, .. })),
     (
         "too long",
         |c| {
             c.segments[0].motion.from.as_mut().unwrap().push(0.0);
             c.motion = c.motion_hash();
         },
-        |r| matches!(r, Refusal::Motion { segment: 0, .. }),
+        |r| matches!(r, Rejection::Motion { segment: 0, .. }),
     ),
     (
         "no motion",
@@ -165,24 +169,24 @@ const ALTERATIONS: &[Alteration] = &[
             c.segments[0].motion.from = None;
             c.motion = c.motion_hash();
         },
-        |r| matches!(r, Refusal::Motion { segment: 0, .. }),
+        |r| matches!(r, Rejection::Motion { segment: 0, .. }),
     ),
-    ("no number", |c| shift_end(c, f64::NAN), |r| matches!(r, Refusal::Motion { segment: 0, .. })),
-    ("too far", |c| shift_end(c, 1e9), |r| matches!(r, Refusal::Motion { segment: 0, .. })),
+    ("no number", |c| shift_end(c, f64::NAN), |r| matches!(r, Rejection::Motion { segment: 0, .. })),
+    ("too far", |c| shift_end(c, 1e9), |r| matches!(r, Rejection::Motion { segment: 0, .. })),
     (
         "obstacle unknown",
         |c| with_obstacle(c, |o| o.name = "x".into()),
-        |r| matches!(r, Refusal::UnknownObstacle { segment: 0, .. }),
+        |r| matches!(r, Rejection::UnknownObstacle { segment: 0, .. }),
     ),
     (
         "obstacle faster",
         |c| with_obstacle(c, |o| o.linear[0] -= 0.1),
-        |r| matches!(r, Refusal::ObstacleJump { segment: 1, .. } | Refusal::Bound { .. }),
+        |r| matches!(r, Rejection::ObstacleJump { segment: 1, .. } | Rejection::Bound { .. }),
     ),
     (
         "obstacle turned",
         |c| with_obstacle(c, |o| o.start = Some(([0.0; 3], [9.0; 4]))),
-        |r| matches!(r, Refusal::Motion { segment: 0, .. }),
+        |r| matches!(r, Rejection::Motion { segment: 0, .. }),
     ),
     (
         "obstacle twice",
@@ -191,61 +195,61 @@ const ALTERATIONS: &[Alteration] = &[
             c.segments[0].motion.obstacles.push(o);
             c.motion = c.motion_hash();
         },
-        |r| matches!(r, Refusal::ObstacleTwice { segment: 0, .. }),
+        |r| matches!(r, Rejection::ObstacleTwice { segment: 0, .. }),
     ),
-    ("pair number", |c| first_proof(c).0 = 7, |r| matches!(r, Refusal::PairNumber { pair: 7, .. })),
-    ("another pair", |c| first_proof(c).0 = 1, |r| matches!(r, Refusal::Gap { .. })),
+    ("pair number", |c| first_proof(c).0 = 7, |r| matches!(r, Rejection::PairNumber { pair: 7, .. })),
+    ("another pair", |c| first_proof(c).0 = 1, |r| matches!(r, Rejection::Gap { .. })),
     (
         "backwards",
         |c| {
             let p = first_proof(c);
             (p.1, p.2) = (p.2, p.1);
         },
-        |r| matches!(r, Refusal::Interval { .. }),
+        |r| matches!(r, Rejection::Interval { .. }),
     ),
-    ("before the start", |c| first_proof(c).1 = -0.1, |r| matches!(r, Refusal::Interval { .. })),
+    ("before the start", |c| first_proof(c).1 = -0.1, |r| matches!(r, Rejection::Interval { .. })),
     (
         "after the end",
         |c| c.segments[0].proofs.last_mut().unwrap().2 = 1.1,
-        |r| matches!(r, Refusal::Interval { .. }),
+        |r| matches!(r, Rejection::Interval { .. }),
     ),
-    ("no interval", |c| first_proof(c).2 = f64::NAN, |r| matches!(r, Refusal::Interval { .. })),
-    ("later start", |c| first_proof(c).1 += 1e-12, |r| matches!(r, Refusal::Gap { .. })),
+    ("no interval", |c| first_proof(c).2 = f64::NAN, |r| matches!(r, Rejection::Interval { .. })),
+    ("later start", |c| first_proof(c).1 += 1e-12, |r| matches!(r, Rejection::Gap { .. })),
     (
         "earlier end",
         |c| c.segments[0].proofs.last_mut().unwrap().2 -= 1e-12,
-        |r| matches!(r, Refusal::Gap { .. }),
+        |r| matches!(r, Rejection::Gap { .. }),
     ),
     (
         "proof missing",
         |c| {
             c.segments[1].proofs.remove(3);
         },
-        |r| matches!(r, Refusal::Gap { segment: 1, .. }),
+        |r| matches!(r, Rejection::Gap { segment: 1, .. }),
     ),
-    ("no proofs", |c| c.segments[2].proofs.clear(), |r| matches!(r, Refusal::Gap { segment: 2, .. })),
-    ("lower raised", |c| first_proof(c).3 += 1e-6, |r| matches!(r, Refusal::Near { proof: 0, .. })),
-    ("lower endless", |c| first_proof(c).3 = f64::INFINITY, |r| matches!(r, Refusal::Lengths { .. })),
-    ("lower no number", |c| first_proof(c).3 = f64::NAN, |r| matches!(r, Refusal::Lengths { .. })),
+    ("no proofs", |c| c.segments[2].proofs.clear(), |r| matches!(r, Rejection::Gap { segment: 2, .. })),
+    ("lower raised", |c| first_proof(c).3 += 1e-6, |r| matches!(r, Rejection::Near { proof: 0, .. })),
+    ("lower endless", |c| first_proof(c).3 = f64::INFINITY, |r| matches!(r, Rejection::Lengths { .. })),
+    ("lower no number", |c| first_proof(c).3 = f64::NAN, |r| matches!(r, Rejection::Lengths { .. })),
     (
         "lower is bound",
         |c| {
             let p = first_proof(c);
             p.3 = p.4;
         },
-        |r| matches!(r, Refusal::Short { .. }),
+        |r| matches!(r, Rejection::Short { .. }),
     ),
-    ("bound lowered", |c| first_proof(c).4 *= 0.9, |r| matches!(r, Refusal::Bound { proof: 0, .. })),
-    ("bound zero", |c| first_proof(c).4 = 0.0, |r| matches!(r, Refusal::Bound { proof: 0, .. })),
-    ("bound negative", |c| first_proof(c).4 = -1.0, |r| matches!(r, Refusal::Lengths { .. })),
-    ("bound no number", |c| first_proof(c).4 = f64::NAN, |r| matches!(r, Refusal::Lengths { .. })),
+    ("bound lowered", |c| first_proof(c).4 *= 0.9, |r| matches!(r, Rejection::Bound { proof: 0, .. })),
+    ("bound zero", |c| first_proof(c).4 = 0.0, |r| matches!(r, Rejection::Bound { proof: 0, .. })),
+    ("bound negative", |c| first_proof(c).4 = -1.0, |r| matches!(r, Rejection::Lengths { .. })),
+    ("bound no number", |c| first_proof(c).4 = f64::NAN, |r| matches!(r, Rejection::Lengths { .. })),
     (
         "bound above lower",
         |c| {
             let p = first_proof(c);
             p.4 = p.3;
         },
-        |r| matches!(r, Refusal::Short { .. }),
+        |r| matches!(r, Rejection::Short { .. }),
     ),
     (
         "wider tube",
@@ -253,7 +257,7 @@ const ALTERATIONS: &[Alteration] = &[
             c.segments[2].motion.tube = vec![0.3, 0.3];
             c.motion = c.motion_hash();
         },
-        |r| matches!(r, Refusal::OpenJoin { segment: 2, .. }),
+        |r| matches!(r, Rejection::OpenJoin { segment: 2, .. }),
     ),
     (
         "tube negative",
@@ -261,7 +265,7 @@ const ALTERATIONS: &[Alteration] = &[
             c.segments[2].motion.tube = vec![-0.3, 0.3];
             c.motion = c.motion_hash();
         },
-        |r| matches!(r, Refusal::Motion { segment: 2, .. }),
+        |r| matches!(r, Rejection::Motion { segment: 2, .. }),
     ),
     (
         "bent more",
@@ -270,7 +274,7 @@ const ALTERATIONS: &[Alteration] = &[
             c.segments[1].motion.polynomials.as_mut().unwrap()[0][5] -= 0.3;
             c.motion = c.motion_hash();
         },
-        |r| matches!(r, Refusal::Bound { .. } | Refusal::Near { .. }),
+        |r| matches!(r, Rejection::Bound { .. } | Rejection::Near { .. }),
     ),
 ];
 
@@ -285,7 +289,7 @@ fn with_obstacle(c: &mut Certificate, change: impl Fn(&mut MovingObstacle)) {
 }
 
 #[test]
-fn whatever_is_altered_is_refused() {
+fn whatever_is_altered_is_rejected() {
     let (robot, world) = (two_link(), balls());
     let verifier = Verifier::new(&robot, &world, &settings(), None).unwrap();
     let certificate = prove(&verifier, &settings(), &tour(&robot)).unwrap();
@@ -293,16 +297,16 @@ fn whatever_is_altered_is_refused() {
         let mut altered = certificate.clone();
         alter(&mut altered);
         if *what != "format" {
-            let refusal = verifier.verify(&altered).unwrap_err();
-            assert!(matches!(refusal, Refusal::Digest), "{what}: {refusal}");
+            let rejection = verifier.verify(&altered).unwrap_err();
+            assert!(matches!(rejection, Rejection::Digest), "{what}: {rejection}");
         }
         altered.digest = altered.content_hash();
-        let refusal = verifier.verify(&altered).expect_err(what);
-        assert!(fits(&refusal), "{what}: {refusal:?}");
+        let rejection = verifier.verify(&altered).expect_err(what);
+        assert!(fits(&rejection), "{what}: {rejection:?}");
     }
     let mut altered = certificate.clone();
     altered.digest.replace_range(..1, "x");
-    assert!(matches!(verifier.verify(&altered), Err(Refusal::Digest)));
+    assert!(matches!(verifier.verify(&altered), Err(Rejection::Digest)));
 }
 
 #[test]
@@ -311,15 +315,15 @@ fn it_holds_for_one_robot_one_world_and_one_set_of_rules() {
     let verifier = Verifier::new(&robot, &world, &settings(), None).unwrap();
     let certificate = prove(&verifier, &settings(), &tour(&robot)).unwrap();
     let thinner = RobotModel::from_urdf(&TWO_LINK.replace("0.01", "0.009"), &MeshFiles::default()).unwrap();
-    let refused =
+    let rejected =
         |robot: &RobotModel, world: &World, settings: &Settings, matrix: Option<&AllowedCollisionMatrix>| {
             verify(robot, world, settings, matrix, &certificate).unwrap_err()
         };
-    assert!(matches!(refused(&thinner, &world, &settings(), None), Refusal::Model(_)));
+    assert!(matches!(rejected(&thinner, &world, &settings(), None), Rejection::Model(_)));
     let mut elsewhere = World::default();
     elsewhere.add(ball("still", [0.0, -2.5, 0.0])).unwrap();
     elsewhere.add(ball("comes", [3.0, 0.0, 0.5 + 1e-12])).unwrap();
-    assert!(matches!(refused(&robot, &elsewhere, &settings(), None), Refusal::World(_)));
+    assert!(matches!(rejected(&robot, &elsewhere, &settings(), None), Rejection::World(_)));
     for other in [
         Settings { padding: 0.02, ..settings() },
         Settings { link_padding: [("tip".to_owned(), 0.0)].into(), ..settings() },
@@ -328,20 +332,20 @@ fn it_holds_for_one_robot_one_world_and_one_set_of_rules() {
         Settings { check_world: false, ..settings() },
         Settings { mesh_model: MeshModel::Solid, ..settings() },
     ] {
-        assert!(matches!(refused(&robot, &world, &other, None), Refusal::Model(_)), "{other:?}");
+        assert!(matches!(rejected(&robot, &world, &other, None), Rejection::Model(_)), "{other:?}");
     }
     // without a matrix adjacent links are left out, with one they are not
     let matrix = AllowedCollisionMatrix::default();
-    assert!(matches!(refused(&robot, &world, &settings(), Some(&matrix)), Refusal::Model(_)));
+    assert!(matches!(rejected(&robot, &world, &settings(), Some(&matrix)), Rejection::Model(_)));
     let mut matrix = AllowedCollisionMatrix::default();
     for (a, b) in [("base", "upper"), ("upper", "tip"), ("still", "tip")] {
         matrix.set(a, b, true);
     }
-    assert!(matches!(refused(&robot, &world, &settings(), Some(&matrix)), Refusal::UnknownPair(..)));
+    assert!(matches!(rejected(&robot, &world, &settings(), Some(&matrix)), Rejection::UnknownPair(..)));
     let bad = Settings { padding: f64::NAN, ..settings() };
-    assert!(matches!(refused(&robot, &world, &bad, None), Refusal::BadPadding { .. }));
+    assert!(matches!(rejected(&robot, &world, &bad, None), Rejection::BadPadding { .. }));
     let bad = Settings { link_padding: [("x".to_owned(), 0.0)].into(), ..settings() };
-    assert!(matches!(refused(&robot, &world, &bad, None), Refusal::UnknownLink(_)));
+    assert!(matches!(rejected(&robot, &world, &bad, None), Rejection::UnknownLink(_)));
 }
 
 /// Changes a true certificate to one of another motion, as a forger would: all its fields are consistent, but it is not true.
@@ -370,8 +374,8 @@ fn assert_cannot_pass(
         let parts = 1 + u32::try_from(random.below(40)).unwrap();
         for segment in &mut forgery.segments {
             segment.proofs.clear();
-            for pair in 0..verifier.subject.pairs.len() {
-                let padding = verifier.subject.pairs[pair].padding;
+            for pair in 0..verifier.model.required.pairs.len() {
+                let padding = verifier.model.required.pairs[pair].padding;
                 let end = |k: u32| f64::from(k) / f64::from(parts);
                 let bound = [1e-9, 0.01, 0.5, 3.0][random.below(4)] * (1.0 + random.within(1.0));
                 let lower = bound + padding + [1e-8, 1e-3, 1.0][random.below(3)];
@@ -418,7 +422,10 @@ fn what_lies_inside_a_closed_mesh_is_refused_where_meshes_are_solid() {
         let free = checker.is_free(&motion[0].at(0.5), &mut checker.workspace());
         assert_eq!(free, mesh_model == MeshModel::Surface);
         let found = verifier.verify(&certificate);
-        assert!(matches!((&found, free), (Ok(_), true) | (Err(Refusal::Inside { .. }), false)), "{found:?}");
+        assert!(
+            matches!((&found, free), (Ok(_), true) | (Err(Rejection::Inside { .. }), false)),
+            "{found:?}"
+        );
     }
 }
 
@@ -437,13 +444,15 @@ fn random_motions() {
         let Ok(certificate) = prove(&verifier, &settings, &segments) else { continue };
         // its obstacles have moved already when it begins: accepted only if that is expected
         let motion = Some(Trajectory::of_segments(segments.to_vec()).unwrap());
-        verifier.verify_expected(&certificate, &Expected { motion, ..Expected::default() }).unwrap();
+        verifier
+            .verify_expected(&certificate, &ExpectedMotion { motion, ..ExpectedMotion::default() })
+            .unwrap();
         let displaced =
             segments[0].obstacles().iter().any(|mover| mover.displacement(0.0) != Pose::identity());
         let strictly = verifier.verify(&certificate);
         assert!(matches!(
             (&strictly, displaced),
-            (Ok(_), false) | (Err(Refusal::ObstacleStart { .. }), true)
+            (Ok(_), false) | (Err(Rejection::ObstacleStart { .. }), true)
         ));
         accepted += 1;
         if segments[0].obstacles().is_empty() {
@@ -474,5 +483,5 @@ fn larger_bodies_are_verified_as_large_as_they_are() {
         assert!(own.is_err() || verifier.verify(&own.unwrap()).is_ok());
     }
     let bad = Settings { link_scale: [("tip".to_owned(), -1.0)].into(), ..settings() };
-    assert!(matches!(Verifier::new(&robot, &world, &bad, None), Err(Refusal::CannotScale { .. })));
+    assert!(matches!(Verifier::new(&robot, &world, &bad, None), Err(Rejection::CannotScale { .. })));
 }

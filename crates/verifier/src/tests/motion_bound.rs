@@ -10,8 +10,9 @@ use clearance_scene::{AttachedObject, Obstacle, ObstacleId, World};
 
 use super::scenes::{ALL_KINDS, motion, plane, point_of, robot, world};
 use crate::Verifier;
+use crate::proof_interval::ProofInterval;
 use crate::segment_kinematics::SegmentKinematics;
-use crate::verifier::{Interval, Pass};
+use crate::segment_verifier::SegmentVerifier;
 
 /// Where a body is at t, the robot anywhere in its tube.
 struct Scene<'s> {
@@ -46,8 +47,8 @@ impl Scene<'_> {
 }
 
 /// Random points of both bodies, each in its body's frame.
-fn point_pairs(random: &mut Random, pass: &Pass, pair: usize) -> Vec<[Point; 2]> {
-    let bodies = pass.bodies(pair).map(|(_, body, _)| body);
+fn point_pairs(random: &mut Random, segment_verifier: &SegmentVerifier, pair: usize) -> Vec<[Point; 2]> {
+    let bodies = segment_verifier.bodies(pair).map(|(_, body, _)| body);
     let mut point = |i: usize| {
         let elements = bodies[i].elements();
         let element = &elements[random.below(elements.len())];
@@ -62,23 +63,23 @@ fn worst(random: &mut Random, extent: f64) -> f64 {
     let world = world(random, 0.5);
     let motion = motion(random, &robot, extent);
     let verifier = Verifier::new(&robot, &world, &Settings::default(), None).unwrap();
-    let course = SegmentKinematics::new(&robot, &world, 0, motion.clone()).unwrap();
-    let mut pass = Pass::new(&verifier, 0, &course);
+    let kinematics = SegmentKinematics::new(&robot, &world, 0, motion.clone()).unwrap();
+    let mut segment_verifier = SegmentVerifier::new(&verifier.model, 0, &kinematics);
     let mut scene =
         Scene { robot: &robot, world: &world, motion: &motion, poses: LinkPoses::new(&robot), t: 0.0 };
     let from = random.within(0.5) + 0.5;
     let to = (from + random.within(0.4).abs() * random.within(1.0).abs()).min(1.0);
-    let interval = Interval::new(from, to);
-    pass.go_to(interval);
+    let interval = ProofInterval::new(from, to);
+    segment_verifier.go_to(interval);
     let mut worst: f64 = 0.0;
-    for pair in 0..verifier.subject.pairs.len() {
-        pass.place(pair);
-        let rough = pass.bound(pair, interval, false);
-        let exact = pass.bound(pair, interval, true);
+    for pair in 0..verifier.model.required.pairs.len() {
+        segment_verifier.place(pair);
+        let rough = segment_verifier.bound(pair, interval, false);
+        let exact = segment_verifier.bound(pair, interval, true);
         // polygons around discs may stick out of the box: both hold
         let exact = exact.min(rough);
-        let points = point_pairs(random, &pass, pair);
-        let indices = pass.bodies(pair).map(|(index, ..)| index);
+        let points = point_pairs(random, &segment_verifier, pair);
+        let indices = segment_verifier.bodies(pair).map(|(index, ..)| index);
         let distances = |scene: &Scene| {
             let poses = indices.map(|i| scene.pose(i));
             points
@@ -156,16 +157,17 @@ fn worst_before_planes(
     motion: &MotionSegment,
 ) -> f64 {
     let verifier = Verifier::new(robot, world, &Settings::default(), None).unwrap();
-    let course = SegmentKinematics::new(robot, world, 0, motion.clone()).unwrap();
-    let mut pass = Pass::new(&verifier, 0, &course);
-    let interval = Interval::new(0.2, 0.2 + 0.8 * random.within(1.0).abs());
-    pass.go_to(interval);
+    let kinematics = SegmentKinematics::new(robot, world, 0, motion.clone()).unwrap();
+    let mut segment_verifier = SegmentVerifier::new(&verifier.model, 0, &kinematics);
+    let interval = ProofInterval::new(0.2, 0.2 + 0.8 * random.within(1.0).abs());
+    segment_verifier.go_to(interval);
     let mut scene = Scene { robot, world, motion, poses: LinkPoses::new(robot), t: 0.0 };
     let mut worst: f64 = 0.0;
-    for pair in 0..verifier.subject.pairs.len() {
-        pass.place(pair);
-        let bound = pass.bound(pair, interval, true).min(pass.bound(pair, interval, false));
-        let both = pass.bodies(pair);
+    for pair in 0..verifier.model.required.pairs.len() {
+        segment_verifier.place(pair);
+        let bound =
+            segment_verifier.bound(pair, interval, true).min(segment_verifier.bound(pair, interval, false));
+        let both = segment_verifier.bodies(pair);
         let Some(side) = both.iter().position(|(_, body, _)| !body.planes().is_empty()) else { continue };
         let ((at, wall, _), (other, body, _)) = (both[side], both[1 - side]);
         let points: Vec<Point> = (0..4).map(|_| point_of(random, &body.elements()[0])).collect();

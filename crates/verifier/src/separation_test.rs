@@ -4,14 +4,14 @@ use clearance_geometry::Plane;
 use clearance_geometry::math::{Extremes, MatrixPose, UnitVector, Vector};
 
 use super::body::{Body, Content, Node};
-use super::direction;
 use super::element::{gap, gap_of_supports};
+use super::separating_direction;
 
 /// Maximum number of steps of the search for a direction between two nodes: beyond it, their children are tested instead.
 const MOST_STEPS: usize = 30;
 
 /// State of a separation test.
-pub(super) struct Apart<'b> {
+pub(super) struct SeparationTest<'b> {
     a: &'b Body,
     b: &'b Body,
     pose_ab: MatrixPose,
@@ -25,17 +25,17 @@ pub(super) struct Apart<'b> {
     pub element_tests: u64,
 }
 
-impl<'b> Apart<'b> {
-    /// Two bodies at a pose; `hint` is a direction, in the frame of a, along which they may be apart.
+impl<'b> SeparationTest<'b> {
+    /// Two bodies at a pose.
     pub fn new(a: &'b Body, b: &'b Body, pose_ab: MatrixPose, target: f64) -> Self {
         let spread = pose_ab.rotation.abs();
         let zero = [Vector::zeros(); 2];
-        let mut apart = Self { a, b, pose_ab, spread, target, n: zero, n_abs: zero, element_tests: 0 };
+        let mut test = Self { a, b, pose_ab, spread, target, n: zero, n_abs: zero, element_tests: 0 };
         if let (Some(x), Some(y)) = (a.root(), b.root()) {
-            let between = &apart.pose_ab * y.centre - x.centre;
-            apart.look_along(between.try_normalize(0.0).unwrap_or(Vector::x()));
+            let between = &test.pose_ab * y.centre - x.centre;
+            test.look_along(between.try_normalize(0.0).unwrap_or(Vector::x()));
         }
-        apart
+        test
     }
 
     /// True if all elements and planes are proven at least the target apart.
@@ -107,7 +107,8 @@ impl<'b> Apart<'b> {
 
     /// True if some direction separates all elements below one node from all below the other.
     fn hulls_apart(&mut self, i: usize, j: usize) -> bool {
-        let found = direction::steps(|n| self.look(i, j, n), self.n[0], 0.0, self.target, MOST_STEPS);
+        let found =
+            separating_direction::steps(|n| self.look(i, j, n), self.n[0], 0.0, self.target, MOST_STEPS);
         let Some(n) = found.filter(|n| self.look(i, j, n).0 >= self.target) else { return false };
         self.look_along(n);
         true
@@ -129,7 +130,7 @@ impl<'b> Apart<'b> {
         if gap(e, f, &self.pose_ab, &self.n[0]) >= self.target {
             return true;
         }
-        match direction::find(e, f, &self.pose_ab, self.target) {
+        match separating_direction::find(e, f, &self.pose_ab, self.target) {
             Some(n) => self.look_along(n),
             None => return false,
         }

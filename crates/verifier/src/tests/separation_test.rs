@@ -10,12 +10,12 @@ use clearance_scene::{Obstacle, ObstacleShape, World};
 use std::sync::Arc;
 
 use super::scenes::{grains, mesh, plane, point_of, primitive};
-use crate::apart::Apart;
 use crate::body::Body;
 use crate::element::{Element, gap};
+use crate::separation_test::SeparationTest;
 
 fn proven(a: &Body, b: &Body, pose_ab: &Pose, target: f64) -> bool {
-    Apart::new(a, b, MatrixPose::from(pose_ab), target).prove()
+    SeparationTest::new(a, b, MatrixPose::from(pose_ab), target).prove()
 }
 
 fn shapes(random: &mut Random, extent: f64) -> Vec<(Pose, Shape)> {
@@ -145,7 +145,7 @@ fn the_best_direction_is_found() {
         }
         if best > 1e-4 * scale {
             apart += 1;
-            let found = crate::direction::find(e, f, &pose, best - 1e-9);
+            let found = crate::separating_direction::find(e, f, &pose, best - 1e-9);
             assert!(found.is_some(), "{best} {e:?} {f:?}");
         }
     }

@@ -99,15 +99,15 @@ impl Side<'_> {
     }
 }
 
-/// A pair and how it moves.
+/// The motion of a pair of bodies within an interval.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Approach<'m> {
+pub(super) struct PairMotion<'m> {
     pub bodies: [&'m Body; 2],
     pub placed: [&'m Placed; 2],
     pub sides: [Side<'m>; 2],
 }
 
-impl Approach<'_> {
+impl PairMotion<'_> {
     /// Maximum decrease (m) of the distance within `half_width` of the middle; `exact` uses the bodies, otherwise their boxes are used.
     pub fn bound(&self, lines: &[Line], rates: &[Rate], half_width: f64, exact: bool) -> f64 {
         if !self.sides.iter().all(|side| side.is_sound(lines, rates)) {

@@ -5,19 +5,19 @@ use std::fmt;
 
 use clearance_motion::{BodyPart, CertificateParts, JointPart, shown};
 
-use super::subjects::Pair;
+use super::body_pair::BodyPair;
 
 /// Maximum number of differences listed in a message.
 const MOST_LISTED: usize = 8;
 
 /// Differences, the first few of which are listed by name.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Differences {
+pub struct CertificateDifferences {
     listed: Vec<String>,
     more: usize,
 }
 
-impl Differences {
+impl CertificateDifferences {
     pub(super) fn add(&mut self, difference: impl FnOnce() -> String) {
         if self.listed.len() < MOST_LISTED {
             self.listed.push(difference());
@@ -26,6 +26,7 @@ impl Differences {
         }
     }
 
+    /// True if there is no difference.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.listed.is_empty()
@@ -57,7 +58,7 @@ impl Differences {
     }
 
     /// Pairs of bodies that only one of the two contains.
-    pub(super) fn add_pairs(&mut self, given: &[[String; 2]], expected: &[Pair]) {
+    pub(super) fn add_pairs(&mut self, given: &[[String; 2]], expected: &[BodyPair]) {
         let there: HashSet<&[String; 2]> = given.iter().collect();
         let here: HashSet<&[String; 2]> = expected.iter().map(|pair| &pair.names).collect();
         for pair in expected.iter().filter(|pair| !there.contains(&pair.names)) {
@@ -112,7 +113,7 @@ fn yes(choice: bool) -> &'static str {
     if choice { "yes" } else { "no" }
 }
 
-impl fmt::Display for Differences {
+impl fmt::Display for CertificateDifferences {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.listed.join("; "))?;
         if self.more > 0 {
