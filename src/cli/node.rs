@@ -55,7 +55,7 @@ pub fn run(args: &NodeArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
     let priority = ThreadPriority::allowed(parameters.use_realtime_priority).map_err(failure)?;
     let announcement = announce(Environment::of_process().map_err(Failure::input)?, priority)?;
     let meshes = MeshLog::default();
-    let mesh_files = args.model.mesh_files().noted_in(meshes.clone());
+    let mesh_files = args.model.mesh_files().with_log(meshes.clone());
     let robot = match args.model.urdf {
         // the node logs its warnings
         Some(_) => Some(args.model.load_quietly(&mesh_files)?),

@@ -9,7 +9,7 @@ use clearance::motion::{Certificate, MotionSegment, MovingObstacle, Trajectory, 
 use clearance::robot::{Configuration, MeshFiles, RobotModel};
 use clearance::scene::{BodyId, Settings};
 use clearance::scene::{Obstacle, World};
-use clearance::verifier::{Refusal, verify};
+use clearance::verifier::{Rejection, verify};
 use std::f64::consts::PI;
 use std::path::Path;
 use std::sync::Arc;
@@ -369,7 +369,7 @@ fn altered_certificates_are_refused() {
     let resealed = |change: &dyn Fn(&mut Certificate)| {
         let mut altered = certificate.clone();
         change(&mut altered);
-        assert!(matches!(verdict(&altered), Err(Refusal::Digest)), "the old digest");
+        assert!(matches!(verdict(&altered), Err(Rejection::Digest)), "the old digest");
         altered.motion = altered.motion_hash();
         altered.digest = altered.content_hash();
         altered

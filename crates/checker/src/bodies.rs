@@ -6,7 +6,7 @@ use std::sync::Arc;
 use clearance_geometry::math::{Extremes, MatrixPose, Pose};
 use clearance_geometry::{ScaleError, Shape};
 use clearance_proximity::CollisionBody;
-use clearance_robot::{Chain, Frame, LinkId, LinkInBody, PathsToRoot, RobotModel, TravelRates};
+use clearance_robot::{Chain, DisplacementRates, Frame, LinkId, LinkInBody, PathsToRoot, RobotModel};
 use clearance_scene::{AttachedObject, ObstacleShape, World};
 use rayon::prelude::*;
 
@@ -188,7 +188,11 @@ pub(super) fn capsule_pairs(robot_bodies: &[RobotBody], infos: &[PairInfo]) -> C
 }
 
 /// Bounds on the motion of bodies when joints move, relative to each other and to the world.
-pub(super) fn travel_rates(robot: &RobotModel, chain: &Chain, robot_bodies: &[RobotBody]) -> TravelRates {
+pub(super) fn travel_rates(
+    robot: &RobotModel,
+    chain: &Chain,
+    robot_bodies: &[RobotBody],
+) -> DisplacementRates {
     let mut reach = vec![0.0_f64; chain.body_count()];
     for RobotBody { body, capsule, .. } in robot_bodies {
         let ends = [capsule.a, capsule.b].map(|p| p.coords.norm());
@@ -199,7 +203,7 @@ pub(super) fn travel_rates(robot: &RobotModel, chain: &Chain, robot_bodies: &[Ro
         Some((robot.first_position(j)?, [limits.lower, limits.upper]))
     });
     let ranges: HashMap<usize, [f64; 2]> = limited.collect();
-    chain.travel_rates(&reach, |index| ranges.get(&index).copied())
+    chain.displacement_rates(&reach, |index| ranges.get(&index).copied())
 }
 
 /// By pair: the number of joints on either side of the lowest common ancestor of its bodies.

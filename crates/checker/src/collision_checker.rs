@@ -8,7 +8,7 @@ use clearance_geometry::math::Extremes;
 use clearance_geometry::simd::LANES;
 use clearance_motion::CertificateParts;
 use clearance_proximity::Scratch;
-use clearance_robot::{Chain, PathsToRoot, PlacedFrame, RobotModel, TravelRates};
+use clearance_robot::{Chain, DisplacementRates, PathsToRoot, PlacedFrame, RobotModel};
 use clearance_scene::AllowedCollisionMatrix;
 use clearance_scene::World;
 
@@ -57,7 +57,7 @@ pub struct CollisionChecker {
     pub(super) joints_between: Vec<[u32; 2]>,
     pub(super) ways: Ways,
     /// Bounds on how far bodies move when joints move.
-    pub(super) rates: TravelRates,
+    pub(super) rates: DisplacementRates,
     pub(super) reachable: Reachable,
     pub(super) obstacles: Obstacles,
     /// Parts that are to be tested against obstacles; computed at the first query.

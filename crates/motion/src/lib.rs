@@ -9,6 +9,7 @@
 //! | direction of rotation of a continuous joint | [`ContinuousDirection`] |
 //! | a proof that a motion is free, as a document | [`Certificate`] |
 
+#![warn(missing_docs)]
 // minimum and maximum of floating-point numbers, see `math/extremes.rs` of clearance-geometry
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 

@@ -341,8 +341,8 @@ impl MotionSegment {
     /// The maximum absolute value of a position, tolerance included.
     #[must_use]
     pub fn range(&self, position: usize) -> f64 {
-        let Deviation { most, off, .. } = self.deviation(position, 0.5, 0.5);
-        value(&self.positions[position], 0.5).abs() + most + off
+        let Deviation { most, tolerance, .. } = self.deviation(position, 0.5, 0.5);
+        value(&self.positions[position], 0.5).abs() + most + tolerance
     }
 
     /// Writes the positions at t.
@@ -383,14 +383,14 @@ impl MotionSegment {
     pub fn deviation(&self, position: usize, middle: f64, half_width: f64) -> Deviation {
         let p = &self.positions[position];
         let latest = middle + half_width;
-        let off = self.tube.get(position).copied().unwrap_or(0.0)
+        let tolerance = self.tube.get(position).copied().unwrap_or(0.0)
             + self.spread.get(position).map_or(0.0, |a| 0.5 * a * latest * latest);
         if self.is_straight {
-            return Deviation { velocity: p[1], most: half_width * p[1].abs(), bent: 0.0, off };
+            return Deviation { velocity: p[1], most: half_width * p[1].abs(), curvature: 0.0, tolerance };
         }
         let c = taylor(p, middle);
-        let bent = (2..6).rev().fold(0.0, |sum, j| (sum + c[j].abs()) * half_width) * half_width;
-        Deviation { velocity: c[1], most: half_width * c[1].abs() + bent, bent, off }
+        let curvature = (2..6).rev().fold(0.0, |sum, j| (sum + c[j].abs()) * half_width) * half_width;
+        Deviation { velocity: c[1], most: half_width * c[1].abs() + curvature, curvature, tolerance }
     }
 
     /// As it stands in a file.

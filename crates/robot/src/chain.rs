@@ -16,24 +16,24 @@
 //! Rotations are not renormalised: a step's columns have an error of a few roundings of 1.1e-16, which add up to less than 1e-11 over a
 //! chain of 10,000 joints.
 
-mod approach;
 mod compile;
+mod displacement_rates;
 mod kinematic_path;
+mod motion_bound;
 mod one_state;
 mod reachable_region;
-mod travel;
 
 use std::ops::Mul;
 
 use clearance_geometry::math::{MatrixPose, Pose, RotationMatrix, UnitVector, Vector};
 use clearance_geometry::simd::{Real, sin_cos};
 
-pub use approach::Approach;
+pub use displacement_rates::DisplacementRates;
 pub use kinematic_path::{Deviation, Deviations, KinematicPath, PathsToRoot, Reach, SideMotion};
+pub use motion_bound::MotionBound;
 use one_state::EightSources;
 pub use one_state::{Columns, PlacedFrame};
 pub use reachable_region::ReachableRegion;
-pub use travel::TravelRates;
 
 /// A rotation, as its columns, and a translation: a frame's axes and origin in another frame.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,10 +1,10 @@
 //! Indices that identify links and joints inside the library; names are used only in input and output.
 
-/// A link of one [`RobotModel`](super::RobotModel): its index in the URDF's order.
+/// A link of one `RobotModel`: its index in the URDF's order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct LinkId(pub u32);
 
-/// A joint of one [`RobotModel`](super::RobotModel): its index in the URDF's order.
+/// A joint of one `RobotModel`: its index in the URDF's order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct JointId(pub u32);
 

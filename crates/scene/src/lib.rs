@@ -14,6 +14,7 @@
 //! is rejected, and is not taken as the planning frame. APPEND of a single shape to an object uses the shape's pose unchanged. Rejected
 //! parts of a message leave a [`Gap`], which makes the state UNKNOWN.
 
+#![warn(missing_docs)]
 // minimum and maximum of floating-point numbers, see `math/extremes.rs` of clearance-geometry
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 

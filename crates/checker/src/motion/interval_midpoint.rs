@@ -5,7 +5,7 @@ use clearance_geometry::math::{Extremes, MatrixPose, UnitVector, Vector};
 use clearance_geometry::simd::dispatch;
 use clearance_motion::{MotionSegment, MovingObstacle};
 use clearance_proximity::Scratch;
-use clearance_robot::{Approach, Deviation, Deviations, PlacedFrame, Reach, SideMotion};
+use clearance_robot::{Deviation, Deviations, MotionBound, PlacedFrame, Reach, SideMotion};
 
 use crate::bodies::RobotBody;
 use crate::collision_checker::CollisionChecker;
@@ -44,7 +44,7 @@ pub fn of_whole_interval(segment: &MotionSegment, [from, to]: [f64; 2]) -> impl 
 /// A pair in the middle of an interval.
 pub struct IntervalMidpoint<'c> {
     pub pair: Pair<'c>,
-    pub approach: Approach,
+    pub approach: MotionBound,
     /// Lower bound (m) on the bodies' distance, padding not subtracted, from their capsules.
     pub lower: f64,
 }
@@ -117,7 +117,7 @@ impl CollisionChecker {
             Some(mover) => of_obstacle(mover, &reaches[1], &around),
             None => side(1),
         };
-        let approach = Approach::new(&[side(0), second], &reaches, half_width, segment.size());
+        let approach = MotionBound::new(&[side(0), second], &reaches, half_width, segment.size());
         IntervalMidpoint { pair, approach, lower }
     }
 

@@ -70,7 +70,7 @@ struct Off<'s>(&'s MotionSegment);
 
 impl Deviations for Off<'_> {
     fn of(&self, position: usize) -> Deviation {
-        Deviation { off: self.0.tube().get(position).copied().unwrap_or(0.0), ..Deviation::default() }
+        Deviation { tolerance: self.0.tube().get(position).copied().unwrap_or(0.0), ..Deviation::default() }
     }
 
     fn half_width(&self) -> f64 {
@@ -257,7 +257,7 @@ impl CollisionChecker {
         let motion = |part: usize| {
             let reach = self.reach_of(part, &frames[self.robot_bodies[part].body].frame());
             let moved = self.chain.side_motion(self.to_root(part).side(0), &reach, &frames, &whole);
-            up((moved.way + moved.off) * (1.0 + MOTION_SLACK) + MOTION_SLACK)
+            up((moved.path_length + moved.tolerance) * (1.0 + MOTION_SLACK) + MOTION_SLACK)
         };
         self.screen_obstacles(segment, |body, _| frames[body].frame(), motion, workspace, found);
         workspace.frames = frames;

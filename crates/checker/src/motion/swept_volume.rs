@@ -50,7 +50,7 @@ impl CollisionChecker {
                 let motion = of_whole_interval(segment, t);
                 let moved = self.chain.side_motion(between.side(0), &reach, frames, &motion);
                 let [a, b] = reach.ends.map(Point::from);
-                let radius = (reach.radius + moved.way + moved.off) * (1.0 + 1e-9) + 1e-9;
+                let radius = (reach.radius + moved.path_length + moved.tolerance) * (1.0 + 1e-9) + 1e-9;
                 volumes.push(SweptVolume { body: robot_body.id, t, a, b, radius });
             }
         }

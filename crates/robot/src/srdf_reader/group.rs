@@ -5,7 +5,7 @@ use std::collections::{BTreeSet, HashMap};
 use roxmltree::Node;
 
 use super::{Group, Reader};
-use crate::numbers::shortened;
+use crate::decimal_numbers::shortened;
 use crate::xml::{is_foreign, own_children};
 use crate::{JointId, LinkId};
 

@@ -12,14 +12,14 @@ use super::{Chain, Source, Step};
 
 /// For each position of a robot: maximum change (m) of any distance per unit of the position.
 #[derive(Clone, Debug, Default)]
-pub struct TravelRates {
+pub struct DisplacementRates {
     /// Position index, and rate in metres per radian or per metre.
     rates: Vec<(usize, f64)>,
     /// Positions that lengthen the chain, and the ranges in which the rates hold.
     ranges: Vec<(usize, [f64; 2])>,
 }
 
-impl TravelRates {
+impl DisplacementRates {
     /// Upper bound (m) on the change of any distance between two points of the robot or its world between two states; infinite where
     /// there is no bound.
     #[must_use]
@@ -41,8 +41,12 @@ impl Chain {
     /// The rates for bodies whose points are within `reach` (m, by body) of the bodies' origins; `range` gives the limits of a position,
     /// `None` where there are none.
     #[must_use]
-    pub fn travel_rates(&self, reach: &[f64], range: impl Fn(usize) -> Option<[f64; 2]>) -> TravelRates {
-        let mut travel = TravelRates::default();
+    pub fn displacement_rates(
+        &self,
+        reach: &[f64],
+        range: impl Fn(usize) -> Option<[f64; 2]>,
+    ) -> DisplacementRates {
+        let mut travel = DisplacementRates::default();
         // maximum distance of all points beyond a body from its origin, for any joint positions
         let mut extent = reach.to_vec();
         for (i, body) in self.bodies.iter().enumerate().rev() {
@@ -71,7 +75,7 @@ impl Chain {
     }
 }
 
-impl TravelRates {
+impl DisplacementRates {
     fn add(&mut self, index: usize, rate: f64) {
         match self.rates.iter_mut().find(|(i, _)| *i == index) {
             Some((_, known)) => *known += rate,
@@ -102,7 +106,7 @@ mod tests {
             let (joints, count, needed) = random_tree(&mut random, 9);
             let chain = Chain::compile(0, &joints, &needed);
             let reach: Vec<f64> = (0..chain.body_count()).map(|_| random.within(0.3).abs()).collect();
-            let rates = chain.travel_rates(&reach, |_| Some([-5.0, 5.0]));
+            let rates = chain.displacement_rates(&reach, |_| Some([-5.0, 5.0]));
             let from = random_positions(&mut random, &joints, count);
             let to = near(&from, &joints, &mut random);
             let bound = rates.between(&from, &to);
@@ -127,7 +131,8 @@ mod tests {
         let motion = Motion::Prismatic(Vector::x_axis(), slide);
         let joint =
             ChainJoint { parent: 0, child: 1, pose_pj: clearance_geometry::math::Pose::identity(), motion };
-        let rates = Chain::compile(0, &[joint], &[true; 2]).travel_rates(&[1.0; 2], |_| Some([0.0, 1.0]));
+        let rates =
+            Chain::compile(0, &[joint], &[true; 2]).displacement_rates(&[1.0; 2], |_| Some([0.0, 1.0]));
         assert!((rates.between(&[0.25], &[0.75]) - 0.5).abs() < 1e-9);
         assert_eq!(rates.between(&[0.25], &[1.25]), f64::INFINITY);
         assert_eq!(rates.between(&[0.25], &[f64::NAN]), f64::INFINITY);

@@ -2,8 +2,8 @@
 
 use std::path::{Component, Path, PathBuf};
 
-use super::mesh_files::MeshFileError;
-use super::numbers::shortened;
+use super::decimal_numbers::shortened;
+use super::mesh_file_error::MeshFileError;
 
 /// A mesh name, decoded and normalised.
 #[derive(Clone, Debug, PartialEq, Eq)]

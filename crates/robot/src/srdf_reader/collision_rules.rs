@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use roxmltree::Node;
 
 use super::{DisabledPair, Reader};
-use crate::numbers::shortened;
+use crate::decimal_numbers::shortened;
 use crate::similar_names::nearest;
 use crate::xml::{is_foreign, own_children};
 use crate::{Fault, LinkId};

@@ -5,15 +5,16 @@ use std::collections::HashMap;
 use clearance_geometry::math::{Pose, Rotation, UnitVector, Vector, pose_from_xyz_rpy};
 use clearance_geometry::{Primitive, PrimitiveError, Shape};
 
+use super::decimal_numbers::shortened;
 use super::joint::{Joint, JointKind, Limits, Mimic};
+use super::kinematic_tree::{Tree, TreeError};
 use super::loaded_mesh::MeshCache;
-use super::mesh_files::{MeshFileError, MeshFiles};
+use super::mesh_file_error::MeshFileError;
+use super::mesh_files::MeshFiles;
 use super::missing_meshes::MissingMeshes;
 use super::model::{Collision, Link, MeshSource, ModelError, RobotModel};
-use super::numbers::shortened;
-use super::tree::{Tree, TreeError};
 use super::urdf_validation::{CollisionNotes, JointNotes, LinkNotes, ValidUrdf};
-use super::{Fault, JointId, LinkId, Place, Warning, mimic, pair_limit};
+use super::{Fault, JointId, LinkId, Place, Warning, mimic_resolution, pair_limit};
 
 /// Builds a robot from the output of `urdf-rs` for the validated text.
 ///
@@ -31,7 +32,7 @@ pub(super) fn build(
         }));
     }
     let mut joints = joints(robot, &sound)?;
-    let remarks = mimic::resolve(&mut joints)
+    let remarks = mimic_resolution::resolve(&mut joints)
         .map_err(|e| Fault { place: place(&sound, e.joint), message: e.message })?;
     let remarks = remarks.into_iter().map(|r| Warning { place: place(&sound, r.joint), message: r.message });
     sound.warnings.extend(remarks.collect::<Vec<_>>());
@@ -193,7 +194,7 @@ fn links(
         for (collision, notes) in link.collision.iter().zip(&notes.collisions) {
             match read_collision(collision, notes, &mut meshes, warnings) {
                 Ok(collision) => collisions.push(collision),
-                Err(ShapeError::Mesh(error)) if missing.note(collision, &error, &notes.place) => {}
+                Err(ShapeError::Mesh(error)) if missing.record(collision, &error, &notes.place) => {}
                 Err(error) => faults.push(Fault { place: notes.place.clone(), message: error.to_string() }),
             }
         }

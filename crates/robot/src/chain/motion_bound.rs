@@ -7,22 +7,22 @@ use super::{Reach, SideMotion};
 
 /// Upper bound on the decrease of a pair's distance within an interval, and within parts of the interval around its middle.
 #[derive(Clone, Copy, Debug)]
-pub struct Approach {
+pub struct MotionBound {
     /// W, without tolerances.
-    way: f64,
+    path_length: f64,
     /// Half the width times the relative speed.
     speed: f64,
     /// Remainders of the bound of first order.
-    bent: f64,
+    curvature: f64,
     /// Contribution of tolerances to both bounds.
-    off: f64,
+    tolerance: f64,
     /// Remainders that do not shrink with the interval, since tolerances do not.
-    stiff: f64,
+    fixed_remainder: f64,
     /// Error of the kinematics.
     rounding: f64,
 }
 
-impl Approach {
+impl MotionBound {
     /// Bound for two bodies with these motions and reaches, in an interval of this half width; no position is ever larger than `size`
     /// (rad, m). Where numbers overflow the bound is infinite.
     #[must_use]
@@ -32,59 +32,71 @@ impl Approach {
         let (velocity, angular) = (b.velocity - a.velocity, b.angular - a.angular);
         let speed =
             reaches.iter().map(|reach| reach.speed(&velocity, &angular)).fold(f64::INFINITY, f64::lesser);
-        let off = a.off + b.off;
+        let tolerance = a.tolerance + b.tolerance;
         let remainder = a.remainder + b.remainder;
-        let (bent, stiff) = if off > 0.0 { (0.0, remainder) } else { (remainder, 0.0) };
+        let (curvature, fixed_remainder) = if tolerance > 0.0 { (0.0, remainder) } else { (remainder, 0.0) };
         let extent = reaches.iter().map(Reach::extent).sum::<f64>() + a.extent + b.extent;
         // before the offset of a mimic joint or the displacement of an obstacle cancels large values, these were rounded
         let rounding = KINEMATICS_ROUNDING * ((10.0 + size) * extent + 10.0 * size);
         let found = Self {
-            way: a.way + b.way,
+            path_length: a.path_length + b.path_length,
             speed: half_width * speed,
-            bent: bent + a.bent + b.bent,
-            off,
-            stiff,
+            curvature: curvature + a.curvature + b.curvature,
+            tolerance,
+            fixed_remainder,
             rounding,
         };
-        let Self { way, speed, bent, off, stiff, rounding } = found;
-        if (way + speed + bent + off + stiff + rounding).is_finite() { found } else { Self::ANY }
+        let Self { path_length, speed, curvature, tolerance, fixed_remainder, rounding } = found;
+        if (path_length + speed + curvature + tolerance + fixed_remainder + rounding).is_finite() {
+            found
+        } else {
+            Self::ANY
+        }
     }
 
     /// Infinite: there is no bound.
-    const ANY: Self =
-        Self { way: f64::INFINITY, speed: f64::INFINITY, bent: 0.0, off: 0.0, stiff: 0.0, rounding: 0.0 };
+    const ANY: Self = Self {
+        path_length: f64::INFINITY,
+        speed: f64::INFINITY,
+        curvature: 0.0,
+        tolerance: 0.0,
+        fixed_remainder: 0.0,
+        rounding: 0.0,
+    };
 
     /// The maximum decrease (m) of the pair's distance within a central part of the interval, given as a fraction of its width.
     #[must_use]
     #[inline]
     pub fn within(&self, share: f64) -> f64 {
-        let first = share * (self.speed + share * self.bent) + self.stiff;
-        ((share * self.way).lesser(first) + self.off) * (1.0 + MOTION_SLACK) + MOTION_SLACK + self.rounding
+        let first = share * (self.speed + share * self.curvature) + self.fixed_remainder;
+        ((share * self.path_length).lesser(first) + self.tolerance) * (1.0 + MOTION_SLACK)
+            + MOTION_SLACK
+            + self.rounding
     }
 
     /// The part of that bound (m) that shrinks with the interval.
     #[must_use]
     #[inline]
     pub fn motion(&self) -> f64 {
-        self.way.lesser(self.speed + self.bent)
+        self.path_length.lesser(self.speed + self.curvature)
     }
 
     /// The fraction of the interval in which the pair's distance decreases by less than `room` (m).
     #[must_use]
     #[inline]
     pub fn share(&self, room: f64) -> f64 {
-        let room = room * (1.0 - 2.0 * MOTION_SLACK) - 2.0 * MOTION_SLACK - self.rounding - self.off;
+        let room = room * (1.0 - 2.0 * MOTION_SLACK) - 2.0 * MOTION_SLACK - self.rounding - self.tolerance;
         // NaN proves nothing
         if room.is_nan() || room <= 0.0 {
             return 0.0;
         }
-        let of_way = room / self.way;
-        let rest = room - self.stiff;
-        // the positive root of bent s² + speed s = rest, stable for small bent
-        let root = (self.speed * self.speed + 4.0 * self.bent * rest).sqrt();
-        let of_first = if rest > 0.0 { 2.0 * rest / (self.speed + root) } else { 0.0 };
+        let by_path_length = room / self.path_length;
+        let rest = room - self.fixed_remainder;
+        // the positive root of curvature s² + speed s = rest, stable for small curvature
+        let root = (self.speed * self.speed + 4.0 * self.curvature * rest).sqrt();
+        let by_first_order = if rest > 0.0 { 2.0 * rest / (self.speed + root) } else { 0.0 };
         // without motion, the whole interval
-        if self.way == 0.0 { 1.0 } else { of_way.greater(of_first).clamp(0.0, 1.0) }
+        if self.path_length == 0.0 { 1.0 } else { by_path_length.greater(by_first_order).clamp(0.0, 1.0) }
     }
 }
 
@@ -100,7 +112,7 @@ mod tests {
     struct Wave {
         middle: Vec<f64>,
         numbers: Vec<[f64; 3]>,
-        off: Vec<f64>,
+        tolerance: Vec<f64>,
         half_width: f64,
         /// By first position of a floating joint: its rotation.
         turns: Vec<(usize, UnitVector, f64)>,
@@ -109,12 +121,12 @@ mod tests {
     impl Deviations for Wave {
         fn of(&self, position: usize) -> Deviation {
             let ([a, b, c], h) = (self.numbers[position].map(f64::abs), self.half_width);
-            let bent = b * h * h + c * h * h * h;
+            let curvature = b * h * h + c * h * h * h;
             Deviation {
                 velocity: self.numbers[position][0],
-                most: a * h + bent,
-                bent,
-                off: self.off[position],
+                most: a * h + curvature,
+                curvature,
+                tolerance: self.tolerance[position],
             }
         }
 
@@ -138,7 +150,7 @@ mod tests {
                     .iter()
                     .map(|_| [random.within(size), random.within(bend), random.within(bend)])
                     .collect(),
-                off: middle.iter().map(|_| random.within(loose).abs()).collect(),
+                tolerance: middle.iter().map(|_| random.within(loose).abs()).collect(),
                 middle,
                 half_width: random.within(0.5).abs() + 0.01,
                 turns: Vec::new(),
@@ -147,7 +159,7 @@ mod tests {
                 if let Motion::Floating(first) = joint.motion {
                     wave.turns.push((first, random.direction(), random.within(2.0 * size)));
                     wave.numbers[first + 3..first + 7].fill([0.0; 3]);
-                    wave.off[first..first + 7].fill(0.0);
+                    wave.tolerance[first..first + 7].fill(0.0);
                 }
             }
             wave
@@ -157,8 +169,8 @@ mod tests {
         fn at(&self, t: f64, random: &mut Random) -> Vec<f64> {
             let along = |(q, [a, b, c]): (&f64, &[f64; 3])| q + t * (a + t * (b + t * c));
             let mut positions: Vec<f64> = self.middle.iter().zip(&self.numbers).map(along).collect();
-            for (position, off) in positions.iter_mut().zip(&self.off) {
-                *position += random.within(*off);
+            for (position, tolerance) in positions.iter_mut().zip(&self.tolerance) {
+                *position += random.within(*tolerance);
             }
             for (first, axis, angle) in &self.turns {
                 let q = &self.middle[first + 3..first + 7];
@@ -179,7 +191,7 @@ mod tests {
         joints.iter().any(|other| matches!(other.motion, Motion::Floating(first) if holds(first)))
     }
 
-    fn approach(chain: &Chain, bodies: [usize; 2], capsules: &[Reach; 2], wave: &Wave) -> Approach {
+    fn approach(chain: &Chain, bodies: [usize; 2], capsules: &[Reach; 2], wave: &Wave) -> MotionBound {
         let ways = chain.paths_to_root();
         let common = ways.common_depths(bodies[0])[bodies[1]];
         let between = ways.between(bodies, bodies.map(|body| ways.depth(body) - common));
@@ -193,7 +205,7 @@ mod tests {
             radius: capsules[i].radius,
         });
         let sides = [0, 1].map(|i| chain.side_motion(between.side(i), &reaches[i], &seen, wave));
-        Approach::new(&sides, &reaches, wave.half_width, 10.0)
+        MotionBound::new(&sides, &reaches, wave.half_width, 10.0)
     }
 
     fn point_in(capsule: &Reach, random: &mut Random) -> Vector {

@@ -5,6 +5,7 @@ use std::collections::{HashMap, HashSet};
 
 use clearance_geometry::math::Extremes;
 
+use super::configuration_error::MimicContradiction;
 use super::joint::{JointKind, Mimic};
 use super::name_length::check_name_length;
 use super::{Configuration, ConfigurationError, JointId, RobotModel};
@@ -42,32 +43,11 @@ struct Follower {
     position: Option<usize>,
 }
 
-/// Error: the value of a mimic joint disagrees with its leader.
-#[derive(Clone, Debug, PartialEq)]
-pub struct MimicContradiction {
-    pub joint: String,
-    /// `position`, `velocity` or `acceleration`.
-    pub what: &'static str,
-    pub given: f64,
-    pub leader: String,
-    pub of_leader: f64,
-    /// The value that follows from the leader.
-    pub expected: f64,
-    /// The named mimic joint, with its value, that determines the leader's value; none if the leader's value is given directly.
-    pub from: Option<(String, f64)>,
-}
-
-impl std::fmt::Display for MimicContradiction {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { joint, what, given, leader, of_leader, expected, from } = self;
-        let from = from.as_ref().map(|(name, value)| format!(" (because '{name}' has {value})"));
-        let from = from.unwrap_or_default();
-        write!(
-            f,
-            "joint '{joint}' is given {what} {given}, but it mimics '{leader}', whose {what} {of_leader}{from} makes that {expected}: \
-             leave '{joint}' out, or give values that agree"
-        )
-    }
+/// The value of a leader, and the value of its mimic joint that follows from it.
+#[derive(Clone, Copy, Debug)]
+struct LeaderValue {
+    of_leader: f64,
+    expected: f64,
 }
 
 impl RobotModel {
@@ -180,7 +160,7 @@ impl NamedJoints<'_> {
         for follower in &self.followers {
             let of_leader = follower.position.map_or(0.0, |position| q.positions()[position]);
             let expected = follower.mimic.multiplier * of_leader + follower.mimic.offset;
-            self.check_agreement("position", follower, values, (of_leader, expected), 1.0)?;
+            self.check_agreement("position", follower, values, LeaderValue { of_leader, expected }, 1.0)?;
         }
         Ok(q)
     }
@@ -209,7 +189,7 @@ impl NamedJoints<'_> {
         for follower in &self.followers {
             let of_leader = follower.position.and_then(|position| rates[position]).unwrap_or(0.0);
             let expected = follower.mimic.multiplier * of_leader;
-            self.check_agreement(what, follower, values, (of_leader, expected), scale)?;
+            self.check_agreement(what, follower, values, LeaderValue { of_leader, expected }, scale)?;
         }
         Ok(rates)
     }
@@ -262,7 +242,7 @@ impl NamedJoints<'_> {
         what: &'static str,
         follower: &Follower,
         values: &[f64],
-        (of_leader, expected): (f64, f64),
+        LeaderValue { of_leader, expected }: LeaderValue,
         scale: f64,
     ) -> Result<(), ConfigurationError> {
         let given = values[follower.value];

@@ -10,7 +10,7 @@ use roxmltree::Node;
 
 use super::Validator;
 use crate::Warning;
-use crate::numbers::shortened;
+use crate::decimal_numbers::shortened;
 use crate::similar_names::nearest;
 use crate::xml::{is_foreign, only_text};
 

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 /// Number of occurrences by kind, and the line of the first one.
 #[derive(Debug, Default)]
-pub(super) struct Tally(BTreeMap<&'static str, (usize, Option<u32>)>);
+pub(super) struct RemarkCounter(BTreeMap<&'static str, (usize, Option<u32>)>);
 
-impl Tally {
+impl RemarkCounter {
     /// Counts one more of `what`, a clause that follows a number.
     pub fn add(&mut self, what: &'static str, line: Option<u32>) {
         self.0.entry(what).or_insert((0, line)).0 += 1;

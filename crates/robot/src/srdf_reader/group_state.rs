@@ -6,7 +6,7 @@ use roxmltree::Node;
 
 use super::{Group, Reader};
 use crate::JointKind;
-use crate::numbers::{decimal, shortened};
+use crate::decimal_numbers::{decimal, shortened};
 use crate::xml::own_children;
 
 /// Maximum number of remarks on named states; a thoroughly wrong text has thousands.
