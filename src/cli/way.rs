@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use clearance::input_files::{self, STATES_LIMIT};
 use clearance::motion::{
-    ContinuousDirection, MotionSegment, ObstacleTrajectory, Trajectory, TrajectoryTextError, shortest_way,
+    ContinuousDirection, MotionSegment, ObstacleTrajectory, Trajectory, TrajectoryTextError, shortest_turns,
 };
 use clearance::robot::{Configuration, RobotModel};
 use clearance::scene::World;
@@ -118,7 +118,7 @@ impl WayArgs {
         if self.continuous == Continuous::AsGiven {
             return Ok(ends);
         }
-        let (ends, held) = shortest_way(robot, ends.to_vec()).map_err(Failure::input)?;
+        let (ends, held) = shortest_turns(robot, ends.to_vec()).map_err(Failure::input)?;
         match (held.into_iter().next(), <[Configuration; 2]>::try_from(ends)) {
             (None, Ok(ends)) => Ok(ends),
             (Some(held), _) => Err(Failure::Input(format!("--continuous shortest: {held}"))),
@@ -161,7 +161,7 @@ fn trajectory(
     let file = path.display();
     let bad = |e: &dyn std::fmt::Display| Failure::Input(format!("{file}: {e}"));
     let text = input_files::read_text(path, STATES_LIMIT).map_err(Failure::input)?;
-    let read = Trajectory::from_yaml_going(robot, &text, &robot.default_configuration(), direction);
+    let read = Trajectory::from_yaml_with_direction(robot, &text, &robot.default_configuration(), direction);
     let (way, remarks) = read.map_err(|e| match e {
         TrajectoryTextError::Text(_) => bad(&format!("{e} (a trajectory is {TRAJECTORY})")),
         TrajectoryTextError::Trajectory(_) | TrajectoryTextError::Start(_) => bad(&e),

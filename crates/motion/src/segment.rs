@@ -44,6 +44,7 @@ pub struct Turn {
 
 /// Reason why numbers are not a valid motion.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the message of each variant describes it and its fields")]
 pub enum SegmentError {
     #[error("the motion has {given} positions, but the robot has {expected}")]
     WrongLength { given: usize, expected: usize },
@@ -84,8 +85,10 @@ pub struct SegmentText {
     /// Alternatively, a polynomial for each position, the constant first.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub polynomials: Option<Vec<[f64; 6]>>,
+    /// Motion of obstacles, by name; others keep their poses.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub obstacles: Vec<MovingObstacle>,
+    /// Tolerance (rad, m) of each position; empty without tolerances.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub tube: Vec<f64>,
 }
@@ -272,16 +275,19 @@ impl MotionSegment {
         self.size
     }
 
+    /// Number of positions of a configuration.
     #[must_use]
     pub fn position_count(&self) -> usize {
         self.positions.len()
     }
 
+    /// The obstacles that move in this segment.
     #[must_use]
     pub fn obstacles(&self) -> &[MovingObstacle] {
         &self.obstacles
     }
 
+    /// Tolerance (rad, m) of each position; empty without tolerances.
     #[must_use]
     pub fn tube(&self) -> &[f64] {
         &self.tube

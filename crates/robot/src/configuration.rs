@@ -10,6 +10,7 @@ use super::{ConfigurationError, JointId, RobotModel};
 pub struct Configuration(Vec<f64>);
 
 impl Configuration {
+    /// The positions (rad, m), in the order of [`RobotModel::position_names`].
     #[must_use]
     #[inline]
     pub fn positions(&self) -> &[f64] {

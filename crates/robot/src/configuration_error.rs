@@ -4,6 +4,7 @@ use clearance_geometry::constants::LARGEST_COORDINATE;
 
 /// Reason why numbers are not a valid configuration.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the message of each variant describes it and its fields")]
 pub enum ConfigurationError {
     #[error("{given} positions given, but the robot has {expected}: {names}")]
     WrongLength { given: usize, expected: usize, names: String },
@@ -42,11 +43,15 @@ pub enum ConfigurationError {
 /// Error: the value of a mimic joint disagrees with its leader.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MimicContradiction {
+    /// Name of the mimic joint.
     pub joint: String,
     /// `position`, `velocity` or `acceleration`.
     pub what: &'static str,
+    /// Value given for the mimic joint.
     pub given: f64,
+    /// Name of the joint that it mimics.
     pub leader: String,
+    /// Value of the leader.
     pub of_leader: f64,
     /// The value that follows from the leader.
     pub expected: f64,

@@ -5,7 +5,9 @@ use clearance_files::readable_text::on_one_line;
 /// A location in an input: file, line, and the element concerned. Any part may be unknown.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Place {
+    /// Name of the file.
     pub file: Option<String>,
+    /// Line number, from 1.
     pub line: Option<u32>,
     /// Such as `link 'arm' collision 'tip'` or `joint 'j1'`.
     pub element: Option<String>,
@@ -14,7 +16,9 @@ pub struct Place {
 /// An error in an input: location, cause, and what to do.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fault {
+    /// Location of the error.
     pub place: Place,
+    /// Cause of the error, and what to do.
     pub message: String,
 }
 

@@ -9,6 +9,7 @@ pub struct LinkId(pub u32);
 pub struct JointId(pub u32);
 
 impl LinkId {
+    /// The index, from 0.
     #[must_use]
     pub fn index(self) -> usize {
         self.0 as usize
@@ -16,6 +17,7 @@ impl LinkId {
 }
 
 impl JointId {
+    /// The index, from 0.
     #[must_use]
     pub fn index(self) -> usize {
         self.0 as usize

@@ -1,6 +1,6 @@
 //! Robot models: links and joints from URDF and SRDF, and the poses of the links for given joint positions.
 
-#![warn(missing_docs)]
+#![deny(missing_docs)]
 // minimum and maximum of floating-point numbers, see `math/extremes.rs` of clearance-geometry
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 

@@ -18,6 +18,7 @@ use super::mesh_formats::{self, mesh_memory};
 /// A loaded mesh: scaled, in metres, with remarks about it.
 #[derive(Clone, Debug)]
 pub struct LoadedMesh {
+    /// The triangles, in the frame of the file and in metres.
     pub mesh: Arc<TriangleMesh>,
     /// Complete sentences that name the file.
     pub remarks: Vec<String>,

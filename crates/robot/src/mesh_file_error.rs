@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 /// Errors of mesh look-up.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs, reason = "the message of each variant describes it and its fields")]
 pub enum MeshFileError {
     #[error("mesh '{uri}' {reason}")]
     BadName { uri: String, reason: String },

@@ -11,9 +11,13 @@ use super::{Fault, Place, srdf_reader, urdf_reader, urdf_validation};
 /// The texts that describe a robot; names are the names of their files, for messages.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RobotText<'t> {
+    /// Text of the URDF.
     pub urdf: &'t str,
+    /// File name of the URDF.
     pub urdf_name: Option<&'t str>,
+    /// Text of the SRDF.
     pub srdf: Option<&'t str>,
+    /// File name of the SRDF.
     pub srdf_name: Option<&'t str>,
 }
 

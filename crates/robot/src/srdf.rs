@@ -5,6 +5,7 @@ use super::ids::{JointId, LinkId};
 /// An SRDF with its names resolved; entries about links and joints that the robot does not have are left out.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Srdf {
+    /// Name of the robot.
     pub robot_name: String,
     /// Pairs never checked; each pair once, the link that comes first in the URDF first.
     pub disabled_pairs: Vec<DisabledPair>,
@@ -12,15 +13,20 @@ pub struct Srdf {
     pub enabled_pairs: Vec<(LinkId, LinkId)>,
     /// Links with `<disable_default_collisions>`: they may touch every link, unless a pair is named.
     pub unchecked_by_default: Vec<LinkId>,
+    /// Named groups of joints and links.
     pub groups: Vec<Group>,
+    /// Virtual joints, in the order of the text.
     pub virtual_joints: Vec<VirtualJoint>,
+    /// Passive joints: not driven, but their positions are read.
     pub passive_joints: Vec<JointId>,
 }
 
 /// Two links that are never checked against each other, with the reason given in the SRDF.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DisabledPair {
+    /// The link that comes first in the URDF.
     pub a: LinkId,
+    /// The other link.
     pub b: LinkId,
     /// Such as `Adjacent` or `Never`; may be empty.
     pub reason: String,
@@ -29,7 +35,9 @@ pub struct DisabledPair {
 /// A named set of joints and links, in the URDF's order; chains and subgroups are resolved.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Group {
+    /// Name of the group.
     pub name: String,
+    /// The joints of the group.
     pub joints: Vec<JointId>,
     /// The child links of the joints, and links the group names by themselves.
     pub links: Vec<LinkId>,
@@ -38,9 +46,12 @@ pub struct Group {
 /// The pose of the robot's root in a frame outside of the robot.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct VirtualJoint {
+    /// Name of the joint.
     pub name: String,
     /// `fixed`, `floating` or `planar`.
     pub kind: String,
+    /// The frame outside of the robot.
     pub parent_frame: String,
+    /// The link whose pose the joint gives.
     pub child_link: LinkId,
 }

@@ -57,7 +57,9 @@ pub trait Deviations {
 /// All points within `radius` of a segment, in the frame of the ancestor.
 #[derive(Clone, Copy, Debug)]
 pub struct Reach {
+    /// End points (m) of the segment.
     pub ends: [Vector; 2],
+    /// Radius (m).
     pub radius: f64,
 }
 
@@ -76,10 +78,12 @@ pub struct SideMotion {
     pub extent: f64,
     /// Velocity (per unit of t) of the body point at the ancestor's origin, and angular velocity.
     pub velocity: Vector,
+    /// Angular velocity (rad per unit of t).
     pub angular: Vector,
 }
 
 impl Chain {
+    /// The kinematic paths of all bodies to the root.
     #[must_use]
     #[inline]
     pub fn paths_to_root(&self) -> PathsToRoot {

@@ -3,38 +3,42 @@
 use clearance_geometry::math::Pose;
 
 use super::Time;
-use super::transform_tree::{Ancestor, Known, Transform, TransformTree};
+use super::frame_ancestor::Ancestor;
+use super::transform::{StoredTransform, Transform};
 
 /// Path from a frame `reference` up to the first common ancestor, and down to a frame `frame`.
 #[derive(Clone, Debug)]
-pub struct Way<'t> {
-    tree: &'t TransformTree,
+pub struct FramePath<'t> {
     /// The reference and its ancestors, up to the common ancestor.
     of_reference: Vec<Ancestor<'t>>,
     /// The frame and its ancestors, up to the common ancestor.
     of_frame: Vec<Ancestor<'t>>,
 }
 
-/// A frame that is published repeatedly.
+/// A frame on a path whose transform is published repeatedly.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Link<'t> {
+pub struct PathLink<'t> {
+    /// Name of the frame.
     pub name: &'t str,
     /// Its pose in its parent.
     pub pose_pf: Pose,
+    /// Stamp of its latest transform.
     pub stamp: Time,
 }
 
-impl<'t> Way<'t> {
-    /// `None` if the two are not connected.
-    pub(super) fn find(tree: &'t TransformTree, reference: &'t str, frame: &'t str) -> Option<Self> {
-        let [mut of_reference, mut of_frame] = [reference, frame].map(|frame| tree.ancestors(frame));
+impl<'t> FramePath<'t> {
+    /// The path between two frames, given with all their ancestors; `None` if the two are not connected.
+    pub(super) fn between(
+        mut of_reference: Vec<Ancestor<'t>>,
+        mut of_frame: Vec<Ancestor<'t>>,
+    ) -> Option<Self> {
         let (above, below) = of_frame
             .iter()
             .enumerate()
             .find_map(|(i, a)| Some((i, of_reference.iter().position(|r| r.name == a.name)?)))?;
         of_reference.truncate(below + 1);
         of_frame.truncate(above + 1);
-        Some(Self { tree, of_reference, of_frame })
+        Some(Self { of_reference, of_frame })
     }
 
     /// Pose of the frame in the reference.
@@ -57,21 +61,21 @@ impl<'t> Way<'t> {
     }
 
     /// The frames on the path that are published repeatedly.
-    pub fn live_links(&self) -> impl Iterator<Item = Link<'t>> {
-        let below = [&self.of_reference, &self.of_frame].into_iter().flat_map(|way| &way[..way.len() - 1]);
-        let known = below.filter_map(|ancestor| Some((ancestor.name, self.tree.known(ancestor.name)?)));
-        known.filter(|(_, known)| known.is_alive).filter_map(|(name, Known { transform, .. })| {
+    pub fn live_links(&self) -> impl Iterator<Item = PathLink<'t>> {
+        let below = [&self.of_reference, &self.of_frame].into_iter().flat_map(|side| &side[..side.len() - 1]);
+        let known = below.filter_map(|ancestor| Some((ancestor.name, ancestor.transform?)));
+        known.filter(|(_, known)| known.is_alive).filter_map(|(name, StoredTransform { transform, .. })| {
             let Transform { pose_pf, stamp, .. } = transform;
-            Some(Link { name, pose_pf: *pose_pf, stamp: (*stamp)? })
+            Some(PathLink { name, pose_pf: *pose_pf, stamp: (*stamp)? })
         })
     }
 
     /// Pose of the frame in the reference, if a frame on the path had another pose in its parent.
     #[must_use]
-    pub fn pose_if(&self, (link, pose_pf): (&str, &Pose)) -> Pose {
-        let [of_reference, of_frame] = [&self.of_reference, &self.of_frame].map(|way| {
-            let links = &way[..way.len() - 1];
-            links.iter().fold(Pose::identity(), |pose, ancestor| match self.tree.known(ancestor.name) {
+    pub fn pose_with(&self, link: &str, pose_pf: &Pose) -> Pose {
+        let [of_reference, of_frame] = [&self.of_reference, &self.of_frame].map(|side| {
+            let links = &side[..side.len() - 1];
+            links.iter().fold(Pose::identity(), |pose, ancestor| match ancestor.transform {
                 _ if ancestor.name == link => pose_pf * pose,
                 Some(known) => known.transform.pose_pf * pose,
                 None => pose,
@@ -82,6 +86,6 @@ impl<'t> Way<'t> {
 
     /// The first common ancestor, as reached from each of the two frames.
     fn ends(&self) -> [&Ancestor<'t>; 2] {
-        [&self.of_reference, &self.of_frame].map(|way| &way[way.len() - 1])
+        [&self.of_reference, &self.of_frame].map(|side| &side[side.len() - 1])
     }
 }

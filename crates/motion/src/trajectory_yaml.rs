@@ -3,19 +3,7 @@
 use clearance_robot::{Configuration, RobotModel};
 
 use super::trajectory_document::TrajectoryDocument;
-use super::{ContinuousDirection, MotionSegment, StartMismatch, Trajectory, TrajectoryError};
-
-/// Reason why a text is not a trajectory.
-#[derive(Debug, thiserror::Error)]
-pub enum TrajectoryTextError {
-    /// The message of the parser contains the location.
-    #[error("{0}")]
-    Text(String),
-    #[error(transparent)]
-    Trajectory(#[from] TrajectoryError),
-    #[error(transparent)]
-    Start(#[from] StartMismatch),
-}
+use super::{ContinuousDirection, MotionSegment, Trajectory, TrajectoryTextError};
 
 impl Trajectory {
     /// Reads a `trajectory_msgs/JointTrajectory`, also within a `moveit_msgs/RobotTrajectory` or `DisplayTrajectory`; joints that it does
@@ -25,11 +13,11 @@ impl Trajectory {
         text: &str,
         rest: &Configuration,
     ) -> Result<Self, TrajectoryTextError> {
-        Ok(Self::from_yaml_going(robot, text, rest, ContinuousDirection::AsGiven)?.0)
+        Ok(Self::from_yaml_with_direction(robot, text, rest, ContinuousDirection::AsGiven)?.0)
     }
 
     /// As above, with the given direction of continuous joints between points, and with remarks on the text.
-    pub fn from_yaml_going(
+    pub fn from_yaml_with_direction(
         robot: &RobotModel,
         text: &str,
         rest: &Configuration,
@@ -37,11 +25,11 @@ impl Trajectory {
     ) -> Result<(Self, Vec<String>), TrajectoryTextError> {
         let TrajectoryDocument { joint_names, points, rest, start, mut remarks } =
             TrajectoryDocument::read(text, robot, rest)?;
-        let way = Self::from_points_going(robot, &joint_names, &points, &rest, direction)?;
-        match (start, way.segments().first().map(MotionSegment::ends)) {
+        let trajectory = Self::from_points_with_direction(robot, &joint_names, &points, &rest, direction)?;
+        match (start, trajectory.segments().first().map(MotionSegment::ends)) {
             (Some(start), Some([first, _])) => start.check(robot, &first, direction)?,
-            _ => remarks.extend(way.late_start_note()),
+            _ => remarks.extend(trajectory.late_start_note()),
         }
-        Ok((way, remarks))
+        Ok((trajectory, remarks))
     }
 }

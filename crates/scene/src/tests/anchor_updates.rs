@@ -9,13 +9,13 @@ fn drive(cell: &mut Cell, x: f64) -> bool {
         pose_pf: at(x, 0.0, 0.0),
         stamp: Some(seconds(99.9 + 1e-3 * x)),
     };
-    cell.transforms.note("base", transform("odom", x));
-    cell.transforms.note("odom", Transform { stamp: None, ..transform("map", 0.0) });
-    let is_due = cell.scene.grounds(&cell.robot).are_elsewhere(&cell.transforms);
+    cell.transforms.insert("base", transform("odom", x));
+    cell.transforms.insert("odom", Transform { stamp: None, ..transform("map", 0.0) });
+    let is_due = cell.scene.anchor_frames(&cell.robot).are_elsewhere(&cell.transforms);
     let context = SceneContext::new(&cell.robot, None, &cell.transforms, Some(seconds(100.0)), 1.0);
-    let moved = cell.scene.follow_frames(&context);
+    let moved = cell.scene.follow_anchor_frames(&context);
     assert!(is_due || !moved);
-    assert!(!cell.scene.grounds(&cell.robot).are_elsewhere(&cell.transforms));
+    assert!(!cell.scene.anchor_frames(&cell.robot).are_elsewhere(&cell.transforms));
     moved
 }
 
@@ -63,13 +63,13 @@ fn transform(parent: &str, x: f64, stamp: Option<f64>) -> Transform {
 }
 
 fn is_lost(cell: &Cell) -> bool {
-    cell.scene.grounds(&cell.robot).lost(&cell.transforms).is_some()
+    cell.scene.anchor_frames(&cell.robot).root_pose_loss(&cell.transforms).is_some()
 }
 
 #[test]
 fn what_stands_below_the_planning_frame_waits_for_the_root_to_be_found_there() {
     let mut cell = on_wheels();
-    cell.transforms.note("shelf", transform("map", 4.0, None));
+    cell.transforms.insert("shelf", transform("map", 4.0, None));
     cell.object(add("box", "shelf", at(1.0, 0.0, 0.0))).unwrap();
     cell.object(add("lid", "box", at(0.0, 0.0, 1.0))).unwrap();
     assert_eq!(cell.places("lid"), [[5.0, 0.0, 1.0]]);
@@ -114,7 +114,7 @@ fn clouds_stay_in_the_room_until_the_next_one() {
     assert_eq!(cell.places("points"), [[5.0, 0.0, 0.0]]);
     cell.scene.set_sensed("points", None);
     assert!(!drive(&mut cell, 3.0));
-    assert!(cell.scene.grounds(&cell.robot).is_empty());
+    assert!(cell.scene.anchor_frames(&cell.robot).is_empty());
 }
 
 #[test]
@@ -122,12 +122,12 @@ fn a_world_that_goes_takes_its_frames_along() {
     let mut cell = Cell::new();
     drive(&mut cell, 1.0);
     cell.object(add("table", "map", at(5.0, 0.0, 0.0))).unwrap();
-    assert!(!cell.scene.grounds(&cell.robot).is_empty());
+    assert!(!cell.scene.anchor_frames(&cell.robot).is_empty());
     cell.object(remove("table")).unwrap();
-    assert!(cell.scene.grounds(&cell.robot).is_empty());
+    assert!(cell.scene.anchor_frames(&cell.robot).is_empty());
     cell.object(add("table", "", at(5.0, 0.0, 0.0))).unwrap();
     cell.apply(&SceneUpdate::World(Box::default())).unwrap();
-    assert!(cell.scene.grounds(&cell.robot).is_empty());
+    assert!(cell.scene.anchor_frames(&cell.robot).is_empty());
 }
 
 #[test]
@@ -136,7 +136,7 @@ fn a_frame_that_tf_connects_with_the_root_no_more_is_lost() {
     drive(&mut cell, 1.0);
     cell.object(add("table", "map", at(5.0, 0.0, 0.0))).unwrap();
     assert!(!is_lost(&cell));
-    cell.transforms.note("odom", transform("elsewhere", 0.0, None));
+    cell.transforms.insert("odom", transform("elsewhere", 0.0, None));
     assert!(is_lost(&cell));
 }
 
@@ -145,7 +145,7 @@ fn a_root_that_tf_knows_elsewhere_only_is_lost_unless_it_never_moves() {
     for (mut cell, expected) in [(on_wheels(), true), (Cell::new(), false)] {
         cell.object(add("table", "map", at(5.0, 0.0, 0.0))).unwrap();
         assert!(!is_lost(&cell), "without tf the root is at zero");
-        cell.transforms.note("base", transform("odom", 1.0, Some(99.9)));
+        cell.transforms.insert("base", transform("odom", 1.0, Some(99.9)));
         assert_eq!(is_lost(&cell), expected);
         assert_eq!(cell.places("table"), [[5.0, 0.0, 0.0]]);
     }
@@ -159,8 +159,8 @@ fn a_root_has_moved_by_as_much_as_it_moved_itself() {
     cell.object(add("table", "map", at(1e6 + 1.0, 0.0, 0.0))).unwrap();
     let mut turn = |angle| {
         let pose_pf = clearance_geometry::math::pose_from_xyz_rpy([1e6, 0.0, 0.0], [0.0, 0.0, angle]);
-        cell.transforms.note("base", Transform { parent: "odom".to_owned(), pose_pf, stamp: None });
-        cell.scene.grounds(&cell.robot).are_elsewhere(&cell.transforms)
+        cell.transforms.insert("base", Transform { parent: "odom".to_owned(), pose_pf, stamp: None });
+        cell.scene.anchor_frames(&cell.robot).are_elsewhere(&cell.transforms)
     };
     assert!(!turn(1e-5));
     assert!(turn(1e-3));
@@ -178,7 +178,7 @@ fn what_files_placed_stays_in_the_room_when_they_are_read_again() {
     assert!(drive(&mut cell, 4.0));
     let mut again = from_file().scene;
     let context = SceneContext::new(&cell.robot, None, &cell.transforms, Some(seconds(100.0)), 1.0);
-    again.stand_as(&cell.scene, &context);
+    again.keep_anchors_of(&cell.scene, &context);
     cell.scene = again;
     drive(&mut cell, 4.0);
     assert_eq!(cell.places("table"), [[1.0, 0.0, 0.0]]);
@@ -186,11 +186,11 @@ fn what_files_placed_stays_in_the_room_when_they_are_read_again() {
     assert_eq!(cell.places("table"), [[0.0, 0.0, 0.0]]);
     // for a root that tf only connects to other frames, it stays where the file places it
     let mut elsewhere = from_file();
-    elsewhere.transforms.note("base", transform("yard", 1.0, Some(99.9)));
+    elsewhere.transforms.insert("base", transform("yard", 1.0, Some(99.9)));
     let context = SceneContext::new(&cell.robot, None, &elsewhere.transforms, Some(seconds(100.0)), 1.0);
     let mut again = from_file().scene;
-    again.stand_as(&cell.scene, &context);
-    assert_eq!(again.grounds(&cell.robot), elsewhere.scene.grounds(&cell.robot));
+    again.keep_anchors_of(&cell.scene, &context);
+    assert_eq!(again.anchor_frames(&cell.robot), elsewhere.scene.anchor_frames(&cell.robot));
 }
 
 #[test]
@@ -198,7 +198,7 @@ fn of_things_in_one_frame_the_one_that_knows_most_tells_whether_it_is_lost() {
     let mut cell = Cell::new();
     drive(&mut cell, 1.0);
     cell.object(add("z", "map", at(5.0, 0.0, 0.0))).unwrap();
-    cell.transforms.note("odom", transform("elsewhere", 0.0, None));
+    cell.transforms.insert("odom", transform("elsewhere", 0.0, None));
     assert!(is_lost(&cell));
     cell.object(add("a", "map", at(5.0, 0.0, 0.0))).unwrap();
     assert!(is_lost(&cell), "where z is, nobody knows");
@@ -214,8 +214,8 @@ fn frames_of_a_scene_before_hold_nothing_back() {
     };
     cell.scene(told("station")).unwrap();
     cell.scene(told("another")).unwrap();
-    cell.transforms.note("base", transform("yard", 1.0, Some(99.9)));
-    cell.transforms.note("station", transform("yard", 3.0, Some(99.9)));
+    cell.transforms.insert("base", transform("yard", 1.0, Some(99.9)));
+    cell.transforms.insert("station", transform("yard", 3.0, Some(99.9)));
     cell.object(add("box", "station", at(0.0, 0.0, 0.0))).unwrap();
     assert!(!is_lost(&cell), "it stands in what tf tells of");
 }
@@ -227,7 +227,7 @@ fn below_a_chain(frames: usize) -> Cell {
     let name = |i| if i == 0 { "base".to_owned() } else { format!("f{i}") };
     for stamp in [99.8, 99.9] {
         for i in 0..frames {
-            cell.transforms.note(&name(i), transform(&name(i + 1), 1.0, Some(stamp)));
+            cell.transforms.insert(&name(i), transform(&name(i + 1), 1.0, Some(stamp)));
         }
     }
     cell
@@ -239,10 +239,14 @@ fn a_chain_of_frames_is_followed_so_far_and_no_farther() {
         let mut cell = below_a_chain(frames);
         assert!(drive_on(&mut cell), "the box stands in the topmost frame that is looked at");
         assert!(!drive_on(&mut cell));
-        let grounds = cell.scene.grounds(&cell.robot);
-        assert_eq!(grounds.lost(&cell.transforms), (!found).then_some(Lost::Endless), "{frames} frames");
-        let told: Vec<TrackedFrame> = grounds.tracked_frames(&cell.transforms).collect();
-        let links = told.iter().flat_map(|told| told.way.live_links()).count();
+        let anchor_frames = cell.scene.anchor_frames(&cell.robot);
+        assert_eq!(
+            anchor_frames.root_pose_loss(&cell.transforms),
+            (!found).then_some(RootPoseLoss::Endless),
+            "{frames} frames"
+        );
+        let told: Vec<TrackedFrame> = anchor_frames.tracked_frames(&cell.transforms).collect();
+        let links = told.iter().flat_map(|told| told.path.live_links()).count();
         assert_eq!(links, frames.min(256));
     }
 }
@@ -254,12 +258,12 @@ fn what_stands_far_away_is_put_once() {
     let up = Pose::new(Vector::new(1e8, -7e7, 3e7), Vector::new(0.3, 0.7, 0.2));
     for i in 0..100 {
         let link = Transform { parent: format!("f{}", i + 1), pose_pf: up, stamp: None };
-        cell.transforms.note(&format!("f{i}"), link);
+        cell.transforms.insert(&format!("f{i}"), link);
     }
-    cell.transforms.note("base", transform("f0", 1.0, None));
+    cell.transforms.insert("base", transform("f0", 1.0, None));
     cell.object(add("box", "", at(5.0, 0.0, 0.0))).unwrap();
     assert!(!drive_on(&mut cell), "it stands where it was put");
-    cell.transforms.note("base", transform("f0", 2.0, None));
+    cell.transforms.insert("base", transform("f0", 2.0, None));
     assert!(drive_on(&mut cell));
     assert!(!drive_on(&mut cell));
     assert!((cell.places("box")[0][0] - 4.0).abs() < 0.1, "as exactly as the way tells");
@@ -268,22 +272,22 @@ fn what_stands_far_away_is_put_once() {
 #[test]
 fn a_circle_of_frames_above_the_root_tells_nothing() {
     let mut cell = Cell::new();
-    cell.transforms.note("base", transform("p", 1.0, None));
-    cell.transforms.note("p", transform("q", 1.0, None));
-    cell.transforms.note("q", transform("p", 1.0, None));
+    cell.transforms.insert("base", transform("p", 1.0, None));
+    cell.transforms.insert("p", transform("q", 1.0, None));
+    cell.transforms.insert("q", transform("p", 1.0, None));
     assert!(!is_lost(&cell), "nothing stands anywhere");
     cell.object(add("box", "", at(5.0, 0.0, 0.0))).unwrap();
     assert!(is_lost(&cell));
     assert!(!drive_on(&mut cell) && is_lost(&cell));
-    cell.transforms.note("q", transform("map", 1.0, None));
+    cell.transforms.insert("q", transform("map", 1.0, None));
     assert!(!is_lost(&cell));
 }
 
 /// Updates all anchored poses; returns true if an update was needed.
 fn drive_on(cell: &mut Cell) -> bool {
-    let is_due = cell.scene.grounds(&cell.robot).are_elsewhere(&cell.transforms);
+    let is_due = cell.scene.anchor_frames(&cell.robot).are_elsewhere(&cell.transforms);
     let context = SceneContext::new(&cell.robot, None, &cell.transforms, Some(seconds(100.0)), 1.0);
-    assert_eq!(cell.scene.follow_frames(&context), is_due);
+    assert_eq!(cell.scene.follow_anchor_frames(&context), is_due);
     is_due
 }
 
@@ -294,7 +298,7 @@ fn a_planning_frame_far_below_the_root_does_not_count_as_where_the_root_is() {
     let name = |i| if i == 0 { "map".to_owned() } else { format!("f{i}") };
     for i in 0..300 {
         let parent = if i == 299 { "base".to_owned() } else { name(i + 1) };
-        cell.transforms.note(&name(i), transform(&parent, 1.0, None));
+        cell.transforms.insert(&name(i), transform(&parent, 1.0, None));
     }
     assert!(is_lost(&cell));
     cell.refuses_object(add("late", "map", at(5.0, 0.0, 0.0)), "unknown frame 'map'");
@@ -304,7 +308,7 @@ fn a_planning_frame_far_below_the_root_does_not_count_as_where_the_root_is() {
 fn a_frame_in_itself_tells_nothing() {
     let mut cell = Cell::new();
     cell.object(add("box", "", at(5.0, 0.0, 0.0))).unwrap();
-    cell.transforms.note("/base", transform("base", 1.0, None));
+    cell.transforms.insert("/base", transform("base", 1.0, None));
     assert!(!is_lost(&cell));
 }
 
@@ -322,7 +326,7 @@ fn obstacles_follow_what_places_their_frame() {
     let station =
         FixedFrame { name: "station".to_owned(), parent: "map".to_owned(), pose_pf: at(6.0, 0.0, 0.0) };
     cell.scene(SceneChange { fixed_frames: vec![station], ..difference(Vec::new(), Vec::new()) }).unwrap();
-    cell.transforms.note("camera", transform("station", 1.0, None));
+    cell.transforms.insert("camera", transform("station", 1.0, None));
     cell.object(add("on_top", "hall/shelf/top/left", Pose::identity())).unwrap();
     cell.object(add("seen", "camera", Pose::identity())).unwrap();
     let xs = |cell: &Cell| ["hall/shelf", "on_top", "seen"].map(|name| cell.places(name)[0][0]);
@@ -336,7 +340,7 @@ fn obstacles_follow_what_places_their_frame() {
 fn a_fixed_frame_below_a_link_that_moves_is_rejected_through_tf_too() {
     let mut cell = Cell::new();
     for (name, parent) in [("camera", "hand"), ("optical", "camera"), ("plate", "flange")] {
-        cell.transforms.note(name, transform(parent, 1.0, None));
+        cell.transforms.insert(name, transform(parent, 1.0, None));
     }
     let mut fix = |parent: &str| {
         let frame = FixedFrame { name: "f".to_owned(), parent: parent.to_owned(), pose_pf: Pose::identity() };

@@ -7,8 +7,8 @@ use clearance_geometry::math::Pose;
 use clearance_robot::quoted;
 
 use super::{
-    AllowedCollisionMatrix, Applied, Extent, FixedFrame, Gap, MatrixEntries, OCTOMAP, Operation,
-    RobotStateChange, Scene, SceneChange, SceneContext, SceneRejection, Subject, WorldChange,
+    AllowedCollisionMatrix, Applied, FixedFrame, GapExtent, GapSubject, MatrixEntries, OCTOMAP, Operation,
+    RobotStateChange, Scene, SceneChange, SceneContext, SceneGap, SceneRejection, WorldChange,
 };
 
 /// Upper limit; larger values are treated as a mistake.
@@ -18,7 +18,8 @@ impl Scene {
     /// Replaces all obstacles; obstacles from sensors stay, except for the octomap.
     pub(super) fn replace_world(
         &mut self,
-        (change, keeps_octomap): (&WorldChange, bool),
+        change: &WorldChange,
+        keeps_octomap: bool,
         context: &SceneContext,
         applied: &mut Applied,
     ) {
@@ -47,10 +48,10 @@ impl Scene {
                 continue;
             }
             let result = self.change_object(object, context, &mut applied.warnings);
-            applied.note(result);
+            applied.record(result);
         }
         if let Some(octomap) = &change.octomap {
-            applied.note(self.set_octomap(Some(octomap), context));
+            applied.record(self.set_octomap(Some(octomap), context));
         }
     }
 
@@ -81,7 +82,7 @@ impl Scene {
         if change.is_diff {
             self.change_world(&change.world, context, applied);
         } else {
-            self.replace_world((&change.world, change.keeps_octomap), context, applied);
+            self.replace_world(&change.world, change.keeps_octomap, context, applied);
         }
     }
 
@@ -89,10 +90,10 @@ impl Scene {
     /// frame than to place it by the frame's earlier pose.
     fn set_fixed_frames(&mut self, change: &SceneChange, context: &SceneContext, applied: &mut Applied) {
         for name in &change.unreadable_frames {
-            self.forget_fixed_frame(name);
+            self.remove_fixed_frame(name);
         }
         let frames: Vec<_> =
-            change.fixed_frames.iter().map(|frame| frame.seen_from_parent(context)).collect();
+            change.fixed_frames.iter().map(|frame| frame.relative_to_parent(context)).collect();
         let bare = |name: &'_ str| name.trim_start_matches('/').to_owned();
         let mut first: HashMap<String, (String, Pose)> = HashMap::new();
         let mut contradicted = HashSet::new();
@@ -103,8 +104,8 @@ impl Scene {
             }
         }
         for frame in &frames {
-            self.forget_fixed_frame(&frame.name);
-            applied.note(if contradicted.contains(&bare(&frame.name)) {
+            self.remove_fixed_frame(&frame.name);
+            applied.record(if contradicted.contains(&bare(&frame.name)) {
                 Err(frame.rejection("it is given twice, at two places"))
             } else {
                 self.set_fixed_frame(frame, context)
@@ -112,7 +113,7 @@ impl Scene {
         }
     }
 
-    fn forget_fixed_frame(&mut self, name: &str) {
+    fn remove_fixed_frame(&mut self, name: &str) {
         let name = name.trim_start_matches('/');
         self.fixed_frames.remove(name);
         self.frame_anchors.remove(name);
@@ -150,7 +151,7 @@ impl Scene {
         let pose_rp = context.frame_pose(parent, self);
         let pose_rp = pose_rp.map_err(|why| refuse(format!("header.frame_id: {why}")))?;
         self.fixed_frames.insert(name.to_owned(), pose_rp * pose_pf);
-        self.anchor_frame(name, parent, context);
+        self.anchor_fixed_frame(name, parent, context);
         Ok(())
     }
 
@@ -174,7 +175,7 @@ impl Scene {
                 continue;
             }
             let result = self.change_attached(attached, context, &mut applied.warnings);
-            applied.note(result);
+            applied.record(result);
         }
     }
 
@@ -196,7 +197,8 @@ impl Scene {
             Err(error) => {
                 let refusal = SceneRejection::new(error.to_string());
                 // the SRDF's pairs are always intended; the pairs of an earlier message may be the ones that this message withdraws
-                let gap = self.matrix.as_ref().map(|_| Gap::new(Subject::Matrix, "", Extent::Shapes));
+                let gap =
+                    self.matrix.as_ref().map(|_| SceneGap::new(GapSubject::Matrix, "", GapExtent::Shapes));
                 applied.refusals.push(SceneRejection { gap, ..refusal });
                 return;
             }
@@ -223,14 +225,14 @@ impl Scene {
     fn set_link_sizes(&mut self, change: &SceneChange, context: &SceneContext, applied: &mut Applied) {
         let padding = LinkSizes {
             field: "link_padding",
-            subject: Subject::LinkPadding,
+            subject: GapSubject::LinkPadding,
             is_right: |padding| padding.is_finite() && padding >= 0.0,
             wanted: "metres, zero or more".to_owned(),
         };
         padding.apply(&change.link_padding, &mut self.link_padding, context, applied);
         let scale = LinkSizes {
             field: "link_scale",
-            subject: Subject::LinkScale,
+            subject: GapSubject::LinkScale,
             is_right: |scale| (f64::MIN_POSITIVE..=LARGEST_SCALE).contains(&scale),
             wanted: format!("above zero and at most {LARGEST_SCALE}"),
         };
@@ -241,7 +243,7 @@ impl Scene {
 /// Paddings or scales of links.
 struct LinkSizes {
     field: &'static str,
-    subject: Subject,
+    subject: GapSubject,
     is_right: fn(f64) -> bool,
     wanted: String,
 }
@@ -256,7 +258,7 @@ impl LinkSizes {
     ) {
         let mut first: HashMap<&str, f64> = HashMap::new();
         for (link, size) in given {
-            applied.note(check_link(self.field, link, context).and_then(|()| {
+            applied.record(check_link(self.field, link, context).and_then(|()| {
                 let earlier = *first.entry(link).or_insert(*size);
                 self.check(link, *size, (earlier != *size && !size.is_nan()).then_some(earlier))?;
                 sizes.insert(link.clone(), *size);
@@ -272,7 +274,7 @@ impl LinkSizes {
             None if (self.is_right)(size) => return Ok(()),
             None => format!("{field} of '{link}' is {size:?}, but must be {wanted}"),
         };
-        Err(SceneRejection::new(message).leaving(Gap::new(self.subject, link, Extent::Shapes)))
+        Err(SceneRejection::new(message).leaving(SceneGap::new(self.subject, link, GapExtent::Shapes)))
     }
 }
 
@@ -283,7 +285,7 @@ impl FixedFrame {
     }
 
     /// Pose of the frame in its parent, for either direction in which it was given.
-    fn seen_from_parent(&self, context: &SceneContext) -> Cow<'_, Self> {
+    fn relative_to_parent(&self, context: &SceneContext) -> Cow<'_, Self> {
         if !context.is_planning_frame(&self.name) {
             return Cow::Borrowed(self);
         }

@@ -36,6 +36,7 @@ struct StateText {
 /// The states of a text.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StateList {
+    /// The states, in the order of the text.
     pub states: Vec<NamedState>,
     /// Warnings about parts of the text that belong to no state.
     pub remarks: Vec<String>,

@@ -26,11 +26,28 @@ pub enum Join {
 #[derive(Clone, Debug, PartialEq)]
 pub enum JoinError {
     /// They belong to different robots.
-    Length { before: usize, after: usize },
+    Length {
+        /// Number of positions of the first segment.
+        before: usize,
+        /// Number of positions of the second segment.
+        after: usize,
+    },
     /// A position (by its index) jumps from one number to another.
-    Position { position: usize, from: f64, to: f64 },
+    Position {
+        /// Index of the position.
+        position: usize,
+        /// Value (rad, m) at the end of the first segment.
+        from: f64,
+        /// Value (rad, m) at the start of the second segment.
+        to: f64,
+    },
     /// An obstacle jumps by this displacement.
-    Obstacle { name: String, by: Pose },
+    Obstacle {
+        /// Name of the obstacle.
+        name: String,
+        /// Displacement between the two segments, in the root frame.
+        by: Pose,
+    },
 }
 
 /// The join from `before` to `after`.

@@ -5,7 +5,7 @@ use clearance_geometry::math::{Pose, Vector};
 use clearance_robot::MeshFiles;
 
 use super::text::{AttachedText, KindText, MeshText, ObjectText, OperationText, PoseText, PrimitiveText};
-use crate::shapes::{mesh, placed_shapes, plane, solid, solid_type, supported_solids};
+use crate::message_shapes::{mesh, placed_shapes, plane, solid, solid_type, supported_solids};
 use crate::{AttachedChange, ObjectChange, Operation};
 
 impl ObjectChange {

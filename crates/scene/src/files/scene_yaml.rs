@@ -7,8 +7,9 @@ use std::collections::HashMap;
 use clearance_geometry::math::Extremes;
 use clearance_robot::{MeshFiles, RobotModel};
 
-use super::loader::{SceneError, SceneLoader};
+use super::scene_error::SceneError;
 use super::scene_file::SceneFile;
+use super::scene_loader::SceneLoader;
 use super::text::{
     AttachedText, LinkPaddingText, LinkScaleText, ObjectText, OctomapBody, OctomapText, SceneText,
     TransformStampedText,
@@ -48,20 +49,21 @@ impl SceneLoader {
     ) -> Result<(), SceneError> {
         let fault = |message: String| SceneError::of_file(file, message);
         let scene = text::read(text, file)?;
-        if says_nothing(&scene) {
+        if is_empty_scene(&scene) {
             return Err(fault("no planning scene: expected 'world' or 'collision_objects'".to_owned()));
         }
         let state = scene.robot_state.unwrap_or_default();
         let is_empty = self.scene.world.is_empty() && self.scene.fixed_frames.is_empty();
-        self.situation.read_state(&state, robot, is_empty).map_err(fault)?;
-        let place = self.situation.place(robot);
-        let context = place.context(robot);
+        self.robot_state.read_state(&state, robot, is_empty).map_err(fault)?;
+        let placed = self.robot_state.placed(robot);
+        let context = placed.context(robot);
         let mut reader = SceneFile { is_diff: scene.is_diff, ..self.file(file, &context) };
         let model = scene.robot_model_name.unwrap_or_default();
         reader.read_settings(
             &model,
             &scene.fixed_frame_transforms,
-            (&scene.link_padding, &scene.link_scale),
+            &scene.link_padding,
+            &scene.link_scale,
         )?;
         reader.read_matrix(scene.allowed_collision_matrix)?;
         for (i, attached) in state.attached_collision_objects.into_iter().enumerate() {
@@ -88,7 +90,8 @@ impl SceneFile<'_> {
         &mut self,
         robot_model_name: &str,
         frames: &[TransformStampedText],
-        (padding, scale): (&[LinkPaddingText], &[LinkScaleText]),
+        padding: &[LinkPaddingText],
+        scale: &[LinkScaleText],
     ) -> Result<(), SceneError> {
         let fixed_frames = frames.iter().enumerate().map(|(i, text)| self.fixed_frame(i, text));
         let change = SceneChange {
@@ -99,7 +102,7 @@ impl SceneFile<'_> {
             link_scale: scale.iter().map(|l| (l.link_name.clone(), l.scale)).collect(),
             ..SceneChange::default()
         };
-        let scene = &self.loader.scene;
+        let scene = &self.scene;
         let before = [scene.link_padding.clone(), scene.link_scale.clone()];
         self.apply(&SceneUpdate::Scene(Box::new(change)))?;
         self.keep_sizes(&before)
@@ -108,7 +111,7 @@ impl SceneFile<'_> {
     /// `MoveIt` lists all links, most of them with padding 0 and scale 1. Such an entry does not make a link smaller than an earlier file
     /// made it; only a scene with `is_diff` changes other sizes.
     fn keep_sizes(&mut self, [padding, scale]: &[HashMap<String, f64>; 2]) -> Result<(), SceneError> {
-        let scene = &mut self.loader.scene;
+        let scene = &mut self.scene;
         let fields = [
             ("link_padding", padding, &mut scene.link_padding, 0.0),
             ("link_scale", scale, &mut scene.link_scale, 1.0),
@@ -141,7 +144,7 @@ impl SceneFile<'_> {
         let Some(entries) = entries.filter(|entries| *entries != MatrixEntries::default()) else {
             return Ok(());
         };
-        if self.loader.scene.matrix.is_some() {
+        if self.scene.matrix.is_some() {
             let message = "a second allowed_collision_matrix; only one world file may have one";
             return Err(SceneError::of_file(self.name, message));
         }
@@ -154,7 +157,7 @@ impl SceneFile<'_> {
         let field = |message: String| format!("robot_state.attached_collision_objects[{i}]: {message}");
         let change = AttachedChange::from_text(text, files, &mut remarks)
             .map_err(|message| SceneError::of_object(name, &id, field(message)))?;
-        self.note(&id, remarks);
+        self.warn_about(&id, remarks);
         let changed = self.change_attached(change);
         changed.map_err(|error| SceneError { message: field(error.message), ..error })
     }
@@ -164,7 +167,7 @@ impl SceneFile<'_> {
         let mut remarks = Vec::new();
         let change = ObjectChange::from_text(text, files, &mut remarks)
             .map_err(|message| SceneError::of_object(self.name, &id, message))?;
-        self.note(&id, remarks);
+        self.warn_about(&id, remarks);
         self.change_object(change)
     }
 
@@ -177,13 +180,13 @@ impl SceneFile<'_> {
         if message.is_absent() {
             return Ok(());
         }
-        let place = (text.header.frame_id.clone(), text.origin.pose("origin").map_err(fault)?);
-        let octomap = message.placed(place, self.loader.unknown_is_occupied);
+        let (frame, pose_fo) = (text.header.frame_id.clone(), text.origin.pose("origin").map_err(fault)?);
+        let octomap = message.placed(frame, pose_fo, self.unknown_is_occupied);
         self.set_octomap(octomap.map_err(|why| fault(format!("octomap: {why}")))?)
     }
 }
 
-fn says_nothing(scene: &SceneText) -> bool {
+fn is_empty_scene(scene: &SceneText) -> bool {
     scene.world.is_none()
         && scene.collision_objects.is_none()
         && scene.allowed_collision_matrix.is_none()

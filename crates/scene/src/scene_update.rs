@@ -19,6 +19,7 @@ pub enum Operation {
     Append,
     /// Changes only the pose.
     Move,
+    /// Removes the object.
     Remove,
 }
 
@@ -27,6 +28,7 @@ pub enum Operation {
 pub struct ObjectChange {
     /// Empty, for [`Operation::Remove`]: applies to all objects.
     pub id: String,
+    /// The operation on the object.
     pub operation: Operation,
     /// The frame of its pose; if empty, the robot's root frame.
     pub frame: String,
@@ -36,6 +38,7 @@ pub struct ObjectChange {
     pub shapes: Vec<ObstacleShape>,
     /// For [`Operation::Move`]: the new poses of its shapes in the object's frame; they do not change if none is given.
     pub shape_poses: Vec<Pose>,
+    /// Named frames on the object, in its frame.
     pub subframes: Vec<(String, Pose)>,
     /// Type of the object: database and key of `object_recognition_msgs/ObjectType`, or nothing.
     pub kind: [String; 2],
@@ -80,7 +83,7 @@ impl ObjectChange {
     fn check_name_lengths(&self) -> Result<(), String> {
         let fields = [("id", &self.id), ("header.frame_id", &self.frame)];
         let subframes = self.subframes.iter().map(|(name, _)| ("subframe_names", name));
-        fields.into_iter().chain(subframes).try_for_each(check_field)
+        fields.into_iter().chain(subframes).try_for_each(|(field, name)| check_field(field, name))
     }
 
     /// The name of a subframe that is given twice with different poses.
@@ -116,7 +119,9 @@ impl ObjectChange {
 pub struct AttachedChange {
     /// Empty, for [`Operation::Remove`]: any link that holds the object.
     pub link: String,
+    /// The object and the operation on it.
     pub object: ObjectChange,
+    /// Links that may touch the object.
     pub touch_links: Vec<String>,
 }
 
@@ -124,19 +129,22 @@ impl AttachedChange {
     pub(super) fn check(&self) -> Result<(), String> {
         self.object.check()?;
         let touched = self.touch_links.iter().map(|name| ("touch_links", name));
-        touched.chain([("link_name", &self.link)]).try_for_each(check_field)
+        touched.chain([("link_name", &self.link)]).try_for_each(|(field, name)| check_field(field, name))
     }
 }
 
-fn check_field((field, name): (&'static str, &String)) -> Result<(), String> {
+fn check_field(field: &'static str, name: &str) -> Result<(), String> {
     check_name_length(name).map_err(|excess| format!("{field}: {excess}"))
 }
 
 /// An octomap with its frame and pose; without a shape, all of it is free.
 #[derive(Clone, Debug)]
 pub struct OctomapPlacement {
+    /// The frame of its pose; if empty, the root frame.
     pub frame: String,
+    /// Pose of the octomap in that frame.
     pub pose_fo: Pose,
+    /// The occupied cells; `None` if there are none.
     pub shape: Option<Shape>,
     /// True if the octomap has no leaf at all, neither occupied nor free, and thus no information.
     pub is_blank: bool,
@@ -145,45 +153,57 @@ pub struct OctomapPlacement {
 /// Replacement of all obstacles: `moveit_msgs/PlanningSceneWorld`.
 #[derive(Clone, Debug, Default)]
 pub struct WorldChange {
+    /// The obstacles.
     pub objects: Vec<ObjectChange>,
+    /// The octomap, if there is one.
     pub octomap: Option<OctomapPlacement>,
 }
 
 /// One entry of `fixed_frame_transforms`.
 ///
 /// `MoveIt` writes the pose of `header.frame_id` in the planning frame, which is the `child_frame_id`. Other programs write the pose of
-/// `child_frame_id` in `header.frame_id`, as in `tf`. [`Scene::apply`](super::Scene::apply) distinguishes the two by the planning frame.
+/// `child_frame_id` in `header.frame_id`, as in `tf`. `Scene::apply` distinguishes the two by the planning frame.
 #[derive(Clone, Debug)]
 pub struct FixedFrame {
     /// `child_frame_id`
     pub name: String,
     /// `header.frame_id`
     pub parent: String,
+    /// Pose of the frame in its parent.
     pub pose_pf: Pose,
 }
 
 /// The robot state of a scene; joint positions come from joint states only.
 #[derive(Clone, Debug, Default)]
 pub struct RobotStateChange {
+    /// True if attached objects that it does not name stay.
     pub is_diff: bool,
     /// True if it contains joint positions.
     pub names_joints: bool,
+    /// Changes of attached objects, in order.
     pub attached: Vec<AttachedChange>,
 }
 
 /// A scene or a difference to one: `moveit_msgs/PlanningScene`.
 #[derive(Clone, Debug, Default)]
 pub struct SceneChange {
+    /// Name of the robot that the scene is for; may be empty.
     pub robot_model_name: String,
+    /// True if parts that it does not contain stay unchanged.
     pub is_diff: bool,
+    /// Frames with fixed poses.
     pub fixed_frames: Vec<FixedFrame>,
     /// Names of frames whose transforms could not be read: their earlier poses become invalid.
     pub unreadable_frames: Vec<String>,
+    /// Change of the robot state.
     pub robot_state: RobotStateChange,
+    /// Entries of the allowed collision matrix.
     pub matrix: MatrixEntries,
     /// Paddings (m) by link.
     pub link_padding: Vec<(String, f64)>,
+    /// Scale factors by link.
     pub link_scale: Vec<(String, f64)>,
+    /// The obstacles.
     pub world: WorldChange,
     /// True if the octomap stays although this is a whole scene, because the queried source has no octomap.
     pub keeps_octomap: bool,
@@ -218,7 +238,7 @@ impl SceneUpdate {
 
     /// True if it contains an octomap with any known cell.
     #[must_use]
-    pub fn shows_room(&self) -> bool {
+    pub fn has_known_cells(&self) -> bool {
         let octomap = match self {
             Self::Octomap(octomap) => octomap.as_ref(),
             Self::World(world) => world.octomap.as_ref(),
@@ -231,7 +251,7 @@ impl SceneUpdate {
     /// True if it changes objects, or their handling by the robot. False for an octomap or joint positions alone, which are sent
     /// repeatedly.
     #[must_use]
-    pub fn tells_of_objects(&self) -> bool {
+    pub fn changes_objects(&self) -> bool {
         match self {
             Self::Object(_) | Self::Attached(_) | Self::World(_) => true,
             Self::Octomap(_) => false,
@@ -248,13 +268,13 @@ impl SceneUpdate {
                     ..
                 } = scene.as_ref();
                 let MatrixEntries { entry_names, default_entry_names, .. } = matrix;
-                let is_silent = (fixed_frames.is_empty() && unreadable_frames.is_empty())
+                let is_unchanged = (fixed_frames.is_empty() && unreadable_frames.is_empty())
                     && robot_state.attached.is_empty()
                     && (robot_state.is_diff || !robot_state.names_joints)
                     && (entry_names.is_empty() && default_entry_names.is_empty())
                     && (link_padding.is_empty() && link_scale.is_empty())
                     && world.objects.is_empty();
-                !(*is_diff && is_silent)
+                !(*is_diff && is_unchanged)
             }
         }
     }
@@ -263,9 +283,13 @@ impl SceneUpdate {
 /// Any update of a scene.
 #[derive(Clone, Debug)]
 pub enum SceneUpdate {
+    /// A change of one obstacle.
     Object(Box<ObjectChange>),
+    /// A change of one attached object.
     Attached(Box<AttachedChange>),
+    /// A replacement of all obstacles.
     World(Box<WorldChange>),
+    /// A scene, or a difference to one.
     Scene(Box<SceneChange>),
     /// An octomap by itself; `None` removes it.
     Octomap(Option<OctomapPlacement>),
@@ -276,23 +300,24 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_robots_joints_and_octomaps_tell_nothing_of_objects() {
+    fn joint_positions_and_octomaps_change_no_objects() {
         let update = |scene: SceneChange| SceneUpdate::Scene(Box::new(scene));
         let diff = || SceneChange { is_diff: true, ..SceneChange::default() };
         let robot_state = RobotStateChange { is_diff: true, names_joints: true, attached: Vec::new() };
         let map =
             OctomapPlacement { frame: String::new(), pose_fo: Pose::identity(), shape: None, is_blank: true };
         let world = WorldChange { objects: Vec::new(), octomap: Some(map.clone()) };
-        let silent = [
+        let unchanged = [
             update(SceneChange { robot_state, ..diff() }),
             update(SceneChange { world, ..diff() }),
             SceneUpdate::Octomap(Some(map)),
         ];
-        assert!(!silent.iter().any(SceneUpdate::tells_of_objects), "{silent:?}");
+        assert!(!unchanged.iter().any(SceneUpdate::changes_objects), "{unchanged:?}");
         let objects = vec![ObjectChange::named("a", Operation::Remove)];
         let world = WorldChange { objects, octomap: None };
         let padded = SceneChange { link_padding: vec![("link".to_owned(), 0.1)], ..diff() };
-        let told = [update(SceneChange::default()), update(SceneChange { world, ..diff() }), update(padded)];
-        assert!(told.iter().all(SceneUpdate::tells_of_objects), "{told:?}");
+        let changing =
+            [update(SceneChange::default()), update(SceneChange { world, ..diff() }), update(padded)];
+        assert!(changing.iter().all(SceneUpdate::changes_objects), "{changing:?}");
     }
 }

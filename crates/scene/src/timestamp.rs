@@ -8,11 +8,13 @@ impl Time {
     /// The stamp of a message that was never stamped.
     pub const ZERO: Self = Self(0);
 
+    /// The time that is this number of nanoseconds after the epoch of its clock.
     #[must_use]
     pub const fn from_nanoseconds(nanoseconds: i64) -> Self {
         Self(nanoseconds)
     }
 
+    /// Nanoseconds since the epoch of its clock.
     #[must_use]
     pub const fn nanoseconds(self) -> i64 {
         self.0

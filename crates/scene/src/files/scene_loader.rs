@@ -2,56 +2,23 @@
 
 use clearance_geometry::Shape;
 use clearance_geometry::math::Pose;
-use clearance_robot::{RobotModel, check_name_length};
+use clearance_robot::RobotModel;
 
-use super::robot_state::Situation;
+use super::robot_state_yaml::FileRobotState;
+use super::scene_error::SceneError;
 use super::scene_file::SceneFile;
 use crate::{CloudPoints, OCTOMAP, Obstacle, Octomap, OctomapPlacement, Scene, SceneContext};
 
 /// Reads files of any kind, one after the other; each adds to the scene of the earlier ones.
 #[derive(Clone, Debug, Default)]
 pub struct SceneLoader {
+    /// The scene of the files read so far.
     pub scene: Scene,
     /// True if unknown space of an octree counts as occupied; set before the octree is read.
     pub unknown_is_occupied: bool,
     /// Warnings about accepted content; each names its file.
     pub warnings: Vec<String>,
-    pub(super) situation: Situation,
-}
-
-/// An error in a scene file, with the object and field concerned.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct SceneError {
-    pub file: String,
-    pub object: Option<String>,
-    pub message: String,
-}
-
-impl std::fmt::Display for SceneError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match &self.object {
-            Some(id) => write!(f, "{}: object '{id}': {}", self.file, self.message),
-            None => write!(f, "{}: {}", self.file, self.message),
-        }
-    }
-}
-
-impl std::error::Error for SceneError {}
-
-/// The start of a name that is too long.
-fn short(name: &str) -> String {
-    name.chars().take(40).chain(['…']).collect()
-}
-
-impl SceneError {
-    pub(super) fn of_file(file: &str, message: impl Into<String>) -> Self {
-        Self { file: file.to_owned(), object: None, message: message.into() }
-    }
-
-    pub(super) fn of_object(file: &str, object: &str, message: impl Into<String>) -> Self {
-        let object = check_name_length(object).map_or_else(|_| short(object), |()| object.to_owned());
-        Self { object: Some(object), ..Self::of_file(file, message) }
-    }
+    pub(super) robot_state: FileRobotState,
 }
 
 impl SceneLoader {
@@ -85,9 +52,9 @@ impl SceneLoader {
             self.warnings.push(format!("{file}: the cloud has no points"));
             return Ok(());
         };
-        let place = self.situation.place(robot);
+        let placed = self.robot_state.placed(robot);
         let cloud = Obstacle::of_shape(name, Pose::identity(), Shape::Points(cloud));
-        self.file(file, &place.context(robot)).add_obstacle(cloud, "")
+        self.file(file, &placed.context(robot)).add_obstacle(cloud, "")
     }
 
     /// Uses the octree of a file as the scene's octomap, in the root frame.
@@ -100,16 +67,23 @@ impl SceneLoader {
         file: &str,
         robot: &RobotModel,
     ) -> Result<(), SceneError> {
-        let at_root = (String::new(), Pose::identity());
-        let octomap = OctomapPlacement::of(octomap, at_root, self.unknown_is_occupied)
+        let (frame, pose_fo) = (String::new(), Pose::identity());
+        let octomap = OctomapPlacement::of(octomap, frame, pose_fo, self.unknown_is_occupied)
             .map_err(|message| SceneError::of_object(file, OCTOMAP, message))?;
-        let place = self.situation.place(robot);
-        self.file(file, &place.context(robot)).set_octomap(octomap)
+        let placed = self.robot_state.placed(robot);
+        self.file(file, &placed.context(robot)).set_octomap(octomap)
     }
 
     /// A file that must not replace any object.
     pub(super) fn file<'f>(&'f mut self, name: &'f str, context: &'f SceneContext<'f>) -> SceneFile<'f> {
-        SceneFile { loader: self, name, context, is_diff: false }
+        SceneFile {
+            scene: &mut self.scene,
+            warnings: &mut self.warnings,
+            name,
+            context,
+            is_diff: false,
+            unknown_is_occupied: self.unknown_is_occupied,
+        }
     }
 }
 

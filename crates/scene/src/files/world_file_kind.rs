@@ -5,7 +5,8 @@ use std::path::Path;
 
 use clearance_robot::{MeshFiles, RobotModel};
 
-use super::loader::{SceneError, SceneLoader};
+use super::scene_error::SceneError;
+use super::scene_loader::SceneLoader;
 use crate::{Octomap, is_cloud, read_cloud};
 
 /// Kind of an obstacle file.

@@ -2,7 +2,7 @@
 
 use clearance_robot::quoted;
 
-use super::{Extent, Gap, Subject};
+use super::{GapExtent, GapSubject, SceneGap};
 
 /// An error in a message about the world, with the object and field concerned. The rejected part changes nothing.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -12,7 +12,7 @@ pub struct SceneRejection {
     /// Error text; starts with the name of the field, if a field is wrong.
     pub message: String,
     /// The gap that it leaves in the scene; `None` if the scene is still on the safe side.
-    pub gap: Option<Gap>,
+    pub gap: Option<SceneGap>,
 }
 
 impl SceneRejection {
@@ -25,18 +25,19 @@ impl SceneRejection {
     /// Rejection of an object, whose shapes are then missing.
     #[must_use]
     pub fn of(object: &str, message: impl Into<String>) -> Self {
-        let gap = Gap::new(Subject::Object, object, Extent::Shapes);
+        let gap = SceneGap::new(GapSubject::Object, object, GapExtent::Shapes);
         Self { object: Some(object.to_owned()), message: message.into(), gap: Some(gap) }
     }
 
+    /// Rejection of an octomap, whose cells are then missing.
     #[must_use]
     pub fn of_octomap(message: impl Into<String>) -> Self {
-        Self::of(super::OCTOMAP, message).leaving(Gap::new(Subject::Octomap, "", Extent::Shapes))
+        Self::of(super::OCTOMAP, message).leaving(SceneGap::new(GapSubject::Octomap, "", GapExtent::Shapes))
     }
 
     /// The same rejection with the given gap.
     #[must_use]
-    pub(crate) fn leaving(self, gap: Gap) -> Self {
+    pub(crate) fn leaving(self, gap: SceneGap) -> Self {
         Self { gap: Some(gap), ..self }
     }
 
@@ -49,13 +50,13 @@ impl SceneRejection {
     /// The same rejection for an object that is in the scene, but at another pose.
     #[must_use]
     pub fn of_pose(self) -> Self {
-        Self { gap: self.gap.map(|gap| Gap { extent: Extent::Pose, ..gap }), ..self }
+        Self { gap: self.gap.map(|gap| SceneGap { extent: GapExtent::Pose, ..gap }), ..self }
     }
 
     /// The same rejection for an object that was to be attached or detached.
     #[must_use]
     pub fn of_attached(self) -> Self {
-        Self { gap: self.gap.map(|gap| Gap { subject: Subject::Attached, ..gap }), ..self }
+        Self { gap: self.gap.map(|gap| SceneGap { subject: GapSubject::Attached, ..gap }), ..self }
     }
 }
 

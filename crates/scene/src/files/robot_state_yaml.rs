@@ -4,11 +4,11 @@ use clearance_geometry::math::Pose;
 use clearance_robot::{Configuration, LinkPoses, RobotModel, VirtualJoint};
 
 use super::text::{MultiDofText, RobotStateText};
-use crate::{SceneContext, Transform, TransformTree};
+use crate::{MultiDofJoint, SceneContext, Transform, TransformTree, VirtualJointRole};
 
 /// State of the robot, as far as the files contain it.
 #[derive(Clone, Debug, Default)]
-pub struct Situation {
+pub struct FileRobotState {
     /// The default configuration when no file gives one.
     configuration: Option<Configuration>,
     /// Pose of the root in the parent frame of its virtual joint, if a file gives it.
@@ -16,12 +16,12 @@ pub struct Situation {
 }
 
 /// Poses of links and frames in a robot state.
-pub struct Place {
+pub struct PlacedRobot {
     poses: LinkPoses,
     transforms: TransformTree,
 }
 
-impl Place {
+impl PlacedRobot {
     pub fn context<'p>(&'p self, robot: &'p RobotModel) -> SceneContext<'p> {
         SceneContext::new(robot, Some(&self.poses), &self.transforms, None, f64::INFINITY)
     }
@@ -30,12 +30,12 @@ impl Place {
 /// Positions (rad, m) by name.
 type NamedPositions = Vec<(String, f64)>;
 
-impl Situation {
-    pub fn place(&self, robot: &RobotModel) -> Place {
+impl FileRobotState {
+    pub fn placed(&self, robot: &RobotModel) -> PlacedRobot {
         let mut poses = LinkPoses::new(robot);
         let q = self.configuration.clone().unwrap_or_else(|| robot.default_configuration());
         robot.forward_kinematics(&q, &mut poses);
-        Place { poses, transforms: self.transforms.clone() }
+        PlacedRobot { poses, transforms: self.transforms.clone() }
     }
 
     /// Applies the robot pose of the state, if it contains one. `is_scene_empty`: no object was placed yet.
@@ -82,24 +82,18 @@ impl Situation {
         let (mut placed, mut root) = (Vec::new(), None);
         for (name, transform) in text.joint_names.iter().zip(&text.transforms) {
             let pose = transform.pose(name)?;
-            let virtual_joints = robot.srdf().into_iter().flat_map(|srdf| &srdf.virtual_joints);
-            let mut of_root = virtual_joints.filter(|joint| joint.child_link == robot.root());
-            // as in MoveIt, the first one places the root
-            let first = of_root.next();
-            let virtual_joint = first.filter(|joint| joint.name == *name);
-            if let (Some(first), None) = (first, virtual_joint)
-                && of_root.any(|other| other.name == *name)
-            {
+            let joint = MultiDofJoint::find(robot, name);
+            if let Some(VirtualJointRole::OtherOfRoot { first }) = joint.virtual_joint {
                 return Err(format!("the root is placed by virtual joint '{}', not by '{name}'", first.name));
             }
-            let is_known = virtual_joint.is_some() || robot.joint_by_name(name).is_some();
+            let is_known = joint.is_of_model || joint.placement_of_root().is_some();
             if is_known && !robot.is_model_frame(frame) {
                 let root = &robot.link(robot.root()).name;
                 return Err(format!("header.frame_id is '{frame}', but must be '{root}' or empty"));
             }
-            if robot.joint_by_name(name).is_some() {
+            if joint.is_of_model {
                 placed.extend(robot.positions_of_transform(name, &pose).map_err(|e| e.to_string())?);
-            } else if let Some(joint) = virtual_joint {
+            } else if let Some(joint) = joint.placement_of_root() {
                 RobotModel::check_virtual_transform(joint, &pose).map_err(|e| e.to_string())?;
                 if root.replace((joint, pose)).is_some_and(|(_, earlier)| earlier != pose) {
                     return Err(format!("virtual joint '{name}' is given twice, at two places"));
@@ -132,14 +126,14 @@ impl Situation {
                 joint.name
             ));
         }
-        let before = self.transforms.way(&parent, root).map_or(Pose::identity(), |way| way.pose());
+        let before = self.transforms.path(&parent, root).map_or(Pose::identity(), |path| path.pose());
         if before != pose_pr && !is_scene_empty {
             return Err(format!(
                 "virtual joint '{}' puts the robot elsewhere than the files before this one were read with: give the robot's state in the first file",
                 joint.name
             ));
         }
-        self.transforms.note(root, Transform { parent, pose_pf: pose_pr, stamp: None });
+        self.transforms.insert(root, Transform { parent, pose_pf: pose_pr, stamp: None });
         Ok(())
     }
 }

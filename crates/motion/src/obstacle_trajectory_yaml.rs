@@ -40,6 +40,7 @@ fn no_turn() -> [f64; 4] {
 
 /// Reason why a text does not describe the motion of obstacles.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the message of each variant describes it and its fields")]
 pub enum ObstacleTextError {
     /// The message of the parser contains the location.
     #[error("{0}")]

@@ -4,7 +4,7 @@ use clearance_files::yaml;
 use serde_json::Value;
 use serde_path_to_error::{Path, Segment};
 
-use crate::files::loader::SceneError;
+use crate::files::scene_error::SceneError;
 use crate::files::text::SceneText;
 
 /// Parses a scene; an error names the field and the object that it belongs to.
