@@ -5,37 +5,44 @@ use std::sync::Arc;
 
 use clap::Args;
 use clearance::checker::CollisionChecker;
-use clearance::input_files::{self, WORLD_LIMIT};
 use clearance::robot::{MeshFiles, RobotModel};
 use clearance::scene::{MeshModel, Settings};
 use clearance::scene::{Scene, SceneLoader, World, WorldFileKind};
+use clearance_files::input_files::{self, WORLD_LIMIT};
 
 use super::failure::Failure;
 
-/// A robot.
+/// A robot, and its safety distance.
 #[derive(Args, Clone, Debug, Default)]
 pub struct ModelArgs {
-    /// The robot: a URDF file; its meshes are STL, OBJ, COLLADA, PLY or glTF (.gltf, .glb)
-    #[arg(long, value_name = "FILE")]
-    pub urdf: Option<PathBuf>,
-
-    /// Its SRDF: pairs of links that need no check
-    #[arg(long, value_name = "FILE", requires = "urdf")]
-    pub srdf: Option<PathBuf>,
-
-    /// Where package://NAME/path is looked up, as DIR/NAME/path; symbolic links in DIR are followed; may be given more than once
-    #[arg(long, value_name = "DIR")]
-    pub package_path: Vec<PathBuf>,
+    #[command(flatten)]
+    pub robot: RobotArgs,
 
     /// Safety distance around every link, in metres
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     pub padding: Option<f64>,
 
-    /// Padding counts between links of the robot too, not only against the world
+    /// Apply the padding between links of the robot, too, not only against the world
     #[arg(long)]
     pub pad_self: bool,
+}
 
-    /// What a mesh is: a surface, or a solid if it is closed
+/// A robot.
+#[derive(Args, Clone, Debug, Default)]
+pub struct RobotArgs {
+    /// URDF file of the robot; its meshes are STL, OBJ, COLLADA, PLY or glTF (.gltf, .glb)
+    #[arg(long, value_name = "FILE")]
+    pub urdf: Option<PathBuf>,
+
+    /// SRDF file of the robot: pairs of links that need no check
+    #[arg(long, value_name = "FILE", requires = "urdf")]
+    pub srdf: Option<PathBuf>,
+
+    /// Folder in which package://NAME/path is searched, as DIR/NAME/path; symbolic links in DIR are followed; may be given more than once
+    #[arg(long, value_name = "DIR")]
+    pub package_path: Vec<PathBuf>,
+
+    /// Meaning of a mesh: a surface, or a solid if it is closed
     #[arg(long, value_name = "MODEL")]
     pub mesh: Option<MeshArg>,
 }
@@ -50,12 +57,12 @@ pub enum MeshArg {
 /// A world.
 #[derive(Args, Clone, Debug, Default)]
 pub struct WorldArgs {
-    /// Obstacles: the YAML of a MoveIt planning scene, a MoveIt .scene file, an octree (.bt, .ot) or a cloud (.pcd, .ply);
+    /// File with obstacles: the YAML of a MoveIt planning scene, a MoveIt .scene file, an octree (.bt, .ot) or a cloud (.pcd, .ply);
     /// may be given more than once
     #[arg(long, value_name = "FILE")]
     pub world: Vec<PathBuf>,
 
-    /// A cloud of points in the root frame: PCD or PLY; may be given more than once
+    /// Point cloud in the root frame: PCD or PLY; may be given more than once
     #[arg(long, value_name = "FILE", requires = "point_radius")]
     pub cloud: Vec<PathBuf>,
 
@@ -63,7 +70,7 @@ pub struct WorldArgs {
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     pub point_radius: Option<f64>,
 
-    /// What the space is that an octree does not know, within the box around what it knows
+    /// Treatment of unknown space of an octree, within the bounding box of its known cells
     #[arg(long, value_name = "SPACE", default_value = "free")]
     pub unknown_space: UnknownSpace,
 }
@@ -78,7 +85,7 @@ pub enum UnknownSpace {
     Occupied,
 }
 
-impl ModelArgs {
+impl RobotArgs {
     /// Loads the robot; warnings are logged.
     pub fn load(&self) -> Result<RobotModel, Failure> {
         let robot = self.load_quietly(&self.mesh_files())?;
@@ -119,15 +126,22 @@ impl ModelArgs {
         }
     }
 
+    /// Meaning of meshes.
+    pub fn mesh_model(&self) -> MeshModel {
+        match self.mesh {
+            Some(MeshArg::Solid) => MeshModel::Solid,
+            Some(MeshArg::Surface) | None => MeshModel::Surface,
+        }
+    }
+}
+
+impl ModelArgs {
     /// Settings of the checker from these arguments.
     pub fn settings(&self) -> Settings {
         Settings {
             padding: self.padding.unwrap_or(0.0),
             pad_self: self.pad_self,
-            mesh_model: match self.mesh {
-                Some(MeshArg::Solid) => MeshModel::Solid,
-                Some(MeshArg::Surface) | None => MeshModel::Surface,
-            },
+            mesh_model: self.robot.mesh_model(),
             ..Settings::default()
         }
     }

@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use clearance::input_files::{self, STATES_LIMIT};
 use clearance::motion::{
     ContinuousDirection, MotionSegment, ObstacleTrajectory, Trajectory, TrajectoryTextError, shortest_turns,
 };
 use clearance::robot::{Configuration, RobotModel};
 use clearance::scene::World;
+use clearance_files::input_files::{self, STATES_LIMIT};
 
 use super::failure::Failure;
 use super::states;
@@ -17,30 +17,29 @@ use super::states;
 const TRAJECTORY: &str =
     "the YAML or JSON of a trajectory_msgs/JointTrajectory or moveit_msgs/RobotTrajectory";
 
-/// Motions, how far the robot may be off, and what moves meanwhile.
+/// Motions of the robot, their tracking tolerance, and moving obstacles.
 #[derive(Args)]
-pub struct WayArgs {
+pub struct MotionInputArgs {
     #[command(flatten)]
     input: InputArgs,
 
-    /// Where a straight way ends
+    /// End of a straight motion
     #[arg(long, value_name = "J=X ...", allow_hyphen_values = true, requires = "from")]
     to: Option<String>,
 
-    /// How far the robot may be from its way: one number (rad, m) for every joint, mimic joints included, or "j1=0.01 j2=0.02"
+    /// Tracking tolerance of the joints: one number (rad, m) for all joints, mimic joints included, or "j1=0.01 j2=0.02"
     #[arg(long, value_name = "T", allow_hyphen_values = true)]
     tube: Option<String>,
 
-    /// Which way round continuous joints go between two positions
+    /// Direction of rotation of continuous joints between two positions
     #[arg(long, value_enum, default_value_t = Continuous::AsGiven)]
     continuous: Continuous,
 
-    /// Obstacles that move meanwhile: YAML or JSON, a list "moving_obstacles" of obstacles by "name", each with a twist ("linear" in
+    /// Obstacles that move during the motion: YAML or JSON, a list "moving_obstacles" of obstacles by "name", each with a twist ("linear" in
     /// m/s, "angular" in rad/s about "centre") or with "poses" ("time" in s, "position", "orientation"), in the root frame.
     ///
-    /// Times are those of the trajectory, which needs time_from_start then; at time 0 a twist begins, and at its first pose an
-    /// obstacle stands where the world has it. A straight way has no times: there it begins at 0, ends at 1, and a twist is what
-    /// happens on the whole way.
+    /// Times are those of the trajectory, which then needs time_from_start. A twist starts at time 0. At its first pose an obstacle is
+    /// at its pose in the world. A straight motion lasts from time 0 to 1, so a twist is the displacement during the whole motion.
     #[arg(long, value_name = "FILE")]
     moving: Option<PathBuf>,
 }
@@ -49,15 +48,15 @@ pub struct WayArgs {
 enum Continuous {
     /// Through all positions between the two
     AsGiven,
-    /// By half a turn at most between all points of a motion: whole turns are taken off the earlier ones. joint_trajectory_controller does so
-    /// only from the current state to the first point, and goes through all positions from there on
+    /// By at most half a turn between all points of a motion: full turns are subtracted from earlier points. joint_trajectory_controller
+    /// does this only from the current state to the first point, and then moves through all positions
     Shortest,
 }
 
 #[derive(Args)]
-#[group(id = "way", multiple = false)]
+#[group(id = "motion", multiple = false)]
 struct InputArgs {
-    /// Straight ways in joint space: JSON {"joints": [...], "edges": [[[...], [...]], ...]}
+    /// Straight motions in joint space: JSON {"joints": [...], "edges": [[[...], [...]], ...]}
     #[arg(long, value_name = "FILE")]
     edges: Option<PathBuf>,
 
@@ -65,12 +64,12 @@ struct InputArgs {
     #[arg(long, value_name = "FILE")]
     trajectory: Option<PathBuf>,
 
-    /// Where a straight way begins, such as "j1=0.1 j2=-1.2"
+    /// Start of a straight motion, such as "j1=0.1 j2=-1.2"
     #[arg(long, value_name = "J=X ...", allow_hyphen_values = true, requires = "to")]
     from: Option<String>,
 }
 
-impl WayArgs {
+impl MotionInputArgs {
     /// Whether the arguments contain a motion.
     pub fn is_given(&self) -> bool {
         let InputArgs { edges, trajectory, from } = &self.input;
@@ -97,13 +96,19 @@ impl WayArgs {
     }
 
     /// The motions with the moving obstacles.
-    pub fn with_obstacles(&self, ways: &[Trajectory], world: &World) -> Result<Vec<Trajectory>, Failure> {
-        let Some(path) = &self.moving else { return Ok(ways.to_vec()) };
+    pub fn with_obstacles(
+        &self,
+        trajectories: &[Trajectory],
+        world: &World,
+    ) -> Result<Vec<Trajectory>, Failure> {
+        let Some(path) = &self.moving else { return Ok(trajectories.to_vec()) };
         let file = path.display();
         let bad = |e: &dyn std::fmt::Display| Failure::Input(format!("{file}: {e}"));
         let text = input_files::read_text(path, STATES_LIMIT).map_err(Failure::input)?;
         let obstacles = ObstacleTrajectory::list_from_yaml(&text, world).map_err(|e| bad(&e))?;
-        (ways.iter()).map(|way| way.clone().with_obstacles(world, &obstacles).map_err(|e| bad(&e))).collect()
+        (trajectories.iter())
+            .map(|t| t.clone().with_obstacles(world, &obstacles).map_err(|e| bad(&e)))
+            .collect()
     }
 
     fn direction(&self) -> ContinuousDirection {
@@ -127,12 +132,12 @@ impl WayArgs {
     }
 
     /// The motions of the robot, each as a trajectory.
-    pub fn ways(&self, robot: &RobotModel) -> Result<Vec<Trajectory>, Failure> {
+    pub fn trajectories(&self, robot: &RobotModel) -> Result<Vec<Trajectory>, Failure> {
         let straight = |ends: [Configuration; 2]| {
             let [from, to] = self.directed(robot, ends)?;
             Trajectory::of_segments(vec![MotionSegment::straight(robot, &from, &to)]).map_err(Failure::input)
         };
-        let ways = match (&self.input.edges, &self.input.trajectory, &self.input.from, &self.to) {
+        let trajectories = match (&self.input.edges, &self.input.trajectory, &self.input.from, &self.to) {
             (Some(path), ..) => {
                 states::edges_from_file(path, robot)?.into_iter().map(straight).collect::<Result<_, _>>()?
             }
@@ -144,10 +149,10 @@ impl WayArgs {
             _ => return Err(Failure::Input("give --edges, --trajectory, or --from and --to".to_owned())),
         };
         match self.tube(robot)? {
-            None => Ok(ways),
+            None => Ok(trajectories),
             Some(tube) => {
-                let loosened = |way: Trajectory| way.map(|s| s.with_tube(robot, tube.clone()));
-                ways.into_iter().map(loosened).collect::<Result<_, _>>().map_err(Failure::input)
+                let with_tube = |t: Trajectory| t.map(|s| s.with_tube(robot, tube.clone()));
+                trajectories.into_iter().map(with_tube).collect::<Result<_, _>>().map_err(Failure::input)
             }
         }
     }
@@ -162,12 +167,12 @@ fn trajectory(
     let bad = |e: &dyn std::fmt::Display| Failure::Input(format!("{file}: {e}"));
     let text = input_files::read_text(path, STATES_LIMIT).map_err(Failure::input)?;
     let read = Trajectory::from_yaml_with_direction(robot, &text, &robot.default_configuration(), direction);
-    let (way, remarks) = read.map_err(|e| match e {
+    let (trajectory, remarks) = read.map_err(|e| match e {
         TrajectoryTextError::Text(_) => bad(&format!("{e} (a trajectory is {TRAJECTORY})")),
         TrajectoryTextError::Trajectory(_) | TrajectoryTextError::Start(_) => bad(&e),
     })?;
     for remark in remarks {
         log::warn!("{file}: {remark}");
     }
-    Ok(way)
+    Ok(trajectory)
 }

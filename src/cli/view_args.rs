@@ -1,7 +1,7 @@
 //! `--view`: robot and world in a web browser.
 
 use clap::Args;
-use clearance::node::{View, ViewAddress};
+use clearance_ros::{View, ViewAddress};
 
 use super::failure::Failure;
 use super::run_args::print_line;

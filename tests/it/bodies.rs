@@ -1,11 +1,13 @@
 //! Bodies against bodies: the hierarchies against brute force over all elements, and the laws of the questions.
 
-use clearance::bounding_volume::{Aabb, Axes, BoundingVolume, Capsule, Obb, Relative, Rss, Sphere};
+use clearance::geometry::math::{Point, Pose, Vector};
+use clearance::geometry::simd::{Level, baseline};
 use clearance::geometry::{Primitive, Shape, Triangle, TriangleMesh};
-use clearance::math::{Point, Pose, Vector};
-use clearance::query::{CollisionBody, Effort, Scratch};
-use clearance::query::{collide, distance, distance_bounds, signed_distance, within_margin};
-use clearance::simd::{Level, baseline};
+use clearance::proximity::bounding_volume::{
+    Aabb, Axes, BoundingVolume, Capsule, Obb, Relative, Rss, Sphere,
+};
+use clearance::proximity::{CollisionBody, Effort, Scratch};
+use clearance::proximity::{collide, distance, distance_bounds, signed_distance, within_margin};
 use fearless_simd::dispatch;
 
 use crate::random::Random;

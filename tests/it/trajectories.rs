@@ -3,8 +3,8 @@
 use clearance::checker::{
     CollisionChecker, MotionOptions, MotionOrder, MotionReport, MotionVerdict, UndecidedReason, Watch,
 };
+use clearance::geometry::math::{Pose, Vector};
 use clearance::geometry::{Primitive, Shape};
-use clearance::math::{Pose, Vector};
 use clearance::motion::{Certificate, MotionSegment, MovingObstacle, Trajectory, TrajectoryPoint};
 use clearance::robot::{Configuration, MeshFiles, RobotModel};
 use clearance::scene::{BodyId, Settings};
@@ -312,7 +312,7 @@ fn swept_volumes_hold_what_is_swept() {
             let mut poses = clearance::robot::LinkPoses::new(&robot);
             robot.forward_kinematics(&segment.at(t), &mut poses);
             for end in [Vector::zeros(), Vector::x()] {
-                let ball = poses.pose(tip) * clearance::math::Point::from(end);
+                let ball = poses.pose(tip) * clearance::geometry::math::Point::from(end);
                 let holds = volumes
                     .iter()
                     .filter(|v| v.body == BodyId::Link(tip) && v.t[0] <= t && t <= v.t[1])

@@ -1,8 +1,8 @@
 //! Segments join exactly, or the gap between them is proven free.
 
 use clearance::checker::{MotionOptions, MotionVerdict};
+use clearance::geometry::math::{Point, Pose};
 use clearance::geometry::{Primitive, Shape};
-use clearance::math::{Point, Pose};
 use clearance::motion::{MotionSegment, MovingObstacle, Trajectory, TrajectoryPoint};
 use clearance::scene::{AttachedObject, World};
 use clearance::verifier::Rejection;

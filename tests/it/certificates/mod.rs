@@ -7,8 +7,8 @@ mod joins;
 mod mutations;
 
 use clearance::checker::{CollisionChecker, MotionOptions};
+use clearance::geometry::math::{Point, Pose, Vector};
 use clearance::geometry::{Primitive, Shape, TriangleMesh};
-use clearance::math::{Point, Pose, Vector};
 use clearance::motion::{Certificate, MotionSegment, Trajectory};
 use clearance::robot::{MeshFiles, RobotModel};
 use clearance::scene::Settings;
