@@ -111,7 +111,7 @@ impl SceneFile<'_> {
     /// `MoveIt` lists all links, most of them with padding 0 and scale 1. Such an entry does not make a link smaller than an earlier file
     /// made it; only a scene with `is_diff` changes other sizes.
     fn keep_sizes(&mut self, [padding, scale]: &[HashMap<String, f64>; 2]) -> Result<(), SceneError> {
-        let scene = &mut self.scene;
+        let scene = &mut *self.scene;
         let fields = [
             ("link_padding", padding, &mut scene.link_padding, 0.0),
             ("link_scale", scale, &mut scene.link_scale, 1.0),
