@@ -13,7 +13,7 @@ use std::hint::black_box;
 use std::path::Path;
 use std::sync::Arc;
 
-use clearance::math::Pose;
+use clearance::geometry::math::Pose;
 use clearance::robot::{LinkId, LinkPoses};
 use clearance::scene::BodyId;
 use clearance::{CollisionChecker, Configuration, Question, RobotModel, Settings, World};

@@ -4,7 +4,7 @@ use std::error::Error;
 use std::path::Path;
 use std::sync::Arc;
 
-use clearance::math::Pose;
+use clearance::geometry::math::Pose;
 use clearance::{CollisionChecker, Obstacle, Primitive, Question, RobotModel, Settings, Shape, World};
 
 pub fn main() -> Result<(), Box<dyn Error>> {

@@ -4,7 +4,7 @@ use std::error::Error;
 use std::path::Path;
 use std::sync::Arc;
 
-use clearance::math::Pose;
+use clearance::geometry::math::Pose;
 use clearance::{
     CollisionChecker, MotionOptions, MotionVerdict, Obstacle, Primitive, RobotModel, Settings, Shape,
     Trajectory, TrajectoryPoint, World,

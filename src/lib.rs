@@ -24,7 +24,7 @@
 //! | check motions | [`CollisionChecker::check_motion`], [`CollisionChecker::check_trajectory`] |
 //! | keep a proof, and check it again | [`CollisionChecker::certify_motion`], [`Verifier`] |
 //! | follow a stream of joint states | [`CollisionChecker::streaming_workspace`], [`monitor`] |
-//! | two posed bodies without a robot | [`query`] |
+//! | two posed bodies without a robot | [`proximity`] |
 //!
 //! **Guarantees.** A state or motion is reported free only if this is proven for the exact query. Results do not depend on the number of
 //! threads or on the instruction set. A collision is a result, never an `Err`; after validation, queries do not fail or panic.
@@ -37,43 +37,54 @@
 //! **Features.** `cli` builds the program, `ros` the node. With `default-features = false` the library has no dependency on DDS, terminal or
 //! command line crates.
 //!
-//! The modules are the crates of the workspace, from shapes ([`geometry`]) to the checker ([`checker`]). The most used names are
-//! re-exported here.
+//! The modules are crates of the workspace, from shapes ([`geometry`]) to the checker ([`checker`]). The most used names are re-exported
+//! here. The node (`clearance-ros`) and the readers of bounded input files (`clearance-files`) are not part of this interface.
 
 #![deny(missing_docs)]
 
-#[doc(inline)]
-pub use clearance_checker as checker;
-pub use clearance_files::{input_files, ply_format, readable_text, yaml};
+/// Shapes, triangle meshes, poses and the tolerances of all computations.
 #[doc(inline)]
 pub use clearance_geometry as geometry;
-pub use clearance_geometry::{constants, math, simd};
-#[doc(inline)]
-pub use clearance_monitor as monitor;
-#[doc(inline)]
-pub use clearance_motion as motion;
-#[doc(inline)]
-pub use clearance_proximity as query;
-pub use clearance_proximity::{bounding_volume, bvh};
+
+/// Robots: URDF, SRDF and mesh files, configurations and forward kinematics.
 #[doc(inline)]
 pub use clearance_robot as robot;
-#[cfg(feature = "ros")]
-#[doc(inline)]
-pub use clearance_ros as node;
+
+/// Surroundings of a robot: obstacles, attached objects, allowed collisions, frames, and the files that describe them.
 #[doc(inline)]
 pub use clearance_scene as scene;
+
+/// Motion segments, trajectories and certificates.
+#[doc(inline)]
+pub use clearance_motion as motion;
+
+/// Distance and collision queries between two posed bodies without a robot, and their bounding volume trees.
+#[doc(inline)]
+pub use clearance_proximity as proximity;
+
+/// Checks of a robot in its world: states, batches, streams and motions.
+#[doc(inline)]
+pub use clearance_checker as checker;
+
+/// Independent verification of certificates.
 #[doc(inline)]
 pub use clearance_verifier as verifier;
 
+/// Evaluation of a stream of joint states: merged states, staleness, speed scale. The node consists of this and of its I/O.
+#[doc(inline)]
+pub use clearance_monitor as monitor;
+
 pub use clearance_checker::{
-    CollisionChecker, CollisionReport, MotionOptions, MotionReport, MotionVerdict, PairDistance, Question,
-    TrajectoryReport, Workspace,
+    CollisionChecker, CollisionReport, Contact, LookAhead, MotionOptions, MotionOrder, MotionReport,
+    MotionVerdict, PairDistance, Question, SettingsError, TrajectoryReport, UndecidedPair, UndecidedReason,
+    Workspace,
 };
 pub use clearance_geometry::{Primitive, Shape};
 pub use clearance_motion::{Certificate, MotionSegment, Trajectory, TrajectoryPoint};
-pub use clearance_robot::{Configuration, MeshFiles, RobotModel};
+pub use clearance_robot::{Configuration, JointId, LinkId, MeshFiles, ModelError, RobotModel};
 pub use clearance_scene::{
-    AllowedCollisionMatrix, AttachedObject, BodyId, MeshModel, Obstacle, Scene, SceneLoader, Settings, World,
+    AllowedCollisionMatrix, AttachedObject, BodyId, MeshModel, Obstacle, ObstacleId, Scene, SceneLoader,
+    Settings, World,
 };
 pub use clearance_verifier::Verifier;
 

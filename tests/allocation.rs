@@ -3,9 +3,9 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use clearance::geometry::math::Pose;
 use clearance::geometry::{Cube, Plane, PointCloud, Primitive, Shape, Voxels};
-use clearance::math::Pose;
-use clearance::query::{CollisionBody, Scratch, collide, distance, within_margin};
+use clearance::proximity::{CollisionBody, Scratch, collide, distance, within_margin};
 use clearance::robot::MeshFiles;
 use clearance::{CollisionChecker, Configuration, Question, RobotModel, Settings, World};
 
@@ -75,7 +75,7 @@ fn warm_queries_of_bodies_allocate_nothing() {
         Primitive::cone(0.07, 0.2),
         Primitive::sphere(0.1),
     ];
-    let turned = Pose::rotation(clearance::math::Vector::new(0.4, 0.5, 0.6));
+    let turned = Pose::rotation(clearance::geometry::math::Vector::new(0.4, 0.5, 0.6));
     let of_primitives = primitives
         .map(|p| CollisionBody::new([(&turned, &Shape::Primitive(p.unwrap()))]).expect("a body has a shape"));
     #[allow(clippy::cast_precision_loss)]

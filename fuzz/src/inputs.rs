@@ -8,14 +8,14 @@ use std::sync::{Arc, LazyLock};
 
 use clearance::checker::MotionOptions;
 use clearance::geometry::Shape;
-use clearance::math::Vector;
+use clearance::geometry::math::Vector;
 use clearance::motion::{Certificate, Trajectory, model_fingerprint, world_fingerprint};
-use clearance::node::fuzzing::{MessageKind, OfflineNode, respond_in_memory};
-use clearance::node::recording::{Archive, Prepared, replay};
 use clearance::robot::{LinkPoses, MeshUse, RecordedMeshes, RobotText};
 use clearance::scene::{AllowedCollisionMatrix, MeshModel, NamedState, Scene, SceneLoader};
 use clearance::verifier::{Verifier, verify};
 use clearance::{CollisionChecker, MeshFiles, Question, RobotModel, Settings, World};
+use clearance_ros::fuzzing::{MessageKind, OfflineNode, respond_in_memory};
+use clearance_ros::recording::{Archive, Prepared, replay};
 
 /// A fuzz target: reads an input.
 pub type Target = fn(&[u8]);
@@ -130,7 +130,7 @@ pub fn scene_text(data: &[u8]) {
 /// A trajectory in YAML or JSON, for a check and for the demonstration.
 pub fn trajectory(data: &[u8]) {
     let Ok(text) = std::str::from_utf8(data) else { return };
-    let _ = clearance::node::Trajectory::from_yaml(text);
+    let _ = clearance_ros::Trajectory::from_yaml(text);
     let Ok(trajectory) = Trajectory::from_yaml(&ROBOT, text, &ROBOT.default_configuration()) else { return };
     let options = MotionOptions { budget: BUDGET, ..MotionOptions::default() };
     let checker = checker(ROBOT.clone(), &World::default(), Settings::default());

@@ -2,9 +2,9 @@
 
 use clearance::motion::mesh_model_name;
 use clearance::motion::{Certificate, MovingObstacle, SegmentText};
-use clearance::readable_text;
 use clearance::robot::RobotModel;
 use clearance::scene::{MeshModel, Settings};
+use clearance_files::readable_text;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 

@@ -6,14 +6,14 @@ use std::time::Instant;
 
 use clap::Args;
 use clearance::checker::{CollisionChecker, CollisionReport, ConstantContacts, Question, Workspace};
-use clearance::readable_text::on_one_line;
 use clearance::robot::Configuration;
 use clearance::scene::BodyId;
+use clearance_files::readable_text::on_one_line;
 use rayon::prelude::*;
 use serde::Serialize;
 
 use super::failure::Failure;
-use super::model::{ModelArgs, WorldArgs};
+use super::model_args::{ModelArgs, WorldArgs};
 use super::progress::Progress;
 use super::run_args::{Format, RunArgs, Stats, internal, print_line};
 use super::states;
@@ -33,11 +33,11 @@ pub struct CheckArgs {
     #[command(flatten)]
     input: StateArgs,
 
-    /// What to find out about each state
+    /// Query on each state
     #[arg(long, value_enum, default_value_t = Query::Free)]
     query: Query,
 
-    /// Distances beyond this many metres are not told [default: none is too far]
+    /// Largest distance in metres that is reported [default: no limit]
     #[arg(
         long,
         value_name = "M",
@@ -70,7 +70,7 @@ enum Query {
     Free,
     /// All colliding pairs
     Pairs,
-    /// The least distance, its pair and witness points
+    /// The smallest distance, its pair and witness points
     Distance,
     /// The distance of every pair
     PairDistances,
@@ -78,12 +78,12 @@ enum Query {
 
 /// Output in JSON format.
 #[derive(Serialize)]
-struct Answer {
+struct CheckOutput {
     robot: String,
     joints: Vec<String>,
     pairs_checked: usize,
     load_seconds: f64,
-    results: Vec<StateAnswer>,
+    results: Vec<StateResult>,
     /// Sums over all states.
     stats: Stats,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -91,20 +91,20 @@ struct Answer {
 }
 
 #[derive(Serialize)]
-struct StateAnswer {
+struct StateResult {
     free: bool,
     self_collision: bool,
     world_collision: bool,
     #[serde(skip_serializing_if = "Option::is_none")]
     pairs: Option<Vec<[String; 2]>>,
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
-    distance: Option<DistanceAnswer>,
+    distance: Option<DistanceResult>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pair_distances: Option<Vec<(String, String, f64)>>,
 }
 
 #[derive(Serialize)]
-struct DistanceAnswer {
+struct DistanceResult {
     /// In metres; null beyond the limit.
     distance: Option<f64>,
     nearest: Option<[String; 2]>,
@@ -136,18 +136,18 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
         log::warn!("{remark}");
     }
     let timing = time_passes(&checker, &states, question, args.run.repeat);
-    let answer = Answer {
+    let output = CheckOutput {
         robot: robot.name().to_owned(),
         joints: robot.position_names().to_vec(),
         pairs_checked: checker.pairs().len(),
         load_seconds,
         stats: Stats::total(reports.iter().map(|report| report.work)),
-        results: (reports.iter()).map(|r| StateAnswer::new(args.query, r, &checker)).collect(),
+        results: (reports.iter()).map(|r| StateResult::new(args.query, r, &checker)).collect(),
         timing,
     };
     match args.run.format {
-        Format::Json => print_line(&serde_json::to_string(&answer).map_err(internal)?)?,
-        Format::Text => print_line(&text(&answer))?,
+        Format::Json => print_line(&serde_json::to_string(&output).map_err(internal)?)?,
+        Format::Text => print_line(&text(&output))?,
     }
     let all_free = reports.iter().all(CollisionReport::is_free);
     Ok(ExitCode::from(u8::from(!all_free)))
@@ -239,7 +239,7 @@ fn time_passes(
     })
 }
 
-impl StateAnswer {
+impl StateResult {
     fn new(query: Query, report: &CollisionReport, checker: &CollisionChecker) -> Self {
         let names = |a: BodyId, b: BodyId| sorted_names(checker, a, b);
         let sorted_pairs = || {
@@ -261,13 +261,13 @@ impl StateAnswer {
             self_collision: report.self_collision,
             world_collision: report.world_collision,
             pairs: (query == Query::Pairs).then(sorted_pairs),
-            distance: (query == Query::Distance).then(|| DistanceAnswer::new(report, checker)),
+            distance: (query == Query::Distance).then(|| DistanceResult::new(report, checker)),
             pair_distances: (query == Query::PairDistances).then(distances),
         }
     }
 }
 
-impl DistanceAnswer {
+impl DistanceResult {
     /// Sorts the names, and the witness points with them.
     fn new(report: &CollisionReport, checker: &CollisionChecker) -> Self {
         let nearest = report.nearest;
@@ -292,18 +292,18 @@ fn sorted_names(checker: &CollisionChecker, a: BodyId, b: BodyId) -> [String; 2]
 }
 
 /// One line per state, and a summary.
-fn text(answer: &Answer) -> String {
+fn text(output: &CheckOutput) -> String {
     let mut lines: Vec<String> =
-        (answer.results.iter().enumerate()).flat_map(|(i, r)| state_lines(i, r)).collect();
-    let free = answer.results.iter().filter(|r| r.free).count();
+        (output.results.iter().enumerate()).flat_map(|(i, r)| state_lines(i, r)).collect();
+    let free = output.results.iter().filter(|r| r.free).count();
     lines.push(format!(
         "{}: {free} of {} states free; {} pairs checked; loaded in {:.3} s",
-        answer.robot,
-        answer.results.len(),
-        answer.pairs_checked,
-        answer.load_seconds
+        output.robot,
+        output.results.len(),
+        output.pairs_checked,
+        output.load_seconds
     ));
-    if let Some(t) = answer.timing {
+    if let Some(t) = output.timing {
         lines.push(format!(
             "{:.3} µs a state (best of {} passes; median {:.3} µs)",
             t.us_min, t.passes, t.us_median
@@ -312,7 +312,7 @@ fn text(answer: &Answer) -> String {
     lines.iter().map(|line| on_one_line(line)).collect::<Vec<_>>().join("\n")
 }
 
-fn state_lines(index: usize, result: &StateAnswer) -> Vec<String> {
+fn state_lines(index: usize, result: &StateResult) -> Vec<String> {
     let verdict = match (result.self_collision, result.world_collision) {
         (false, false) => "free",
         (true, false) => "COLLIDING with itself",

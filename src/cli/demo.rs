@@ -4,19 +4,19 @@ use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, mpsc};
 
-use clearance::node::recording::Given;
-use clearance::node::{
-    self, Environment, Motion, NodeOptions, Parameters, Reach, RosArguments, Startup, Surroundings,
-    ThreadPriority, Trajectory, View,
-};
 use clearance::robot::{MeshFiles, RobotModel, RobotText};
 use clearance::scene::SceneLoader;
+use clearance_ros::recording::Given;
+use clearance_ros::{
+    Environment, Motion, NodeOptions, Parameters, Reach, RosArguments, Startup, Surroundings, ThreadPriority,
+    Trajectory, View,
+};
 use log::LevelFilter;
 
 use super::demo_table::{Latest, Table};
 use super::failure::Failure;
 use super::node::{announce, failure};
-use super::view::ViewArgs;
+use super::view_args::ViewArgs;
 
 const URDF: &str = include_str!("../../urdf/demo_arm/demo_arm.urdf");
 const SRDF: &str = include_str!("../../urdf/demo_arm/demo_arm.srdf");
@@ -36,7 +36,7 @@ const MESHES: &[(&str, &[u8])] = meshes! {
 
 /// Runs the demo until it is stopped.
 pub fn run(view: ViewArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
-    node::logging::start(level);
+    clearance_ros::logging::start(level);
     let startup = Startup::begin(Parameters::default().memory_limit).map_err(failure)?;
     // the demo must be invisible to other machines and must not disturb them
     let environment =
@@ -61,7 +61,7 @@ pub fn run(view: ViewArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
             let _ = started.send(Table::start(latest, ended, domain));
         }
     };
-    let result = node::run(NodeOptions {
+    let result = clearance_ros::run(NodeOptions {
         startup,
         announcement,
         arguments: RosArguments::default(),

@@ -7,7 +7,6 @@ use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use clearance::monitor::Evaluation;
-use clearance::node;
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// Refresh period of the table.
@@ -210,7 +209,7 @@ fn draw(latest: &Latest, ended: &AtomicBool, hints: &[String]) {
     let lines = labels.map(labelled);
     let [status, nearest, distance, rate, check] = &lines;
     let mut window = Window::new(latest.read());
-    while !ended.load(Ordering::Relaxed) && !node::is_ending() {
+    while !ended.load(Ordering::Relaxed) && !clearance_ros::is_ending() {
         let row = window.row(&latest.read());
         let colour = match row.status {
             "FREE" => "green",
@@ -240,14 +239,14 @@ fn style(template: &str) -> ProgressStyle {
 
 fn print_lines(latest: &Latest, ended: &AtomicBool, hints: &[String]) {
     let mut out = std::io::stdout();
-    let mut say = |line: &str| {
+    let mut print = |line: &str| {
         if writeln!(out, "{line}").and_then(|()| out.flush()).is_err() {
             // the reader of the output has gone
             std::process::exit(0);
         }
     };
     for hint in hints {
-        say(hint);
+        print(hint);
     }
     let mut before = (Instant::now(), latest.read());
     while !ended.load(Ordering::Relaxed) {
@@ -258,7 +257,7 @@ fn print_lines(latest: &Latest, ended: &AtomicBool, hints: &[String]) {
         let seen = latest.read();
         let row = Row::new(&before.1, &seen, before.0.elapsed());
         before = (Instant::now(), seen);
-        say(&format!(
+        print(&format!(
             "{:9} nearest: {}, {}; {:.0} joint states per second, {:.0} µs a check, {} pairs {}",
             row.status, row.nearest, row.distance, row.rate, row.microseconds, row.pairs, row.reason
         ));

@@ -4,24 +4,24 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::Args;
-use clearance::node::RosArguments;
-use clearance::node::doctor::{self, Finding, Patient, Verdict};
+use clearance_ros::RosArguments;
+use clearance_ros::doctor::{self, Finding, Patient, Verdict};
 use log::LevelFilter;
 
 use super::failure::Failure;
-use super::model::ModelArgs;
+use super::model_args::RobotArgs;
 use super::node::failure;
 use super::run_args::{Format, internal, print_line};
 
-/// Without --urdf the robot is awaited on the topic `robot_description`.
+/// Without --urdf the robot description is received from the topic `robot_description`.
 ///
-/// Exit codes: 0 nothing is wrong; 1 something is; 2 bad input.
+/// Exit codes: 0 no fault; 1 at least one fault; 2 bad input.
 #[derive(Args)]
 pub struct DoctorArgs {
     #[command(flatten)]
-    model: ModelArgs,
+    robot: RobotArgs,
 
-    /// How long topics are listened to, in seconds
+    /// Duration of listening to topics, in seconds
     #[arg(long, value_name = "S", default_value_t = 5.0)]
     wait: f64,
 
@@ -38,22 +38,22 @@ pub fn run(args: &DoctorArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
     let patience = (Duration::try_from_secs_f64(args.wait).ok())
         .filter(|wait| (Duration::from_millis(100)..=Duration::from_secs(3600)).contains(wait))
         .ok_or_else(|| Failure::Input(format!("--wait: must be from 0.1 to 3600 s, but is {}", args.wait)))?;
-    clearance::node::logging::start(level);
-    let mesh_files = args.model.mesh_files();
-    let robot = args.model.urdf.as_ref().map(|_| args.model.load_quietly(&mesh_files)).transpose()?;
+    clearance_ros::logging::start(level);
+    let mesh_files = args.robot.mesh_files();
+    let robot = args.robot.urdf.as_ref().map(|_| args.robot.load_quietly(&mesh_files)).transpose()?;
     let arguments = RosArguments::parse(&args.ros_args).map_err(Failure::input)?;
-    let mesh_model = args.model.settings().mesh_model;
+    let mesh_model = args.robot.mesh_model();
     let patient = Patient { arguments, robot, mesh_files, mesh_model, patience };
     let findings = doctor::examine(patient).map_err(failure)?;
     match args.format {
         Format::Json => print_line(&serde_json::to_string(&findings).map_err(internal)?)?,
-        Format::Text => findings.iter().try_for_each(tell)?,
+        Format::Text => findings.iter().try_for_each(print_finding)?,
     }
     let is_wrong = findings.iter().any(|finding| finding.verdict == Verdict::Wrong);
     Ok(ExitCode::from(u8::from(is_wrong)))
 }
 
-fn tell(Finding { verdict, about, text }: &Finding) -> Result<(), Failure> {
+fn print_finding(Finding { verdict, about, text }: &Finding) -> Result<(), Failure> {
     let verdict = match verdict {
         Verdict::Good => "ok   ",
         Verdict::Note => "note ",

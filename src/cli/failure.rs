@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::process::ExitCode;
 
-use clearance::readable_text::on_one_line;
+use clearance_files::readable_text::on_one_line;
 
 /// Maximum length (characters) of one line of a message.
 const LONGEST_LINE: usize = 4000;

@@ -14,8 +14,9 @@ mod demo_table;
 #[cfg(feature = "ros")]
 mod doctor;
 mod failure;
-mod model;
+mod model_args;
 mod motion;
+mod motion_args;
 #[cfg(feature = "ros")]
 mod node;
 mod progress;
@@ -27,14 +28,13 @@ mod states;
 mod timing;
 mod verify;
 #[cfg(feature = "ros")]
-mod view;
-mod way;
+mod view_args;
 
 use std::process::ExitCode;
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Parser, Subcommand};
-use clearance::readable_text::on_one_line;
+use clearance_files::readable_text::on_one_line;
 use log::LevelFilter;
 
 use failure::Failure;
@@ -45,13 +45,14 @@ use failure::Failure;
 #[derive(Parser)]
 #[command(version, about, long_about, max_term_width = 100, subcommand_precedence_over_arg = true)]
 struct Arguments {
-    /// What is logged on stderr: off, error, warn, info, debug or trace [default: info for the node, error for the demo, else warn]
+    /// Least severe level of messages on stderr: off, error, warn, info, debug or trace [default: info for the node, error for the demo and
+    /// for replay, else warn]
     #[arg(long, global = true, value_name = "LEVEL")]
     log_level: Option<LevelFilter>,
 
     #[cfg(feature = "ros")]
     #[command(flatten)]
-    view: view::ViewArgs,
+    view: view_args::ViewArgs,
 
     #[command(subcommand)]
     command: Option<Command>,
@@ -59,21 +60,21 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Check states of a robot for collisions, or tell its distances
+    /// Check states of a robot for collisions, or compute distances
     Check(check::CheckArgs),
-    /// Check ways between configurations: proven free, contact, or undecided and why
+    /// Check motions between configurations: proven free, contact, or undecided with the reason
     Motion(Box<motion::MotionArgs>),
-    /// Check a certificate that a motion is free, with code that shares nothing with what wrote it
+    /// Verify a certificate that a motion is free, with code that is independent of the checker
     Verify(Box<verify::VerifyArgs>),
-    /// Measure what checks cost with a robot in a world, and compare ways to find what is near
+    /// Measure the time of checks of a robot in a world, and compare broad-phase structures
     Bench(bench::BenchArgs),
-    /// The ROS 2 node: joint states in, collisions and distances out
+    /// Run the ROS 2 node: subscribes to joint states, publishes collisions and distances
     #[cfg(feature = "ros")]
     Node(Box<node::NodeArgs>),
-    /// What is wrong on this machine and with these topics, if the node does not work
+    /// Find faults of this machine and of the ROS topics when the node does not work
     #[cfg(feature = "ros")]
     Doctor(doctor::DoctorArgs),
-    /// Run a recording of the node again, without a network, and tell the first answer that differs
+    /// Replay a recording of the node without a network, and report the first result that differs
     #[cfg(feature = "ros")]
     Replay(replay::ReplayArgs),
 }

@@ -6,23 +6,23 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 use clearance::checker::{CollisionChecker, MotionOptions, MotionOrder, MotionVerdict, TrajectoryReport};
-use clearance::input_files;
 use clearance::motion::{Certificate, ContinuousTurn, MotionSegment, Trajectory};
-use clearance::readable_text::on_one_line;
 use clearance::robot::{Configuration, RobotModel};
 use clearance::scene::BodyId;
+use clearance_files::input_files;
+use clearance_files::readable_text::on_one_line;
 use rayon::prelude::*;
 use serde::Serialize;
 
 use super::failure::Failure;
-use super::model::{ModelArgs, WorldArgs};
+use super::model_args::{ModelArgs, WorldArgs};
+use super::motion_args::MotionInputArgs;
 use super::progress::Progress;
 use super::run_args::{Format, RunArgs, Stats, internal, positive, print_line};
 use super::timing::{self, Timing};
-use super::way::WayArgs;
 
 #[derive(Args)]
-#[command(mut_group("way", |group| group.required(true)))]
+#[command(mut_group("motion", |group| group.required(true)))]
 pub struct MotionArgs {
     #[command(flatten)]
     model: ModelArgs,
@@ -31,25 +31,25 @@ pub struct MotionArgs {
     world: WorldArgs,
 
     #[command(flatten)]
-    way: WayArgs,
+    motion: MotionInputArgs,
 
-    /// What keeps farther apart than this many metres is always decided
+    /// Decision threshold in metres: pairs that stay farther apart than this are always decided
     #[arg(long, value_name = "M", default_value_t = 5e-4, allow_negative_numbers = true)]
     tolerance: f64,
 
-    /// Which contact to look for
+    /// Contact to search for
     #[arg(long, value_enum, default_value_t = Order::Earliest)]
     order: Order,
 
-    /// Give up on a way after this many seconds, and say so
+    /// Time limit per motion in seconds; a motion that is not decided by then is reported as undecided
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     deadline: Option<f64>,
 
-    /// Write the proof that the way is free here, as JSON; `clearance verify` with the same arguments checks it
+    /// Write a certificate (proof that the motion is free) to this file, as JSON; check it with `clearance verify`
     #[arg(long, value_name = "FILE")]
     certificate: Option<PathBuf>,
 
-    /// Tell volumes around what each link sweeps over, in this many intervals (with --format json)
+    /// Report bounding volumes of the region that each link sweeps, in this many intervals (with --format json)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     swept_volumes: Option<u32>,
 
@@ -67,19 +67,19 @@ enum Order {
 
 /// Output in JSON format.
 #[derive(Serialize)]
-struct Answer {
+struct MotionOutput {
     robot: String,
     joints: Vec<String>,
     pairs_checked: usize,
     load_seconds: f64,
-    results: Vec<WayAnswer>,
+    results: Vec<MotionResult>,
     stats: Stats,
     #[serde(skip_serializing_if = "Option::is_none")]
     timing: Option<Timing>,
 }
 
 #[derive(Serialize)]
-struct WayAnswer {
+struct MotionResult {
     verdict: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
     t: Option<[f64; 2]>,
@@ -99,15 +99,15 @@ struct WayAnswer {
     time: Option<[f64; 2]>,
     /// The continuous joints that turn. They move through all positions from the first to the last.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    turns: Vec<TurnAnswer>,
+    turns: Vec<TurnResult>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    swept_volumes: Option<Vec<SweptVolumeAnswer>>,
+    swept_volumes: Option<Vec<SweptVolumeResult>>,
     #[serde(skip)]
     reason_text: String,
 }
 
 #[derive(Serialize)]
-struct TurnAnswer {
+struct TurnResult {
     joint: String,
     from: f64,
     to: f64,
@@ -115,7 +115,7 @@ struct TurnAnswer {
 
 /// Capsule: all points within `radius` of the line segment from `a` to `b`.
 #[derive(Serialize)]
-struct SweptVolumeAnswer {
+struct SweptVolumeResult {
     link: String,
     segment: usize,
     t: [f64; 2],
@@ -130,10 +130,10 @@ pub fn run(args: &MotionArgs) -> Result<ExitCode, Failure> {
     let checker = args.run.pairs.checker(&args.model, &args.world)?;
     let load_seconds = start.elapsed().as_secs_f64();
     let robot = checker.robot();
-    let robots_ways = args.way.ways(robot)?;
-    let ways = args.way.with_obstacles(&robots_ways, checker.world())?;
-    if args.certificate.is_some() && ways.len() != 1 {
-        let count = ways.len();
+    let robot_trajectories = args.motion.trajectories(robot)?;
+    let trajectories = args.motion.with_obstacles(&robot_trajectories, checker.world())?;
+    if args.certificate.is_some() && trajectories.len() != 1 {
+        let count = trajectories.len();
         return Err(Failure::Input(format!("--certificate is for one way, but {count} are given")));
     }
     if let Some(path) = &args.certificate {
@@ -143,30 +143,37 @@ pub fn run(args: &MotionArgs) -> Result<ExitCode, Failure> {
     if checker.pairs().is_empty() {
         log::warn!("there is no pair to check: every motion counts as free");
     }
-    let ends = |way: &Trajectory| way.segments().iter().flat_map(MotionSegment::ends).collect();
-    let ends: Vec<Vec<Configuration>> = robots_ways.iter().map(ends).collect();
+    let ends = |trajectory: &Trajectory| trajectory.segments().iter().flat_map(MotionSegment::ends).collect();
+    let ends: Vec<Vec<Configuration>> = robot_trajectories.iter().map(ends).collect();
     if let Some(note) = robot.limits_note("way", &ends) {
         log::warn!("{note}");
     }
-    if let Some(note) = long_turn_note(&robots_ways, robot) {
+    if let Some(note) = long_turn_note(&robot_trajectories, robot) {
         log::warn!("{note}");
     }
     if let Some(path) = &args.certificate {
         remove_old_certificate(path)?;
     }
-    let reports = check_all(&checker, &ways, &options, args)?;
+    let reports = check_all(&checker, &trajectories, &options, args)?;
     if let Some(path) = &args.certificate {
-        write_certificate(&checker, &ways[0], &args.starting_now(&options), path)?;
+        write_certificate(&checker, &trajectories[0], &args.starting_now(&options), path)?;
     }
-    let timing = time_passes(&checker, &ways, &options, args);
-    let is_trajectory = args.way.is_trajectory();
-    let results = reports.iter().zip(&ways).zip(&robots_ways).map(|((report, way), robots_way)| {
-        let swept = args.swept_volumes.map(|n| swept_volumes(&checker, robots_way, n as usize));
-        let turns = robots_way.continuous_turns(robot).into_iter();
-        let turns = turns.map(|ContinuousTurn { joint, from, to }| TurnAnswer { joint, from, to }).collect();
-        WayAnswer { turns, swept_volumes: swept, ..WayAnswer::new(report, way, &checker, is_trajectory) }
-    });
-    let answer = Answer {
+    let timing = time_passes(&checker, &trajectories, &options, args);
+    let is_trajectory = args.motion.is_trajectory();
+    let results = reports.iter().zip(&trajectories).zip(&robot_trajectories).map(
+        |((report, trajectory), robot_trajectory)| {
+            let swept = args.swept_volumes.map(|n| swept_volumes(&checker, robot_trajectory, n as usize));
+            let turns = robot_trajectory.continuous_turns(robot).into_iter();
+            let turns =
+                turns.map(|ContinuousTurn { joint, from, to }| TurnResult { joint, from, to }).collect();
+            MotionResult {
+                turns,
+                swept_volumes: swept,
+                ..MotionResult::new(report, trajectory, &checker, is_trajectory)
+            }
+        },
+    );
+    let output = MotionOutput {
         robot: robot.name().to_owned(),
         joints: robot.position_names().to_vec(),
         pairs_checked: checker.pairs().len(),
@@ -176,8 +183,8 @@ pub fn run(args: &MotionArgs) -> Result<ExitCode, Failure> {
         timing,
     };
     match args.run.format {
-        Format::Json => print_line(&serde_json::to_string(&answer).map_err(internal)?)?,
-        Format::Text => print_line(&text(&answer))?,
+        Format::Json => print_line(&serde_json::to_string(&output).map_err(internal)?)?,
+        Format::Text => print_line(&text(&output))?,
     }
     let all_free = reports.iter().all(TrajectoryReport::is_free);
     Ok(ExitCode::from(u8::from(!all_free)))
@@ -207,10 +214,13 @@ impl MotionArgs {
 }
 
 /// Warning about the first motion in which a continuous joint turns far, and the number of further ones.
-fn long_turn_note(ways: &[Trajectory], robot: &RobotModel) -> Option<String> {
-    let mut notes = ways.iter().enumerate().filter_map(|(i, way)| Some((i, way.long_turn_note(robot)?)));
+fn long_turn_note(trajectories: &[Trajectory], robot: &RobotModel) -> Option<String> {
+    let mut notes = trajectories
+        .iter()
+        .enumerate()
+        .filter_map(|(i, trajectory)| Some((i, trajectory.long_turn_note(robot)?)));
     let (i, note) = notes.next()?;
-    let which = if ways.len() > 1 { format!("motion {i}: ") } else { String::new() };
+    let which = if trajectories.len() > 1 { format!("motion {i}: ") } else { String::new() };
     let others = match notes.count() {
         0 => String::new(),
         others => format!("; likewise in {others} more motions"),
@@ -221,18 +231,18 @@ fn long_turn_note(ways: &[Trajectory], robot: &RobotModel) -> Option<String> {
 /// One report per motion, in the order of the motions, independent of the number of threads.
 fn check_all(
     checker: &CollisionChecker,
-    ways: &[Trajectory],
+    trajectories: &[Trajectory],
     options: &MotionOptions,
     args: &MotionArgs,
 ) -> Result<Vec<TrajectoryReport>, Failure> {
-    let progress = Progress::new(ways.len());
-    let pool = args.run.pool(ways.len())?;
+    let progress = Progress::new(trajectories.len());
+    let pool = args.run.pool(trajectories.len())?;
     Ok(pool.install(|| {
-        (ways.par_iter())
+        (trajectories.par_iter())
             .map_init(
                 || checker.workspace(),
-                |workspace, way| {
-                    let report = checker.check_trajectory(way, &args.starting_now(options), workspace);
+                |workspace, trajectory| {
+                    let report = checker.check_trajectory(trajectory, &args.starting_now(options), workspace);
                     progress.piece_done();
                     report
                 },
@@ -243,14 +253,18 @@ fn check_all(
 
 fn time_passes(
     checker: &CollisionChecker,
-    ways: &[Trajectory],
+    trajectories: &[Trajectory],
     options: &MotionOptions,
     args: &MotionArgs,
 ) -> Option<Timing> {
     let mut workspace = checker.workspace();
-    timing::measure(args.run.repeat, ways.len(), || {
-        for way in ways {
-            std::hint::black_box(checker.check_trajectory(way, &args.starting_now(options), &mut workspace));
+    timing::measure(args.run.repeat, trajectories.len(), || {
+        for trajectory in trajectories {
+            std::hint::black_box(checker.check_trajectory(
+                trajectory,
+                &args.starting_now(options),
+                &mut workspace,
+            ));
         }
     })
 }
@@ -269,11 +283,11 @@ fn remove_old_certificate(path: &Path) -> Result<(), Failure> {
 /// Writes the certificate of the single motion, if it is free.
 fn write_certificate(
     checker: &CollisionChecker,
-    way: &Trajectory,
+    trajectory: &Trajectory,
     options: &MotionOptions,
     path: &Path,
 ) -> Result<(), Failure> {
-    let (report, certificate) = checker.certify_trajectory(way, options, &mut checker.workspace());
+    let (report, certificate) = checker.certify_trajectory(trajectory, options, &mut checker.workspace());
     let Some(certificate) = certificate else {
         let verdict = verdict_name(&report.verdict);
         log::warn!("the way is {verdict}: no certificate is written to {}", path.display());
@@ -283,15 +297,19 @@ fn write_certificate(
     input_files::write(path, text.as_bytes()).map_err(Failure::input)
 }
 
-fn swept_volumes(checker: &CollisionChecker, way: &Trajectory, intervals: usize) -> Vec<SweptVolumeAnswer> {
+fn swept_volumes(
+    checker: &CollisionChecker,
+    trajectory: &Trajectory,
+    intervals: usize,
+) -> Vec<SweptVolumeResult> {
     let mut workspace = checker.workspace();
-    let segments = way.segments().iter().enumerate();
+    let segments = trajectory.segments().iter().enumerate();
     segments
         .flat_map(|(segment, motion)| {
             let volumes = checker.swept_volumes(motion, intervals, &mut workspace);
             volumes.into_iter().map(move |v| (segment, v))
         })
-        .map(|(segment, v)| SweptVolumeAnswer {
+        .map(|(segment, v)| SweptVolumeResult {
             link: checker.body_name(v.body).to_owned(),
             segment,
             t: v.t,
@@ -310,10 +328,10 @@ fn verdict_name(verdict: &MotionVerdict) -> &'static str {
     }
 }
 
-impl WayAnswer {
+impl MotionResult {
     fn new(
         report: &TrajectoryReport,
-        way: &Trajectory,
+        trajectory: &Trajectory,
         checker: &CollisionChecker,
         is_trajectory: bool,
     ) -> Self {
@@ -324,8 +342,8 @@ impl WayAnswer {
         };
         let free = report.is_free();
         // index in the given trajectory, not in the parts into which moving obstacles split it
-        let origin = |t: f64| way.origin(report.segment, t);
-        let mut answer = Self {
+        let origin = |t: f64| trajectory.origin(report.segment, t);
+        let mut output = Self {
             verdict: verdict_name(&report.verdict),
             t: None,
             pair: None,
@@ -341,17 +359,17 @@ impl WayAnswer {
         match report.verdict {
             MotionVerdict::Free => {}
             MotionVerdict::Contact { t, pair, witness } => {
-                (answer.t, answer.pair) = (Some(t.map(|t| origin(t).1)), Some(names(pair)));
-                answer.witness_point = witness.map(|p| p.coords.into());
+                (output.t, output.pair) = (Some(t.map(|t| origin(t).1)), Some(names(pair)));
+                output.witness_point = witness.map(|p| p.coords.into());
             }
             MotionVerdict::Undecided { t, pair, distance, reason } => {
-                (answer.t, answer.pair) = (Some(t.map(|t| origin(t).1)), pair.map(names));
-                answer.distance = Some(distance.map(|d| d.is_finite().then_some(d)));
-                answer.reason = Some(reason.code());
-                answer.reason_text = reason.to_string();
+                (output.t, output.pair) = (Some(t.map(|t| origin(t).1)), pair.map(names));
+                output.distance = Some(distance.map(|d| d.is_finite().then_some(d)));
+                output.reason = Some(reason.code());
+                output.reason_text = reason.to_string();
             }
         }
-        answer
+        output
     }
 
     fn text(&self) -> String {
@@ -366,7 +384,7 @@ impl WayAnswer {
         });
         let segment = self.segment.map_or_else(String::new, |segment| format!(", in segment {segment}"));
         let time = self.time.map_or_else(String::new, |[lo, _]| format!(" after {lo:.3} s"));
-        let turn = |TurnAnswer { joint, from, to }: &TurnAnswer| format!("{joint} from {from} to {to}");
+        let turn = |TurnResult { joint, from, to }: &TurnResult| format!("{joint} from {from} to {to}");
         let turns: Vec<String> = self.turns.iter().map(turn).collect();
         let turns = if turns.is_empty() { String::new() } else { format!("; turning {}", turns.join(", ")) };
         [verdict, pair, when, segment, time, turns].concat()
@@ -374,18 +392,18 @@ impl WayAnswer {
 }
 
 /// One line per motion, and a summary.
-fn text(answer: &Answer) -> String {
+fn text(output: &MotionOutput) -> String {
     let mut lines: Vec<String> =
-        (answer.results.iter().enumerate()).map(|(i, r)| format!("motion {i}: {}", r.text())).collect();
-    let free = answer.results.iter().filter(|r| r.verdict == "free").count();
+        (output.results.iter().enumerate()).map(|(i, r)| format!("motion {i}: {}", r.text())).collect();
+    let free = output.results.iter().filter(|r| r.verdict == "free").count();
     lines.push(format!(
         "{}: {free} of {} motions free; {} pairs checked; loaded in {:.3} s",
-        answer.robot,
-        answer.results.len(),
-        answer.pairs_checked,
-        answer.load_seconds
+        output.robot,
+        output.results.len(),
+        output.pairs_checked,
+        output.load_seconds
     ));
-    if let Some(t) = answer.timing {
+    if let Some(t) = output.timing {
         lines.push(format!(
             "{:.3} µs a motion (best of {} passes; median {:.3} µs)",
             t.us_min, t.passes, t.us_median

@@ -4,20 +4,20 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
-use clearance::node::recording::Given;
-use clearance::node::{
-    self, Announcement, Environment, Motion, NodeError, NodeOptions, ParameterSource, RosArguments, Startup,
+use clearance::robot::{MeshFiles, MeshLog};
+use clearance_ros::recording::Given;
+use clearance_ros::{
+    Announcement, Environment, Motion, NodeError, NodeOptions, ParameterSource, RosArguments, Startup,
     Surroundings, ThreadPriority, Value, View,
 };
-use clearance::robot::{MeshFiles, MeshLog};
 use log::LevelFilter;
 
 use super::failure::Failure;
-use super::model::{ModelArgs, WorldArgs};
+use super::model_args::{ModelArgs, WorldArgs};
 use super::replay::GivenFiles;
-use super::view::ViewArgs;
+use super::view_args::ViewArgs;
 
-/// Without --urdf the robot is awaited on the topic `robot_description`.
+/// Without --urdf the robot description is received from the topic `robot_description`.
 #[derive(Args)]
 pub struct NodeArgs {
     #[command(flatten)]
@@ -30,7 +30,7 @@ pub struct NodeArgs {
     #[arg(long, value_name = "FILE")]
     params_file: Vec<PathBuf>,
 
-    /// Record everything that is heard and said to an MCAP file, for `clearance replay`, `ros2 bag` and Foxglove
+    /// Record all received and published messages to an MCAP file, for `clearance replay`, `ros2 bag` and Foxglove
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
 
@@ -49,22 +49,22 @@ pub struct NodeArgs {
 /// Runs the node until it is stopped.
 pub fn run(args: &NodeArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
     let arguments = args.ros_arguments()?;
-    node::logging::start(arguments.log_level.unwrap_or(level));
-    let parameters = node::initial_parameters(&arguments).map_err(failure)?;
+    clearance_ros::logging::start(arguments.log_level.unwrap_or(level));
+    let parameters = clearance_ros::initial_parameters(&arguments).map_err(failure)?;
     let startup = Startup::begin(parameters.memory_limit).map_err(failure)?;
     let priority = ThreadPriority::allowed(parameters.use_realtime_priority).map_err(failure)?;
     let announcement = announce(Environment::of_process().map_err(Failure::input)?, priority)?;
     let meshes = MeshLog::default();
-    let mesh_files = args.model.mesh_files().noted_in(meshes.clone());
-    let robot = match args.model.urdf {
+    let mesh_files = args.model.robot.mesh_files().with_log(meshes.clone());
+    let robot = match args.model.robot.urdf {
         // the node logs its warnings
-        Some(_) => Some(args.model.load_quietly(&mesh_files)?),
+        Some(_) => Some(args.model.robot.load_quietly(&mesh_files)?),
         None => None,
     };
     let view = args.view.open()?;
-    let files = GivenFiles::new(&args.model, &args.world);
+    let files = GivenFiles::new(&args.model.robot, &args.world);
     let given = Given { arguments: files.to_json(), files: files.all(), meshes };
-    node::run(NodeOptions {
+    clearance_ros::run(NodeOptions {
         startup,
         announcement,
         arguments,
@@ -72,7 +72,7 @@ pub fn run(args: &NodeArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
         robot,
         surroundings: args.surroundings(mesh_files.clone()),
         mesh_files,
-        mesh_model: args.model.settings().mesh_model,
+        mesh_model: args.model.robot.mesh_model(),
         motion: args.demo_motion.then_some(Motion::Sweep),
         observer: view.as_ref().map(View::observer),
         on_start: Some(Box::new(args.view.announcement(view.as_ref()))),

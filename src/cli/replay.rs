@@ -5,32 +5,32 @@ use std::process::ExitCode;
 use std::sync::Arc;
 
 use clap::Args;
-use clearance::node::recording::{self, Archive, Outcome, Prepared, recorded_path, save_part};
 use clearance::robot::{MeshFiles, RobotModel, RobotText};
+use clearance_ros::recording::{self, Archive, Outcome, Prepared, recorded_path, save_part};
 use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 
 use super::failure::Failure;
-use super::model::{MeshArg, ModelArgs, UnknownSpace, WorldArgs};
+use super::model_args::{MeshArg, RobotArgs, UnknownSpace, WorldArgs};
 use super::run_args::{Format, internal, print_line};
 
 /// Number of results before the different one to keep in a test; the smallest that reproduces the difference is used.
 const KEPT: [u64; 4] = [1, 10, 100, u64::MAX];
 
-/// Every answer must be what it was, bit for bit, but for the time that it took.
+/// Replays a recording and compares every result bit by bit, except computation times.
 ///
-/// Exit codes: 0 all answers are the same; 1 one differs, or there is nothing to compare; 2 the recording can not be read.
+/// Exit codes: 0 all results are the same; 1 one differs, or there is nothing to compare; 2 the recording cannot be read.
 #[derive(Args)]
 pub struct ReplayArgs {
-    /// An MCAP file that `clearance node --record FILE` wrote
+    /// MCAP file written by `clearance node --record FILE`
     #[arg(value_name = "FILE")]
     file: PathBuf,
 
-    /// If an answer differs, save the part of the recording that shows it to DIR, as a test like those in tests/replays
+    /// If a result differs, save the part of the recording that reproduces it to DIR, as a test like those in tests/replays
     #[arg(long, value_name = "DIR")]
     save_test: Option<PathBuf>,
 
-    /// How the answer is written
+    /// Output format
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
 }
@@ -56,7 +56,7 @@ pub fn run(args: &ReplayArgs) -> Result<ExitCode, Failure> {
     };
     match args.format {
         Format::Json => print_line(&serde_json::to_string(&outcome).map_err(internal)?)?,
-        Format::Text => tell(&args.file, &outcome)?,
+        Format::Text => print_outcome(&args.file, &outcome)?,
     }
     if let Some(file) = saved {
         eprintln!("saved: {}", file.display());
@@ -75,7 +75,7 @@ fn replay(file: &Path) -> Result<Outcome, Failure> {
     recording::replay(file, prepared).map_err(Failure::input)
 }
 
-fn tell(file: &Path, outcome: &Outcome) -> Result<(), Failure> {
+fn print_outcome(file: &Path, outcome: &Outcome) -> Result<(), Failure> {
     let (file, same) = (file.display(), outcome.same);
     if let Some(difference) = &outcome.difference {
         let (answer, seconds, nanoseconds) =
@@ -102,7 +102,7 @@ fn tell(file: &Path, outcome: &Outcome) -> Result<(), Failure> {
 
 /// Saves the part of a recording that reproduces the difference.
 fn save_test(file: &Path, folder: &Path, outcome: &Outcome) -> Result<PathBuf, Failure> {
-    let refused = |error: std::io::Error| Failure::Input(format!("{}: {error}", folder.display()));
+    let input_failure = |error: std::io::Error| Failure::Input(format!("{}: {error}", folder.display()));
     let Some(difference) = &outcome.difference else {
         return Err(Failure::Internal("there is no difference to save".to_owned()));
     };
@@ -110,7 +110,7 @@ fn save_test(file: &Path, folder: &Path, outcome: &Outcome) -> Result<PathBuf, F
     if to.exists() {
         return Err(Failure::Input(format!("{}: is there already", to.display())));
     }
-    std::fs::create_dir_all(folder).map_err(refused)?;
+    std::fs::create_dir_all(folder).map_err(input_failure)?;
     for kept in KEPT {
         save_part(file, &to, difference.answer, kept).map_err(Failure::input)?;
         let shown = replay(&to)?.difference;
@@ -121,18 +121,18 @@ fn save_test(file: &Path, folder: &Path, outcome: &Outcome) -> Result<PathBuf, F
         if shown.as_ref().is_some_and(shows) {
             return Ok(to);
         }
-        std::fs::remove_file(&to).map_err(refused)?;
+        std::fs::remove_file(&to).map_err(input_failure)?;
     }
     Err(Failure::Internal("no part of the recording shows the difference again".to_owned()))
 }
 
 impl GivenFiles {
-    pub fn new(model: &ModelArgs, world: &WorldArgs) -> Self {
+    pub fn new(robot: &RobotArgs, world: &WorldArgs) -> Self {
         let recorded = |paths: &[PathBuf]| paths.iter().map(|path| recorded_path(path)).collect();
         Self {
-            urdf: model.urdf.as_deref().map(recorded_path),
-            srdf: model.srdf.as_deref().map(recorded_path),
-            mesh: model.mesh,
+            urdf: robot.urdf.as_deref().map(recorded_path),
+            srdf: robot.srdf.as_deref().map(recorded_path),
+            mesh: robot.mesh,
             world: recorded(&world.world),
             cloud: recorded(&world.cloud),
             point_radius: world.point_radius,
@@ -161,7 +161,7 @@ fn prepare(archive: Archive) -> Result<Prepared, String> {
         None => archive.meshes(),
     };
     let robot = given.robot(&archive, &mesh_files)?;
-    let model = ModelArgs { mesh: given.mesh, ..ModelArgs::default() };
+    let mesh_model = RobotArgs { mesh: given.mesh, ..RobotArgs::default() }.mesh_model();
     let world = WorldArgs {
         world: given.world,
         cloud: given.cloud,
@@ -176,7 +176,7 @@ fn prepare(archive: Archive) -> Result<Prepared, String> {
             let read = |path: &Path| archive.file(path).map(|bytes| bytes.to_vec());
             world.load_with(robot, &files, &read).map_err(|failure| failure.to_string())
         }),
-        mesh_model: model.settings().mesh_model,
+        mesh_model,
     })
 }
 

@@ -2,11 +2,11 @@
 
 use clap::Args;
 use clearance::checker::CollisionChecker;
-use clearance::query::Work;
+use clearance::proximity::Work;
 use serde::Serialize;
 
 use super::failure::Failure;
-use super::model::{self, ModelArgs, WorldArgs};
+use super::model_args::{self, ModelArgs, WorldArgs};
 
 /// Which pairs are checked.
 #[derive(Args, Clone, Copy, Debug)]
@@ -25,15 +25,15 @@ pub struct RunArgs {
     #[command(flatten)]
     pub pairs: PairArgs,
 
-    /// Threads to check on
+    /// Number of threads
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: u16,
 
-    /// How the answer is written
+    /// Output format
     #[arg(long, value_enum, default_value_t = Format::Text)]
     pub format: Format,
 
-    /// Time this many passes over the inputs, on one thread
+    /// Measure the time of this many passes over the inputs, on one thread
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(..=1_000_000))]
     pub repeat: u32,
 }
@@ -55,11 +55,11 @@ pub struct Stats {
 impl PairArgs {
     /// Checker of a robot in its world, for the selected pairs.
     pub fn checker(self, model: &ModelArgs, world: &WorldArgs) -> Result<CollisionChecker, Failure> {
-        let robot = model.load()?;
-        let loaded = world.load(&robot, &model.mesh_files())?;
+        let robot = model.robot.load()?;
+        let loaded = world.load(&robot, &model.robot.mesh_files())?;
         let mut settings = model.settings();
         (settings.check_self, settings.check_world) = (!self.no_self, !self.no_world);
-        model::checker(robot, &loaded, settings)
+        model_args::checker(robot, &loaded, settings)
     }
 }
 

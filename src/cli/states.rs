@@ -3,10 +3,10 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use clearance::input_files::{self, STATES_LIMIT};
 use clearance::robot::{Configuration, ConfigurationError, NamedJoints, RobotModel};
 use clearance::scene::{NamedState, StateList};
-use clearance::yaml;
+use clearance_files::input_files::{self, STATES_LIMIT};
+use clearance_files::yaml;
 use serde::Deserialize;
 
 use super::assignments;

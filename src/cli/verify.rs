@@ -4,28 +4,28 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
-use clearance::input_files::{self, STATES_LIMIT};
 use clearance::motion::{Certificate, Trajectory};
 use clearance::robot::RobotModel;
 use clearance::scene::Settings;
 use clearance::scene::World;
-use clearance::verifier::{Expected, Refusal, Verified, Verifier};
+use clearance::verifier::{ExpectedMotion, Rejection, VerificationStatistics, Verifier};
+use clearance_files::input_files::{self, STATES_LIMIT};
 use serde_json::json;
 
 use super::certificate_summary::{Summary, on_one_line};
 use super::failure::Failure;
-use super::model::{ModelArgs, WorldArgs, warn_of_meshes};
+use super::model_args::{ModelArgs, WorldArgs, warn_of_meshes};
+use super::motion_args::MotionInputArgs;
 use super::run_args::{Format, PairArgs, positive, print_line};
-use super::way::WayArgs;
 
-/// Check a certificate that a motion is free, with code that shares nothing with what wrote it.
+/// Verify a certificate that a motion is free, with code that is independent of the checker.
 ///
-/// A certificate proves one motion, with one tracking tolerance, among obstacles that stand or move in one way. Say which motion is
-/// meant with the arguments that `clearance motion` was given (--from and --to, --edges or --trajectory, --tube, --moving): a
-/// certificate of any other motion is rejected, and what differs is named. Without them, the motion that it is about is printed,
-/// and has to be compared by the reader.
+/// A certificate proves one motion with one tracking tolerance and one motion of the obstacles. Give the expected motion with the
+/// arguments of `clearance motion` (--from and --to, --edges or --trajectory, --tube, --moving). A certificate of any other motion is
+/// rejected, and the differences are printed. Without these arguments, the motion of the certificate is printed; compare it with
+/// the motion that you expect.
 ///
-/// Exit code 0: it is a proof; 1: it is none, or one of another motion, robot or world; 2: bad input.
+/// Exit codes: 0 the proof is valid; 1 it is not, or it is for another motion, robot or world; 2 bad input.
 #[derive(Args)]
 pub struct VerifyArgs {
     #[command(flatten)]
@@ -34,7 +34,7 @@ pub struct VerifyArgs {
     #[command(flatten)]
     world: WorldArgs,
 
-    /// What `clearance motion --certificate` wrote
+    /// Certificate written by `clearance motion --certificate`
     #[arg(value_name = "CERTIFICATE.json")]
     certificate: PathBuf,
 
@@ -42,25 +42,25 @@ pub struct VerifyArgs {
     pairs: PairArgs,
 
     #[command(flatten, next_help_heading = "The expected motion, as for `clearance motion`")]
-    way: WayArgs,
+    motion: MotionInputArgs,
 
-    /// The tolerance (m) that it has to be made with
+    /// Expected tolerance (m) of the certificate
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     tolerance: Option<f64>,
 
-    /// Obstacles may move as the certificate says, from where the world has them; which ones do is printed
+    /// Accept any motion of obstacles that starts at their poses in the world; the moving obstacles are printed
     #[arg(long, conflicts_with = "moving")]
     moving_obstacles: bool,
 
-    /// How the answer is written
+    /// Output format
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
 }
 
 /// Exit code 0: the certificate is a proof; 1: it is not, and the reason is printed.
 pub fn run(args: &VerifyArgs) -> Result<ExitCode, Failure> {
-    let robot = args.model.load()?;
-    let scene = args.world.load(&robot, &args.model.mesh_files())?;
+    let robot = args.model.robot.load()?;
+    let scene = args.world.load(&robot, &args.model.robot.mesh_files())?;
     let mut settings = args.model.settings();
     (settings.check_self, settings.check_world) = (!args.pairs.no_self, !args.pairs.no_world);
     let settings = settings.with_scene(&scene);
@@ -73,37 +73,38 @@ pub fn run(args: &VerifyArgs) -> Result<ExitCode, Failure> {
     if verified.as_ref().is_ok_and(|v| v.pairs == 0) {
         log::warn!("there is no pair to check: every motion counts as free");
     }
-    let told = Told { robot: &robot, settings: &settings, certificate: &certificate };
+    let input = VerifiedInput { robot: &robot, settings: &settings, certificate: &certificate };
     print_line(&match args.format {
-        Format::Text => told.text(&verified, &expected),
-        Format::Json => told.json(&verified, &expected),
+        Format::Text => input.text(&verified, &expected),
+        Format::Json => input.json(&verified, &expected),
     })?;
     Ok(ExitCode::from(u8::from(verified.is_err())))
 }
 
 impl VerifyArgs {
     /// The expected motion, tube and tolerance.
-    fn expected(&self, robot: &RobotModel, world: &World) -> Result<Expected, Failure> {
+    fn expected(&self, robot: &RobotModel, world: &World) -> Result<ExpectedMotion, Failure> {
         let tolerance = self.tolerance.map(|m| positive("--tolerance", m)).transpose()?;
-        if self.way.moves_obstacles() && !self.way.is_given() {
+        if self.motion.moves_obstacles() && !self.motion.is_given() {
             let needed =
                 "--moving is about an expected motion: give --from and --to, --edges or --trajectory, too";
             return Err(Failure::Input(needed.to_owned()));
         }
-        if self.way.directs_joints() && !self.way.is_given() {
+        if self.motion.directs_joints() && !self.motion.is_given() {
             let needed = "--continuous is about an expected motion: give --from and --to, --edges or --trajectory, too";
             return Err(Failure::Input(needed.to_owned()));
         }
-        let tube = self.way.tube(robot)?;
-        let expected = Expected { motion: None, any_obstacle_motion: self.moving_obstacles, tube, tolerance };
-        if !self.way.is_given() {
+        let tube = self.motion.tube(robot)?;
+        let expected =
+            ExpectedMotion { motion: None, any_obstacle_motion: self.moving_obstacles, tube, tolerance };
+        if !self.motion.is_given() {
             return Ok(expected);
         }
-        let ways = self.way.with_obstacles(&self.way.ways(robot)?, world)?;
-        match <[Trajectory; 1]>::try_from(ways) {
-            Ok([motion]) => Ok(Expected { motion: Some(motion), ..expected }),
-            Err(ways) => {
-                let count = ways.len();
+        let trajectories = self.motion.with_obstacles(&self.motion.trajectories(robot)?, world)?;
+        match <[Trajectory; 1]>::try_from(trajectories) {
+            Ok([motion]) => Ok(ExpectedMotion { motion: Some(motion), ..expected }),
+            Err(trajectories) => {
+                let count = trajectories.len();
                 Err(Failure::Input(format!("--edges: a certificate is about one way, but {count} are given")))
             }
         }
@@ -119,7 +120,7 @@ impl VerifyArgs {
 
     /// Rejects moving obstacles that the user has not declared.
     fn check_obstacles(&self, certificate: &Certificate) -> Result<(), Failure> {
-        if self.moving_obstacles || self.way.is_given() {
+        if self.moving_obstacles || self.motion.is_given() {
             return Ok(());
         }
         let Some(mover) = certificate.segments.iter().flat_map(|s| &s.motion.obstacles).next() else {
@@ -133,17 +134,21 @@ impl VerifyArgs {
 }
 
 /// The input that the output describes.
-struct Told<'t> {
+struct VerifiedInput<'t> {
     robot: &'t RobotModel,
     settings: &'t Settings,
     certificate: &'t Certificate,
 }
 
-impl Told<'_> {
-    fn text(&self, verified: &Result<Verified, Refusal>, expected: &Expected) -> String {
-        let Verified { segments, pairs, proofs, .. } = match verified {
+impl VerifiedInput<'_> {
+    fn text(
+        &self,
+        verified: &Result<VerificationStatistics, Rejection>,
+        expected: &ExpectedMotion,
+    ) -> String {
+        let VerificationStatistics { segments, pairs, proofs, .. } = match verified {
             Ok(verified) => verified,
-            Err(refusal) => return format!("NOT PROVEN: {refusal}"),
+            Err(rejection) => return format!("NOT PROVEN: {rejection}"),
         };
         let summary = Summary::new(self.robot, self.settings, self.certificate);
         let about = match (&expected.motion, expected.any_obstacle_motion && summary.moves_obstacles()) {
@@ -161,24 +166,28 @@ impl Told<'_> {
         )
     }
 
-    fn json(&self, verified: &Result<Verified, Refusal>, expected: &Expected) -> String {
-        let told = expected.motion.is_some();
+    fn json(
+        &self,
+        verified: &Result<VerificationStatistics, Rejection>,
+        expected: &ExpectedMotion,
+    ) -> String {
+        let is_motion_given = expected.motion.is_some();
         match verified {
             Ok(v) => {
                 let summary = Summary::new(self.robot, self.settings, self.certificate);
-                let mut answer = json!({
+                let mut output = json!({
                     "verified": true, "segments": v.segments, "pairs": v.pairs, "proofs": v.proofs,
-                    "expected_motion_given": told,
+                    "expected_motion_given": is_motion_given,
                 });
-                if let (Some(answer), serde_json::Value::Object(summary)) =
-                    (answer.as_object_mut(), summary.json())
+                if let (Some(output), serde_json::Value::Object(summary)) =
+                    (output.as_object_mut(), summary.json())
                 {
-                    answer.extend(summary);
+                    output.extend(summary);
                 }
-                answer.to_string()
+                output.to_string()
             }
-            Err(refusal) => {
-                json!({"verified": false, "reason": refusal.to_string(), "expected_motion_given": told})
+            Err(rejection) => {
+                json!({"verified": false, "reason": rejection.to_string(), "expected_motion_given": is_motion_given})
                     .to_string()
             }
         }

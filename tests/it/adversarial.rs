@@ -1,8 +1,8 @@
 //! Inputs on which floating point goes wrong first. What is true is known by construction.
 
+use clearance::geometry::math::{Point, Pose, Vector};
 use clearance::geometry::{Primitive, Shape, Triangle, nearest_on_segments};
-use clearance::math::{Point, Pose, Vector};
-use clearance::query::{CollisionBody, Scratch, collide, distance};
+use clearance::proximity::{CollisionBody, Scratch, collide, distance};
 
 use crate::random::Random;
 
@@ -213,7 +213,7 @@ fn denormal_turns_do_not_disturb() {
     let cuboid = body(&Shape::Primitive(Primitive::cuboid([1.6, 0.3, 0.46]).unwrap()));
     for tiny in [0.0, 1e-300, 1e-310, 5e-324] {
         let turn = nalgebra::Quaternion::new(1.0, tiny, 0.0, 0.0);
-        let rotation = clearance::math::Rotation::new_unchecked(turn);
+        let rotation = clearance::geometry::math::Rotation::new_unchecked(turn);
         let pose = Pose::from_parts(Vector::new(-0.27, -0.31, 2.2).into(), rotation);
         let found = distance(&cuboid, &cylinder, &pose, f64::INFINITY, &mut Scratch::default()).unwrap();
         assert!((found.distance - (2.2 - 0.23 - 0.125)).abs() < 1e-9, "{tiny}: {}", found.distance);

@@ -1,13 +1,13 @@
 //! Bodies against bodies: the hierarchies against brute force over all elements, and the laws of the questions.
 
-use clearance::bounding_volume::{
+use clearance::geometry::math::{Point, Pose, Vector};
+use clearance::geometry::simd::{Level, baseline};
+use clearance::geometry::{Primitive, Shape, Triangle, TriangleMesh};
+use clearance::proximity::bounding_volume::{
     Aabb, AnchoredReach, Axes, BoundingVolume, Capsule, Obb, Relative, Rss, Sphere,
 };
-use clearance::geometry::{Primitive, Shape, Triangle, TriangleMesh};
-use clearance::math::{Point, Pose, Vector};
-use clearance::query::{BodyPair, CollisionBody, Effort, Scratch};
-use clearance::query::{collide, distance, distance_bounds, signed_distance, within_margin};
-use clearance::simd::{Level, baseline};
+use clearance::proximity::{BodyPair, CollisionBody, Effort, Scratch};
+use clearance::proximity::{collide, distance, distance_bounds, signed_distance, within_margin};
 use fearless_simd::dispatch;
 
 use crate::random::Random;

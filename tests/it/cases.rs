@@ -1,8 +1,8 @@
 //! Numeric cases from other projects' test-suites: shape against shape and mesh against mesh.
 
+use clearance::geometry::math::{Point, Pose, Vector, pose_from_xyz_quaternion};
 use clearance::geometry::{Primitive, Shape, TriangleMesh};
-use clearance::math::{Point, Pose, Vector, pose_from_xyz_quaternion};
-use clearance::query::{CollisionBody, Scratch, collide, distance, signed_distance, within_margin};
+use clearance::proximity::{CollisionBody, Scratch, collide, distance, signed_distance, within_margin};
 use clearance::robot::MeshFiles;
 use serde_json::Value;
 

@@ -1,8 +1,8 @@
 //! The checker's laws on a robot whose answers are worked out by hand, and on the demo arm.
 
 use clearance::checker::{CollisionChecker, Question};
+use clearance::geometry::math::Pose;
 use clearance::geometry::{Primitive, Shape};
-use clearance::math::Pose;
 use clearance::robot::RobotModel;
 use clearance::scene::{Obstacle, World};
 use clearance::scene::{Settings, SkipReason};

@@ -1,8 +1,8 @@
 //! `<disable_default_collisions>` of an SRDF: a default entry of the allowed collision matrix, as in `MoveIt`.
 
 use clearance::checker::{CollisionChecker, MotionOptions};
+use clearance::geometry::math::Pose;
 use clearance::geometry::{Primitive, Shape};
-use clearance::math::Pose;
 use clearance::motion::{Certificate, MotionSegment};
 use clearance::robot::{MeshFiles, RobotModel, RobotText};
 use clearance::scene::AllowedCollisionMatrix;

@@ -1,7 +1,7 @@
 //! Tolerances and deadlines: what is told is less, never wrong.
 
 use clearance::checker::{CollisionChecker, CollisionReport, Question, UndecidedPair, Workspace};
-use clearance::query::{Effort, Work};
+use clearance::proximity::{Effort, Work};
 use clearance::robot::Configuration;
 use clearance::scene::{BodyId, Settings};
 use std::time::{Duration, Instant};

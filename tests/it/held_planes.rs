@@ -1,8 +1,8 @@
 //! Planes that a link holds and planes that move: against what is known in closed form, the extent of shapes along the plane's normal.
 
 use clearance::checker::{CollisionChecker, MotionOptions, MotionVerdict, Question, UndecidedReason};
+use clearance::geometry::math::{Point, Pose, UnitVector, Vector};
 use clearance::geometry::{Plane, Primitive, Shape};
-use clearance::math::{Point, Pose, UnitVector, Vector};
 use clearance::motion::{Certificate, MotionSegment, MovingObstacle};
 use clearance::robot::{Configuration, LinkPoses, RobotModel};
 use clearance::scene::{AttachedObject, Obstacle, ObstacleShape, World};

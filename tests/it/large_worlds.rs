@@ -1,9 +1,9 @@
 //! Worlds of many objects and of many points: against every pair asked one by one, and against formulas.
 
 use clearance::checker::{CollisionChecker, Question, Workspace};
+use clearance::geometry::math::{Point, Pose, Vector};
 use clearance::geometry::{PointCloud, Shape};
-use clearance::math::{Point, Pose, Vector};
-use clearance::query::{self, CollisionBody, Scratch};
+use clearance::proximity::{self, CollisionBody, Scratch};
 use clearance::robot::{Configuration, LinkPoses, RobotModel};
 use clearance::scene::{BodyId, Settings};
 use clearance::scene::{Obstacle, World};
@@ -42,7 +42,7 @@ impl OneByOne {
             let BodyId::Link(id) = link else { unreachable!() };
             for (obstacle, pose, b) in &self.obstacles {
                 let pose_ab = poses.pose(*id).inverse() * pose;
-                if let Some(near) = query::distance(a, b, &pose_ab, limit, &mut scratch) {
+                if let Some(near) = proximity::distance(a, b, &pose_ab, limit, &mut scratch) {
                     found.push((*link, *obstacle, near.distance));
                 }
             }

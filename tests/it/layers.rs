@@ -163,7 +163,7 @@ fn a_planted_use_is_found() {
         ("crates/proximity/src/bounding_volume/obb.rs", "use crate::bvh::Tree;"),
         ("crates/geometry/src/math/mod.rs", "use crate::simd::Level;"),
         ("crates/proximity/src/queries/collide.rs", "use parry3d_f64::query::gjk;"),
-        ("crates/robot/src/urdf.rs", "use stl_io::read_stl;"),
+        ("crates/robot/src/urdf_reader.rs", "use stl_io::read_stl;"),
         ("src/cli/states.rs", "let text = std::fs::read_to_string(path)?;"),
         ("crates/robot/src/loaded_mesh.rs", "let file = File::open(path)?;"),
         ("src/cli/motion.rs", "std::fs::write(path, text)?;"),

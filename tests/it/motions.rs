@@ -1,7 +1,7 @@
 //! Certified motion against answers that nobody here wrote.
 
 use clearance::checker::{CollisionChecker, MotionOptions, MotionOrder, MotionReport, MotionVerdict};
-use clearance::math::{Point, Pose};
+use clearance::geometry::math::{Point, Pose};
 use clearance::motion::{MotionSegment, MovingObstacle};
 use clearance::robot::{Configuration, MeshFiles, RobotModel};
 use clearance::scene::Settings;

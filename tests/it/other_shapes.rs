@@ -1,7 +1,7 @@
 //! A world of the shapes that robots are hardly ever made of.
 
+use clearance::geometry::math::{Pose, Vector};
 use clearance::geometry::{Primitive, Shape};
-use clearance::math::{Pose, Vector};
 use clearance::scene::{Obstacle, ObstacleShape, World};
 
 use crate::random::Random;

@@ -1,7 +1,7 @@
 //! Deterministic random shapes and poses.
 
+use clearance::geometry::math::{Point, Pose, Rotation, UnitVector, Vector};
 use clearance::geometry::{Cube, Plane, PointCloud, Primitive, Shape, Triangle, TriangleMesh, Voxels};
-use clearance::math::{Point, Pose, Rotation, UnitVector, Vector};
 
 /// A small generator of reproducible numbers (SplitMix64, Steele, Lea & Flood 2014).
 pub struct Random(u64);

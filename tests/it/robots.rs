@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clearance::geometry::Shape;
-use clearance::math::{Pose, Vector, pose_from_xyz_quaternion};
+use clearance::geometry::math::{Pose, Vector, pose_from_xyz_quaternion};
 use clearance::robot::{JointKind, LinkPoses, MeshFiles, RobotModel};
 use serde_json::Value;
 

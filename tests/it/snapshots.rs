@@ -35,7 +35,7 @@ fn summary(checker: &CollisionChecker) -> String {
             .map(|j| robot.joint(j).limits.map_or(0.0, |l| random.within(l.lower, l.upper)))
             .collect();
         let q = robot.configuration(&positions).unwrap();
-        let mut work = clearance::query::Work::default();
+        let mut work = clearance::proximity::Work::default();
         let questions = [Question::Free, Question::Pairs, Question::Distance { limit: f64::INFINITY }];
         let [_, pairs, distance] = questions.map(|question| {
             let report = checker.check(&q, question, &mut workspace);

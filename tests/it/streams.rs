@@ -1,7 +1,7 @@
 //! Streams, batches, threads and instruction sets: however a state is asked about, the report is the same.
 
 use clearance::checker::{CollisionChecker, CollisionReport, Question, Workspace};
-use clearance::query::Work;
+use clearance::proximity::Work;
 use clearance::robot::{Configuration, MeshFiles, RobotModel};
 use clearance::scene::Settings;
 use clearance::scene::{SceneLoader, World};

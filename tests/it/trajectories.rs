@@ -3,13 +3,13 @@
 use clearance::checker::{
     CollisionChecker, MotionOptions, MotionOrder, MotionReport, MotionVerdict, UndecidedReason, Watch,
 };
+use clearance::geometry::math::{Pose, Vector};
 use clearance::geometry::{Primitive, Shape};
-use clearance::math::{Pose, Vector};
 use clearance::motion::{Certificate, MotionSegment, MovingObstacle, Trajectory, TrajectoryPoint};
 use clearance::robot::{Configuration, MeshFiles, RobotModel};
 use clearance::scene::{BodyId, Settings};
 use clearance::scene::{Obstacle, World};
-use clearance::verifier::{Refusal, verify};
+use clearance::verifier::{Rejection, verify};
 use std::f64::consts::PI;
 use std::path::Path;
 use std::sync::Arc;
@@ -312,7 +312,7 @@ fn swept_volumes_hold_what_is_swept() {
             let mut poses = clearance::robot::LinkPoses::new(&robot);
             robot.forward_kinematics(&segment.at(t), &mut poses);
             for end in [Vector::zeros(), Vector::x()] {
-                let ball = poses.pose(tip) * clearance::math::Point::from(end);
+                let ball = poses.pose(tip) * clearance::geometry::math::Point::from(end);
                 let holds = volumes
                     .iter()
                     .filter(|v| v.body == BodyId::Link(tip) && v.t[0] <= t && t <= v.t[1])
@@ -369,7 +369,7 @@ fn altered_certificates_are_refused() {
     let resealed = |change: &dyn Fn(&mut Certificate)| {
         let mut altered = certificate.clone();
         change(&mut altered);
-        assert!(matches!(verdict(&altered), Err(Refusal::Digest)), "the old digest");
+        assert!(matches!(verdict(&altered), Err(Rejection::Digest)), "the old digest");
         altered.motion = altered.motion_hash();
         altered.digest = altered.content_hash();
         altered

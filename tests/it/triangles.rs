@@ -1,7 +1,7 @@
 //! Triangle against triangle: nearest points and contact, checked by methods that share no code with them.
 
 use clearance::geometry::Triangle;
-use clearance::math::{Point, Vector};
+use clearance::geometry::math::{Point, Vector};
 
 use crate::random::Random;
 

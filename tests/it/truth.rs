@@ -1,8 +1,8 @@
 //! Whole robots against answers that nobody here wrote.
 
 use clearance::checker::{CollisionChecker, Question};
+use clearance::geometry::math::{Pose, Vector};
 use clearance::geometry::{PointCloud, Primitive, Shape};
-use clearance::math::{Pose, Vector};
 use clearance::robot::{MeshFiles, RobotModel};
 use clearance::scene::{BodyId, Settings};
 use clearance::scene::{Obstacle, World};
@@ -172,12 +172,12 @@ fn links_case(case: &Value, robots: &Path, meshes: &MeshFiles) -> Vec<String> {
             }
             None => vec![(Pose::identity(), shape(&side["shape"], meshes))],
         };
-        clearance::query::CollisionBody::new(shapes.iter().map(|(p, s)| (p, s))).unwrap()
+        clearance::proximity::CollisionBody::new(shapes.iter().map(|(p, s)| (p, s))).unwrap()
     };
     let (a, b) = (&case["a"], &case["b"]);
     let pose_ab = pose(&a["pose"]).inv_mul(&pose(&b["pose"]));
-    let mut scratch = clearance::query::Scratch::default();
-    let hit = clearance::query::collide(&body(a), &body(b), &pose_ab, &mut scratch).is_some();
+    let mut scratch = clearance::proximity::Scratch::default();
+    let hit = clearance::proximity::collide(&body(a), &body(b), &pose_ab, &mut scratch).is_some();
     if hit == case["expect"]["collide"].as_bool().unwrap() { vec![] } else { vec![format!("collide {hit}")] }
 }
 

@@ -1,8 +1,8 @@
 //! Scenes and paths of other projects: samples of their paths, and scene files as MoveIt writes them, against independent results.
 
 use clearance::checker::{CollisionChecker, Question};
+use clearance::geometry::math::Pose;
 use clearance::geometry::{Primitive, Shape};
-use clearance::math::Pose;
 use clearance::robot::{MeshFiles, RobotModel};
 use clearance::scene::AllowedCollisionMatrix;
 use clearance::scene::SceneLoader;

@@ -3,8 +3,8 @@
 use clearance::checker::{
     CollisionChecker, CollisionReport, MotionOptions, MotionOrder, MotionVerdict, Question, Workspace,
 };
+use clearance::geometry::math::{Pose, Vector};
 use clearance::geometry::{Primitive, Shape};
-use clearance::math::{Pose, Vector};
 use clearance::motion::MotionSegment;
 use clearance::robot::{Configuration, LinkPoses, MeshFiles, RobotModel};
 use clearance::scene::AllowedCollisionMatrix;

@@ -5,9 +5,9 @@ use std::path::Path;
 use std::sync::Arc;
 
 use clearance::MeshFiles;
+use clearance::geometry::math::{Pose, Rotation, Vector};
 use clearance::geometry::{Shape, TriangleMesh};
-use clearance::math::{Pose, Rotation, Vector};
-use clearance::query::{CollisionBody, Scratch, collide, distance};
+use clearance::proximity::{CollisionBody, Scratch, collide, distance};
 
 use crate::answer::Answer;
 use crate::neutral::Neutral;

@@ -4,8 +4,8 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
+use clearance::geometry::math::{Point, Pose};
 use clearance::geometry::{PointCloud, Primitive, Shape, TriangleMesh};
-use clearance::math::{Point, Pose};
 use clearance::robot::{JointKind, LinkId};
 use clearance::{CollisionChecker, Configuration, RobotModel, World};
 
@@ -57,7 +57,7 @@ impl Neutral {
             JointKind::Revolute(axis) | JointKind::Continuous(axis) => ("turns", axis.into_inner()),
             JointKind::Prismatic(axis) => ("slides", axis.into_inner()),
             // planar and floating joints are never moved here, and their default is the identity
-            _ => ("fixed", clearance::math::Vector::z()),
+            _ => ("fixed", clearance::geometry::math::Vector::z()),
         };
         let mimic = joint.mimic.map_or((id, 1.0, 0.0), |m| (m.joint, m.multiplier, m.offset));
         let position = match kind {

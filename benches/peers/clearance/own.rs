@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 use std::hint::black_box;
 use std::sync::Arc;
 
-use clearance::bounding_volume::{Aabb, BoundingVolume, Capsule, Obb, Rss, Sphere};
+use clearance::geometry::math::Pose;
 use clearance::geometry::{Shape, TriangleMesh};
-use clearance::math::Pose;
-use clearance::query::{CollisionBody, Scratch, collide, distance};
+use clearance::proximity::bounding_volume::{Aabb, BoundingVolume, Capsule, Obb, Rss, Sphere};
+use clearance::proximity::{CollisionBody, Scratch, collide, distance};
 use clearance::{CollisionChecker, Configuration, Question};
 use cpu_time::ProcessTime;
 
@@ -98,7 +98,7 @@ fn measure(poses: &[&Pose], mut query: impl FnMut(&Pose, &mut Scratch)) -> Vec<S
     let sample = |pose: &&Pose| {
         let mut least = f64::INFINITY;
         for _ in 0..REPEATS {
-            scratch.work = clearance::query::Work::default();
+            scratch.work = clearance::proximity::Work::default();
             let start = std::time::Instant::now();
             query(pose, &mut scratch);
             least = least.min(start.elapsed().as_secs_f64() * 1e9);

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 
+use clearance::geometry::math::{Point, Vector, pose_from_xyz_quaternion};
 use clearance::geometry::{Primitive, Shape};
-use clearance::math::{Point, Vector, pose_from_xyz_quaternion};
 use clearance::robot::LinkPoses;
 use clearance::scene::BodyId;
 use clearance::scene::Obstacle;

@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use clearance::geometry::math::{Point, Pose, Vector, pose_from_xyz_quaternion};
 use clearance::geometry::{Cube, PointCloud, Primitive, Shape, Voxels};
-use clearance::math::{Point, Pose, Vector, pose_from_xyz_quaternion};
 use clearance::scene::Obstacle;
 use clearance::{MeshFiles, World};
 use serde_json::Value;

@@ -260,7 +260,7 @@ impl CollisionChecker {
     /// is no bound.
     #[must_use]
     pub fn travel(&self, from: &[f64], to: &[f64]) -> f64 {
-        self.pairs.robot().travel_rates().between(from, to)
+        self.pairs.robot().displacement_rates().between(from, to)
     }
 
     /// Checks whether the straight line in joint space between two configurations is free, with default options.

@@ -28,6 +28,7 @@ const MOST_NAMES: usize = 100_000;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}: {reason}", shown(file))]
 pub struct InputFileError {
+    /// Path of the file.
     pub file: PathBuf,
     /// A clause without the path, such as `is a directory, not a regular file`.
     pub reason: String,

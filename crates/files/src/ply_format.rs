@@ -19,14 +19,20 @@ enum Storage {
 /// A kind of record, with the number of records declared in the header.
 #[derive(Debug)]
 pub struct Element {
+    /// Name of the element, such as `vertex`.
     pub name: String,
+    /// Number of records.
     pub count: usize,
+    /// The properties of each record, in order.
     pub properties: Vec<Property>,
 }
 
+/// A number, or a list of numbers, in each record.
 #[derive(Debug)]
 pub struct Property {
+    /// Name of the property, such as `x`.
     pub name: String,
+    /// Storage type of the number, or of the numbers in the list.
     pub kind: NumberKind,
     /// How the length stands before a list of numbers; `None` for a single one.
     pub list: Option<NumberKind>,
@@ -40,7 +46,9 @@ pub struct PlyError(pub String);
 /// The data of a PLY after its header.
 #[expect(missing_debug_implementations, reason = "numbers are read as they are asked for")]
 pub struct PlyFile<'d> {
+    /// The elements, in the order of the data.
     pub elements: Vec<Element>,
+    /// The data.
     pub numbers: Numbers<'d>,
 }
 
@@ -167,8 +175,15 @@ fn kind_named(name: &str) -> Result<NumberKind, PlyError> {
 /// The numbers of the data, one after the other.
 #[expect(missing_debug_implementations, reason = "numbers are read as they are asked for")]
 pub enum Numbers<'d> {
+    /// Words of a text.
     Ascii(Box<dyn Iterator<Item = &'d str> + 'd>),
-    Binary { rest: &'d [u8], order: ByteOrder },
+    /// Binary records.
+    Binary {
+        /// The bytes that are not yet read.
+        rest: &'d [u8],
+        /// Byte order of the numbers.
+        order: ByteOrder,
+    },
 }
 
 impl<'d> Numbers<'d> {
@@ -179,6 +194,10 @@ impl<'d> Numbers<'d> {
         }
     }
 
+    /// The next number.
+    ///
+    /// # Errors
+    /// If the data ends, or a word is not a number of this type.
     pub fn next(&mut self, kind: NumberKind) -> Result<f64, PlyError> {
         match self {
             Self::Ascii(words) => {
@@ -262,6 +281,10 @@ impl<'d> Numbers<'d> {
         }
     }
 
+    /// Skips one property of a record.
+    ///
+    /// # Errors
+    /// If the data ends, or the length of a list is not a length.
     pub fn skip_property(&mut self, property: &Property) -> Result<(), PlyError> {
         match property.list {
             None => self.skip_many(1, property.kind),
@@ -272,6 +295,10 @@ impl<'d> Numbers<'d> {
         }
     }
 
+    /// Skips all records of an element.
+    ///
+    /// # Errors
+    /// If the data ends, or contains a word that is not a number.
     pub fn skip(&mut self, element: &Element) -> Result<(), PlyError> {
         let named = |e: PlyError| PlyError(format!("element {}: {e}", quoted(&element.name)));
         let singles = element.properties.iter().all(|p| p.list.is_none());

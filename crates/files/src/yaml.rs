@@ -19,11 +19,13 @@ pub use echo::cut_in_words;
 pub struct Document<'t> {
     /// The line of the text, from 1, that `text` begins in.
     pub line: usize,
+    /// The text of the document.
     pub text: &'t str,
 }
 
 /// Why a text is not one document.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs, reason = "the message of each variant describes it and its fields")]
 pub enum DocumentError {
     #[error("it is empty")]
     Empty,

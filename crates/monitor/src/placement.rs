@@ -46,7 +46,7 @@ impl Placements {
                 continue;
             };
             let [parent, child] = frames(robot, joint);
-            let found = tree.way(parent, child).map(|way| (way.pose(), way.oldest()));
+            let found = tree.path(parent, child).map(|path| (path.pose(), path.oldest()));
             all.placements.push(Placement { joint, found, since: None });
         }
         all

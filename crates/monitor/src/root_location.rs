@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use clearance_geometry::math::Pose;
 use clearance_robot::quoted;
-use clearance_scene::{AnchorFrames, Link, Lost, TrackedFrame, TransformTree};
+use clearance_scene::{AnchorFrames, PathLink, RootPoseLoss, TrackedFrame, TransformTree};
 
 use super::drift::{Drift, Track};
 use super::world_source::{Observation, WorldSource};
@@ -46,14 +46,14 @@ impl RootLocationWatch {
 
     /// Reads the current transforms.
     pub fn look(&mut self, grounds: &AnchorFrames, tree: &TransformTree) {
-        self.lost = grounds.lost(tree).map(|lost| match lost {
-            Lost::In(frame) => of_root(frame),
-            Lost::Endless => {
+        self.lost = grounds.root_pose_loss(tree).map(|lost| match lost {
+            RootPoseLoss::In(frame) => of_root(frame),
+            RootPoseLoss::Endless => {
                 "tf above the robot's root or what obstacles stand in (a circle, or far too many frames)"
                     .to_owned()
             }
         });
-        self.assumed = grounds.assumed(tree).map(str::to_owned);
+        self.assumed = grounds.assumed_frame(tree).map(str::to_owned);
         self.are_elsewhere = grounds.are_elsewhere(tree);
         let (seen, tracks) = (std::mem::take(&mut self.seen), std::mem::take(&mut self.tracks));
         for told in grounds.tracked_frames(tree) {
@@ -66,13 +66,13 @@ impl RootLocationWatch {
 
     /// Motion of a frame relative to the root, from the moving transforms on the path to it.
     fn motions(&mut self, told: &TrackedFrame, tracks: &BTreeMap<String, Track>) -> Vec<(Pose, f64)> {
-        let pose_rf = told.way.pose();
-        let moved = told.way.live_links().filter_map(|Link { name, pose_pf, stamp }| {
+        let pose_rf = told.path.pose();
+        let moved = told.path.live_links().filter_map(|PathLink { name, pose_pf, stamp }| {
             let known = || tracks.get(name).cloned().unwrap_or_default();
             let track = self.tracks.entry(name.to_owned()).or_insert_with(known);
             track.note(stamp, pose_pf);
             let (before, taken) = track.before()?;
-            Some((pose_rf * told.way.pose_if((name, before)).inverse(), taken))
+            Some((pose_rf * told.path.pose_with(name, before).inverse(), taken))
         });
         moved.collect()
     }

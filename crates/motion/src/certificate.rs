@@ -37,12 +37,14 @@ pub struct Certificate {
     /// Tolerance (m) of the check: pairs farther apart than this had to be decided. Proofs do not depend on it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tolerance: Option<f64>,
+    /// Hashes of the parts of robot and world. They name the differences if `model` or `world` does not match.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub parts: Option<CertificateParts>,
     /// Names of the positions.
     pub joints: Vec<String>,
     /// Names of the bodies of the pairs that have to be checked.
     pub pairs: Vec<[String; 2]>,
+    /// The segments with their proofs, in order.
     pub segments: Vec<SegmentProof>,
     /// SHA-256 of all the rest.
     pub digest: String,
@@ -70,6 +72,7 @@ struct Unsigned<'c> {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SegmentProof {
+    /// The segment of the motion.
     pub motion: SegmentText,
     /// Ordered by pair, then by time: `[pair, from, to, lower, bound]`.
     pub proofs: Vec<Proof>,
@@ -82,6 +85,7 @@ pub struct Proof(pub usize, pub f64, pub f64, pub f64, pub f64);
 
 /// Reason why a text is not a valid certificate.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the message of each variant describes it and its fields")]
 pub enum CertificateError {
     #[error("this is no certificate: {0}")]
     Text(#[from] serde_json::Error),

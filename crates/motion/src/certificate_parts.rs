@@ -6,9 +6,13 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CertificateParts {
+    /// Links, in the order of the URDF.
     pub links: Vec<BodyPart>,
+    /// Joints, in the order of the URDF.
     pub joints: Vec<JointPart>,
+    /// Obstacles of the world.
     pub obstacles: Vec<BodyPart>,
+    /// Attached objects, in the order of attaching.
     pub attached_objects: Vec<BodyPart>,
     /// Mesh treatment: `surface` or `solid`.
     pub meshes: String,
@@ -16,6 +20,7 @@ pub struct CertificateParts {
     pub pad_self: bool,
     /// Whether pairs of links, and pairs with obstacles, are checked.
     pub check_self: bool,
+    /// True if pairs with obstacles are checked.
     pub check_world: bool,
 }
 

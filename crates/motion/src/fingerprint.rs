@@ -20,6 +20,7 @@ impl std::io::Write for Fingerprint {
 }
 
 impl Fingerprint {
+    /// Adds a text, preceded by its length.
     pub fn text(&mut self, text: &str) -> &mut Self {
         self.count(text.len());
         self.bytes(text.as_bytes())
@@ -31,6 +32,7 @@ impl Fingerprint {
         self
     }
 
+    /// Adds a count.
     pub fn count(&mut self, count: usize) -> &mut Self {
         self.0.update((count as u64).to_le_bytes());
         self
@@ -45,6 +47,7 @@ impl Fingerprint {
         self
     }
 
+    /// Adds indices without their number.
     pub fn indices(&mut self, indices: &[u32]) -> &mut Self {
         for index in indices {
             self.0.update(index.to_le_bytes());
@@ -52,6 +55,7 @@ impl Fingerprint {
         self
     }
 
+    /// Adds a pose as seven numbers, bit by bit.
     pub fn pose(&mut self, pose: &Pose) -> &mut Self {
         let (t, q) = (pose.translation.vector, pose.rotation.coords);
         self.numbers(&[t.x, t.y, t.z, q.x, q.y, q.z, q.w])

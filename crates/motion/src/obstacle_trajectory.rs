@@ -26,6 +26,7 @@ const CLEAR_TURN: f64 = std::f64::consts::PI - 0.01;
 
 /// Reason why poses are not a valid trajectory.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the message of each variant describes it and its fields")]
 pub enum PosesError {
     #[error("two poses at least are needed, but there are {0}")]
     TooFew(usize),
@@ -74,6 +75,7 @@ impl ObstacleTrajectory {
         Ok(Self { name: name.to_owned(), course: Course::Poses { times, pieces } })
     }
 
+    /// Name of the obstacle.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name

@@ -44,6 +44,7 @@ pub struct Turn {
 
 /// Reason why numbers are not a valid motion.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the message of each variant describes it and its fields")]
 pub enum SegmentError {
     #[error("the motion has {given} positions, but the robot has {expected}")]
     WrongLength { given: usize, expected: usize },
@@ -84,8 +85,10 @@ pub struct SegmentText {
     /// Alternatively, a polynomial for each position, the constant first.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub polynomials: Option<Vec<[f64; 6]>>,
+    /// Motion of obstacles, by name; others keep their poses.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub obstacles: Vec<MovingObstacle>,
+    /// Tolerance (rad, m) of each position; empty without tolerances.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub tube: Vec<f64>,
 }
@@ -272,16 +275,19 @@ impl MotionSegment {
         self.size
     }
 
+    /// Number of positions of a configuration.
     #[must_use]
     pub fn position_count(&self) -> usize {
         self.positions.len()
     }
 
+    /// The obstacles that move in this segment.
     #[must_use]
     pub fn obstacles(&self) -> &[MovingObstacle] {
         &self.obstacles
     }
 
+    /// Tolerance (rad, m) of each position; empty without tolerances.
     #[must_use]
     pub fn tube(&self) -> &[f64] {
         &self.tube
@@ -341,8 +347,8 @@ impl MotionSegment {
     /// The maximum absolute value of a position, tolerance included.
     #[must_use]
     pub fn range(&self, position: usize) -> f64 {
-        let Deviation { most, off, .. } = self.deviation(position, 0.5, 0.5);
-        value(&self.positions[position], 0.5).abs() + most + off
+        let Deviation { most, tolerance, .. } = self.deviation(position, 0.5, 0.5);
+        value(&self.positions[position], 0.5).abs() + most + tolerance
     }
 
     /// Writes the positions at t.
@@ -383,14 +389,14 @@ impl MotionSegment {
     pub fn deviation(&self, position: usize, middle: f64, half_width: f64) -> Deviation {
         let p = &self.positions[position];
         let latest = middle + half_width;
-        let off = self.tube.get(position).copied().unwrap_or(0.0)
+        let tolerance = self.tube.get(position).copied().unwrap_or(0.0)
             + self.spread.get(position).map_or(0.0, |a| 0.5 * a * latest * latest);
         if self.is_straight {
-            return Deviation { velocity: p[1], most: half_width * p[1].abs(), bent: 0.0, off };
+            return Deviation { velocity: p[1], most: half_width * p[1].abs(), curvature: 0.0, tolerance };
         }
         let c = taylor(p, middle);
-        let bent = (2..6).rev().fold(0.0, |sum, j| (sum + c[j].abs()) * half_width) * half_width;
-        Deviation { velocity: c[1], most: half_width * c[1].abs() + bent, bent, off }
+        let curvature = (2..6).rev().fold(0.0, |sum, j| (sum + c[j].abs()) * half_width) * half_width;
+        Deviation { velocity: c[1], most: half_width * c[1].abs() + curvature, curvature, tolerance }
     }
 
     /// As it stands in a file.

@@ -2,7 +2,7 @@
 
 use clearance_robot::{Configuration, ConfigurationError, NamedJoints, RobotModel};
 
-use super::{ContinuousDirection, HeldTurn, JoinError, MotionSegment, SegmentError, join, shortest_way};
+use super::{ContinuousDirection, HeldTurn, JoinError, MotionSegment, SegmentError, join, shortest_turns};
 
 /// Segments, with their start and end times (s).
 #[derive(Clone, Debug, PartialEq)]
@@ -24,8 +24,11 @@ pub(super) struct Part {
 /// One point of a trajectory, as in `trajectory_msgs/JointTrajectoryPoint`: velocities and accelerations may be empty.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TrajectoryPoint {
+    /// Positions (rad, m) in the order of the joint names.
     pub positions: Vec<f64>,
+    /// Velocities (rad/s, m/s); may be empty.
     pub velocities: Vec<f64>,
+    /// Accelerations (rad/s², m/s²); may be empty.
     pub accelerations: Vec<f64>,
     /// Time (s) from the start.
     pub time_from_start: f64,
@@ -33,6 +36,7 @@ pub struct TrajectoryPoint {
 
 /// Reason why points are not a valid trajectory.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the message of each variant describes it and its fields")]
 pub enum TrajectoryError {
     #[error("a trajectory needs at least two points, but it has {0}")]
     TooShort(usize),
@@ -102,11 +106,11 @@ impl Trajectory {
         points: &[TrajectoryPoint],
         rest: &Configuration,
     ) -> Result<Self, TrajectoryError> {
-        Self::from_points_going(robot, joints, points, rest, ContinuousDirection::AsGiven)
+        Self::from_points_with_direction(robot, joints, points, rest, ContinuousDirection::AsGiven)
     }
 
     /// As above, with the given direction of continuous joints between points.
-    pub fn from_points_going(
+    pub fn from_points_with_direction(
         robot: &RobotModel,
         joints: &[String],
         points: &[TrajectoryPoint],
@@ -145,6 +149,7 @@ impl Trajectory {
         Ok(Self { segments, times, parts: Vec::new() })
     }
 
+    /// The segments, in order.
     #[must_use]
     pub fn segments(&self) -> &[MotionSegment] {
         &self.segments
@@ -207,7 +212,7 @@ fn directed(
     if direction == ContinuousDirection::AsGiven {
         return Ok(points);
     }
-    let (points, held) = shortest_way(robot, points).map_err(TrajectoryError::ShortestWay)?;
+    let (points, held) = shortest_turns(robot, points).map_err(TrajectoryError::ShortestWay)?;
     match held.into_iter().next() {
         Some(held) => Err(TrajectoryError::Held(held)),
         None => Ok(points),

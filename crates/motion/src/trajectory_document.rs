@@ -9,7 +9,7 @@ use serde::{Deserialize, Deserializer};
 
 use super::TrajectoryPoint;
 use super::trajectory_start::TrajectoryStart;
-use super::trajectory_text::TrajectoryTextError;
+use super::trajectory_text_error::TrajectoryTextError;
 
 /// A `trajectory_msgs/JointTrajectory`, with the positions of joints that it does not name.
 pub(super) struct TrajectoryDocument {

@@ -26,8 +26,11 @@ pub(super) struct TrajectoryStart {
      make the start the first point, or leave trajectory_start out"
 )]
 pub struct StartMismatch {
+    /// Name of the position.
     pub name: String,
+    /// Position (rad, m) of the start.
     pub start: f64,
+    /// Position (rad, m) of the first point.
     pub first: f64,
 }
 

@@ -16,45 +16,53 @@
 //! Rotations are not renormalised: a step's columns have an error of a few roundings of 1.1e-16, which add up to less than 1e-11 over a
 //! chain of 10,000 joints.
 
-mod approach;
 mod compile;
+mod displacement_rates;
 mod kinematic_path;
+mod motion_bound;
 mod one_state;
 mod reachable_region;
-mod travel;
 
 use std::ops::Mul;
 
 use clearance_geometry::math::{MatrixPose, Pose, RotationMatrix, UnitVector, Vector};
 use clearance_geometry::simd::{Real, sin_cos};
 
-pub use approach::Approach;
+pub use displacement_rates::DisplacementRates;
 pub use kinematic_path::{Deviation, Deviations, KinematicPath, PathsToRoot, Reach, SideMotion};
+pub use motion_bound::MotionBound;
 use one_state::EightSources;
 pub use one_state::{Columns, PlacedFrame};
 pub use reachable_region::ReachableRegion;
-pub use travel::TravelRates;
 
 /// A rotation, as its columns, and a translation: a frame's axes and origin in another frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame<T> {
+    /// Columns of the rotation matrix: the axes of the frame.
     pub r: [[T; 3]; 3],
+    /// Origin (m).
     pub t: [T; 3],
 }
 
 /// Source of a joint's position: `multiplier * q[index] + offset`, as mimic joints need it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Source {
+    /// Index of the position in a configuration.
     pub index: usize,
+    /// Factor of the position.
     pub multiplier: f64,
+    /// Offset (rad, m), added after multiplication.
     pub offset: f64,
 }
 
 /// Motion of a joint; axes are in the joint frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Motion {
+    /// No motion.
     Fixed,
+    /// Rotation (rad) about an axis.
     Revolute(UnitVector, Source),
+    /// Translation (m) along an axis.
     Prismatic(UnitVector, Source),
     /// Translates along the first two columns, then rotates about the third, by three consecutive positions.
     Planar(RotationMatrix, usize),
@@ -65,10 +73,13 @@ pub enum Motion {
 /// One joint as input of the compiler.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChainJoint {
+    /// Index of the parent link.
     pub parent: usize,
+    /// Index of the child link.
     pub child: usize,
     /// Pose of the joint frame in the parent link at position zero.
     pub pose_pj: Pose,
+    /// Motion of the joint frame.
     pub motion: Motion,
 }
 
@@ -91,7 +102,9 @@ impl Chain {
 /// A link's constant pose in its body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinkInBody {
+    /// Index of the body.
     pub body: usize,
+    /// Pose of the link in the frame of the body.
     pub place: Frame<f64>,
 }
 
@@ -310,6 +323,7 @@ fn splat<T: Real>(token: T::Token, v: [f64; 3]) -> [T; 3] {
 }
 
 impl Frame<f64> {
+    /// The identity transform.
     pub const IDENTITY: Self = Self { r: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], t: [0.0; 3] };
 }
 

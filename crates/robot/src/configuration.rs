@@ -3,51 +3,14 @@
 use clearance_geometry::constants::LARGEST_COORDINATE;
 
 use super::joint::{Joint, JointKind};
-use super::named_values::MimicContradiction;
-use super::{JointId, RobotModel};
+use super::{ConfigurationError, JointId, RobotModel};
 
 /// Finite positions of every free joint (rad, m), in the order of [`RobotModel::position_names`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Configuration(Vec<f64>);
 
-/// Reason why numbers are not a valid configuration.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum ConfigurationError {
-    #[error("{given} positions given, but the robot has {expected}: {names}")]
-    WrongLength { given: usize, expected: usize, names: String },
-    #[error("joint '{joint}' has position {value}, which is not finite")]
-    NotFinite { joint: String, value: f64 },
-    #[error(
-        "joint '{joint}' has position {value:e}, farther than the {LARGEST_COORDINATE:e} that can be computed with"
-    )]
-    TooFar { joint: String, value: f64 },
-    #[error("floating joint '{joint}' has a quaternion of length {length}, but it must be 1 within 1e-3")]
-    NotAQuaternion { joint: String, length: f64 },
-    #[error("the robot has no joint '{joint}'{hint}")]
-    UnknownJoint { joint: String, hint: String },
-    #[error("{0}")]
-    LongName(String),
-    #[error("joint '{joint}' is given twice")]
-    Duplicate { joint: String },
-    #[error("joint '{joint}' is fixed and has no position")]
-    Fixed { joint: String },
-    #[error("{given} values are given for {expected} named joints")]
-    WrongCount { given: usize, expected: usize },
-    #[error("{0}")]
-    Mimic(Box<MimicContradiction>),
-    #[error("tracking tolerance of joint '{joint}' is {value}, but must be finite and not negative")]
-    Tolerance { joint: String, value: f64 },
-    #[error(
-        "joint '{joint}' has tolerance {value}, but it never moves, since it mimics a fixed joint, or another with multiplier 0: give it 0"
-    )]
-    ToleranceOfStanding { joint: String, value: f64 },
-    #[error(
-        "one tolerance for every joint is not possible, because joint '{joint}' {why}: give tolerances by name (those that can have one: {others})"
-    )]
-    NoToleranceForAll { joint: String, why: &'static str, others: String },
-}
-
 impl Configuration {
+    /// The positions (rad, m), in the order of [`RobotModel::position_names`].
     #[must_use]
     #[inline]
     pub fn positions(&self) -> &[f64] {

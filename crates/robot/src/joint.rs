@@ -7,9 +7,13 @@ use super::{JointId, LinkId};
 /// A joint between two links.
 #[derive(Clone, Debug)]
 pub struct Joint {
+    /// Name in the URDF.
     pub name: String,
+    /// Type and axis.
     pub kind: JointKind,
+    /// The link that the joint frame is fixed to.
     pub parent: LinkId,
+    /// The link that the joint moves.
     pub child: LinkId,
     /// Pose of the joint frame in the parent link at position zero.
     pub pose_pj: Pose,
@@ -24,9 +28,13 @@ pub struct Joint {
 /// Motion of a joint; axes are unit vectors in the joint frame.
 #[derive(Clone, Debug, PartialEq)]
 pub enum JointKind {
+    /// No motion.
     Fixed,
+    /// Rotation (rad) about the axis, with limits.
     Revolute(UnitVector),
+    /// Rotation (rad) about the axis, without limits.
     Continuous(UnitVector),
+    /// Translation (m) along the axis.
     Prismatic(UnitVector),
     /// Positions `trans_x trans_y trans_z rot_x rot_y rot_z rot_w`, as `MoveIt` names them.
     Floating,
@@ -37,17 +45,24 @@ pub enum JointKind {
 /// Position limits (rad or m), velocity and acceleration limits (per s, per s²; infinite where not given).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
+    /// Minimum position (rad, m).
     pub lower: f64,
+    /// Maximum position (rad, m).
     pub upper: f64,
+    /// Maximum velocity (rad/s, m/s).
     pub velocity: f64,
+    /// Maximum acceleration (rad/s², m/s²).
     pub acceleration: f64,
 }
 
 /// `position = multiplier * position of joint + offset`, resolved to a joint that itself mimics none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mimic {
+    /// The joint that is mimicked (the leader).
     pub joint: JointId,
+    /// Factor of the leader's position.
     pub multiplier: f64,
+    /// Offset (rad, m), added after multiplication.
     pub offset: f64,
 }
 

@@ -8,10 +8,13 @@ const SLACK: f64 = 1e-3;
 /// A joint beyond its limits. Collisions are checked nevertheless: limits do not affect the result.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OutsideLimits {
+    /// Name of the position.
     pub joint: String,
     /// Its position (rad, m).
     pub position: f64,
+    /// Lower limit (rad, m).
     pub lower: f64,
+    /// Upper limit (rad, m).
     pub upper: f64,
     /// True if the value would be within the limits if it were in degrees.
     pub fits_in_degrees: bool,

@@ -9,6 +9,7 @@ const PLANE_TOLERANCE: f64 = 1e-6;
 
 /// Reason why a transform gives no positions of a joint.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the message of each variant describes it and its fields")]
 pub enum JointTransformError {
     #[error("the robot has no joint '{joint}'{hint}")]
     Unknown { joint: String, hint: String },

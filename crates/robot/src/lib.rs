@@ -1,61 +1,67 @@
 //! Robot models: links and joints from URDF and SRDF, and the poses of the links for given joint positions.
 
+#![deny(missing_docs)]
 // minimum and maximum of floating-point numbers, see `math/extremes.rs` of clearance-geometry
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod chain;
 mod configuration;
+mod configuration_error;
+mod decimal_numbers;
+mod fault;
 mod ids;
 mod joint;
 mod joint_limits;
 mod joint_transforms;
+mod kinematic_tree;
 mod kinematics;
+mod link_prefix;
 mod loaded_mesh;
+mod mesh_file_error;
 mod mesh_files;
 mod mesh_formats;
 mod mesh_log;
-mod mesh_uri;
-mod mimic;
+mod mesh_name;
+mod mimic_resolution;
 mod missing_meshes;
 mod model;
 mod name_length;
-mod named_values;
-mod numbers;
+mod named_joints;
 mod pair_limit;
-mod prefix;
-mod quoted;
+mod quoted_names;
+mod random_configuration;
 mod robot_text;
-mod sampling;
 mod similar_names;
-mod source;
 mod srdf;
-mod tree;
+mod srdf_reader;
 mod uniform_tolerance;
-mod urdf;
+mod urdf_reader;
 mod urdf_validation;
 mod warning;
 mod xml;
 mod xml_limits;
 
 pub use chain::{
-    Approach, Chain, ChainJoint, Deviation, Deviations, Frame, KinematicPath, LinkInBody, Motion,
-    PathsToRoot, Reach, ReachableRegion, SideMotion, Source as PositionSource, TravelRates,
+    Chain, ChainJoint, Deviation, Deviations, DisplacementRates, Frame, KinematicPath, LinkInBody, Motion,
+    MotionBound, PathsToRoot, Reach, ReachableRegion, SideMotion, Source as PositionSource,
 };
 pub use chain::{Columns, PlacedFrame};
-pub use configuration::{Configuration, ConfigurationError};
+pub use configuration::Configuration;
+pub use configuration_error::{ConfigurationError, MimicContradiction};
+pub use fault::{Fault, Place};
 pub use ids::{JointId, LinkId};
 pub use joint::{Joint, JointKind, Limits, Mimic};
 pub use joint_limits::OutsideLimits;
 pub use joint_transforms::JointTransformError;
 pub use kinematics::LinkPoses;
 pub use loaded_mesh::LoadedMesh;
-pub use mesh_files::{MeshFileError, MeshFiles};
+pub use mesh_file_error::MeshFileError;
+pub use mesh_files::MeshFiles;
 pub use mesh_log::{MeshLog, MeshUse, RecordedMeshes};
 pub use model::{Collision, Link, MeshSource, ModelError, RobotModel};
 pub use name_length::check_name_length;
-pub use named_values::{MIMIC_TOLERANCE, MimicContradiction, NamedJoints};
-pub use quoted::{quoted, quoted_list};
+pub use named_joints::{MIMIC_TOLERANCE, NamedJoints};
+pub use quoted_names::{quoted, quoted_list};
 pub use robot_text::RobotText;
-pub use source::{Fault, Place};
 pub use srdf::{DisabledPair, Group, Srdf, VirtualJoint};
 pub use warning::Warning;

@@ -10,13 +10,15 @@ use clearance_geometry::TriangleMesh;
 use clearance_geometry::constants::{SUSPICIOUS_DISTANCE, SUSPICIOUS_EXTENT};
 use clearance_geometry::math::{Extremes, Vector};
 
-use super::mesh_files::{Found, MeshFileError, MeshFiles};
-use super::mesh_formats::{self, memory};
-use super::numbers::shortened;
+use super::decimal_numbers::shortened;
+use super::mesh_file_error::MeshFileError;
+use super::mesh_files::{Found, MeshFiles};
+use super::mesh_formats::{self, mesh_memory};
 
 /// A loaded mesh: scaled, in metres, with remarks about it.
 #[derive(Clone, Debug)]
 pub struct LoadedMesh {
+    /// The triangles, in the frame of the file and in metres.
     pub mesh: Arc<TriangleMesh>,
     /// Complete sentences that name the file.
     pub remarks: Vec<String>,
@@ -90,7 +92,7 @@ impl<'f> MeshCache<'f> {
             loaded.remarks.push(remark);
         }
         self.memory = self.memory.saturating_add(memory_of(&loaded.mesh));
-        memory::check(self.memory).map_err(|e| MeshFileError::Unusable {
+        mesh_memory::check(self.memory).map_err(|e| MeshFileError::Unusable {
             file: found.path().to_owned(),
             reason: format!("the meshes up to this one {e}"),
         })?;
@@ -100,7 +102,7 @@ impl<'f> MeshCache<'f> {
 }
 
 fn memory_of(mesh: &TriangleMesh) -> usize {
-    memory::of_mesh(mesh.vertices().len(), mesh.triangles().len())
+    mesh_memory::of_mesh(mesh.vertices().len(), mesh.triangles().len())
 }
 
 /// Remarks on a size or position of a mesh that is probably not intended.

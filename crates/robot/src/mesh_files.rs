@@ -16,9 +16,10 @@ use std::sync::Arc;
 
 use clearance_files::input_files::{self, InputFileError};
 
+use super::decimal_numbers::shortened;
+use super::mesh_file_error::MeshFileError;
 use super::mesh_log::{MeshLog, RecordedMeshes};
-use super::mesh_uri::{self, MeshName};
-use super::numbers::shortened;
+use super::mesh_name::{self, MeshName};
 
 /// Folders into which no symbolic link is followed: their files are not regular files on a disk.
 const SYSTEM_FOLDERS: [&str; 3] = ["/proc", "/sys", "/dev"];
@@ -38,38 +39,6 @@ pub struct MeshFiles {
     /// If present, meshes are searched nowhere else.
     recorded: Option<Arc<RecordedMeshes>>,
     log: Option<MeshLog>,
-}
-
-/// Errors of mesh look-up.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum MeshFileError {
-    #[error("mesh '{uri}' {reason}")]
-    BadName { uri: String, reason: String },
-    #[error("mesh '{uri}' was not found; looked for {tried}; {}", advice(similar.as_deref()))]
-    NotFound {
-        uri: String,
-        tried: String,
-        /// An existing file whose name differs in upper and lower case only.
-        similar: Option<PathBuf>,
-    },
-    #[error("mesh '{uri}' is not in the recording: it ends before its meshes, or was altered")]
-    NotRecorded { uri: String },
-    #[error(
-        "mesh '{uri}' is {}, outside every folder that may be opened ({allowed}); allow its folder with --package-path",
-        file.display()
-    )]
-    Outside { uri: String, file: PathBuf, allowed: String },
-    #[error("mesh '{uri}' leads by symbolic links to {}; none is followed into /proc, /sys or /dev", file.display())]
-    SystemFile { uri: String, file: PathBuf },
-    #[error("mesh {}: {reason}", file.display())]
-    Unusable { file: PathBuf, reason: String },
-}
-
-fn advice(similar: Option<&Path>) -> String {
-    match similar {
-        Some(file) => format!("{} is there: upper and lower case count", file.display()),
-        None => "give the folder that holds it with --package-path DIR".to_owned(),
-    }
 }
 
 /// A mesh file that may be opened.
@@ -143,7 +112,7 @@ impl MeshFiles {
 
     /// Records the found files in `log`.
     #[must_use]
-    pub fn noted_in(self, log: MeshLog) -> Self {
+    pub fn with_log(self, log: MeshLog) -> Self {
         Self { log: Some(log), ..self }
     }
 
@@ -200,7 +169,7 @@ impl MeshFiles {
         if let Some(recorded) = &self.recorded {
             return found_in_recording(recorded, folder, uri);
         }
-        let file = self.find_file(uri, self.candidates(&mesh_uri::parse(uri)?))?;
+        let file = self.find_file(uri, self.candidates(&mesh_name::parse(uri)?))?;
         if let Some(log) = &self.log {
             log.note(folder, uri, &file.real);
         }
@@ -211,7 +180,7 @@ impl MeshFiles {
         if self.embedded.is_empty() {
             return None;
         }
-        let path = match mesh_uri::parse(uri).ok()? {
+        let path = match mesh_name::parse(uri).ok()? {
             MeshName::Package { name, path } => Path::new(&name).join(path),
             MeshName::Relative(path) => path,
             MeshName::Absolute(_) => return None,
@@ -226,7 +195,7 @@ impl MeshFiles {
     /// As for [`Self::find`].
     pub(super) fn find_part(&self, mesh: &Found, uri: &str) -> Result<Found, MeshFileError> {
         let bad = |reason: &str| MeshFileError::BadName { uri: shortened(uri), reason: reason.to_owned() };
-        let MeshName::Relative(path) = mesh_uri::parse(uri)? else {
+        let MeshName::Relative(path) = mesh_name::parse(uri)? else {
             return Err(bad("is named by a mesh file, which may name only files in its own folder"));
         };
         if path.components().any(|c| c == Component::ParentDir) {
@@ -281,7 +250,7 @@ impl MeshFiles {
     fn look_at(&self, candidate: &Candidate) -> Result<FoundFile, Miss> {
         let Candidate { file, package } = candidate;
         let outside = || Miss::Outside(file.clone());
-        let named = mesh_uri::resolved(file).ok_or_else(outside)?;
+        let named = mesh_name::resolved(file).ok_or_else(outside)?;
         let is_in_root = self.is_in_root(&named);
         let in_package = |path: &Path| package.as_ref().is_some_and(|p| path.starts_with(&p.folder));
         if !is_in_root && !in_package(&named) {
@@ -315,7 +284,7 @@ impl MeshFiles {
 
     /// An allowed file whose path below the root or package differs in upper and lower case only.
     fn differing_in_case(&self, candidate: &Candidate) -> Option<PathBuf> {
-        let named = mesh_uri::resolved(&candidate.file)?;
+        let named = mesh_name::resolved(&candidate.file)?;
         let roots = self.roots().flat_map(|root| [&root.real, &root.spelled]);
         let bases = roots.chain(candidate.package.as_ref().map(|p| &p.folder));
         let base = bases.filter(|base| named.starts_with(base)).min_by_key(|base| base.as_os_str().len())?;
@@ -365,7 +334,7 @@ impl Root {
     /// The real path; for a missing folder its absolute name.
     fn new(folder: &Path) -> Self {
         let absolute = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
-        let spelled = mesh_uri::resolved(&absolute).unwrap_or_else(|| absolute.clone());
+        let spelled = mesh_name::resolved(&absolute).unwrap_or_else(|| absolute.clone());
         let real = folder.canonicalize().unwrap_or(absolute);
         Self { spelled, real }
     }

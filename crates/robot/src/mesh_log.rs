@@ -9,6 +9,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub struct MeshUse {
     /// Base of names without a scheme: a folder, or the mesh file that names the part.
     pub folder: Option<PathBuf>,
+    /// The mesh name in the URDF or scene.
     pub uri: String,
     /// The file, with its real path.
     pub file: PathBuf,
@@ -40,6 +41,7 @@ pub struct RecordedMeshes(HashMap<(Option<PathBuf>, String), RecordedMesh>);
 pub(super) type RecordedMesh = (PathBuf, Arc<[u8]>);
 
 impl RecordedMeshes {
+    /// Adds a mesh and the content of its file.
     pub fn insert(&mut self, found: MeshUse, bytes: Arc<[u8]>) {
         self.0.insert((found.folder, found.uri), (found.file, bytes));
     }

@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use super::mesh_files::{MeshFileError, MeshFiles};
-use super::mesh_uri::{self, MeshName};
-use super::numbers::shortened;
+use super::decimal_numbers::shortened;
+use super::mesh_file_error::MeshFileError;
+use super::mesh_files::MeshFiles;
+use super::mesh_name::{self, MeshName};
 use super::{Fault, Place};
 
 /// Meshes of packages that were not found, by package.
@@ -23,13 +24,13 @@ struct MissingPackage {
 
 impl MissingMeshes {
     /// Records a mesh; returns true if it is missing from a package.
-    pub fn note(&mut self, collision: &urdf_rs::Collision, error: &MeshFileError, place: &Place) -> bool {
+    pub fn record(&mut self, collision: &urdf_rs::Collision, error: &MeshFileError, place: &Place) -> bool {
         let (MeshFileError::NotFound { .. }, urdf_rs::Geometry::Mesh { filename, .. }) =
             (error, &collision.geometry)
         else {
             return false;
         };
-        let Ok(MeshName::Package { name, .. }) = mesh_uri::parse(filename) else { return false };
+        let Ok(MeshName::Package { name, .. }) = mesh_name::parse(filename) else { return false };
         let new = || MissingPackage {
             place: place.clone(),
             uri: shortened(filename),

@@ -28,8 +28,11 @@ pub struct RobotModel {
 /// A rigid part of the robot.
 #[derive(Clone, Debug)]
 pub struct Link {
+    /// Name in the URDF, with the link prefix.
     pub name: String,
+    /// The joint that moves the link; `None` for the root.
     pub parent_joint: Option<JointId>,
+    /// Collision geometry; may be empty.
     pub collisions: Vec<Collision>,
     /// The topmost link that this link is connected to by fixed joints; identifies the rigid body.
     pub rigid_body: LinkId,
@@ -38,9 +41,11 @@ pub struct Link {
 /// One collision geometry of a link.
 #[derive(Clone, Debug)]
 pub struct Collision {
+    /// Name in the URDF, if it has one.
     pub name: Option<String>,
     /// Pose of the shape in the link frame.
     pub pose_ls: Pose,
+    /// The geometry, in its own frame.
     pub shape: Shape,
     /// Source of a mesh.
     pub mesh_source: Option<MeshSource>,
@@ -49,7 +54,9 @@ pub struct Collision {
 /// The name of a mesh in the URDF, and its scale factors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshSource {
+    /// The mesh name, such as `package://NAME/path`.
     pub uri: String,
+    /// Scale factors along x, y and z.
     pub scale: Vector,
 }
 
@@ -59,6 +66,7 @@ const MOST_FAULTS: usize = 20;
 /// Errors of a robot description: all of them, as far as one does not hide another.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ModelError {
+    /// The errors, at most a fixed number of them; the last one counts the rest.
     pub faults: Vec<Fault>,
 }
 
@@ -102,26 +110,31 @@ impl From<Vec<Fault>> for ModelError {
 }
 
 impl RobotModel {
+    /// Name of the robot in the URDF.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
     }
 
+    /// All links, in the URDF's order.
     #[must_use]
     pub fn links(&self) -> &[Link] {
         &self.links
     }
 
+    /// All joints, in the URDF's order.
     #[must_use]
     pub fn joints(&self) -> &[Joint] {
         &self.joints
     }
 
+    /// A link by its id.
     #[must_use]
     pub fn link(&self, id: LinkId) -> &Link {
         &self.links[id.index()]
     }
 
+    /// A joint by its id.
     #[must_use]
     pub fn joint(&self, id: JointId) -> &Joint {
         &self.joints[id.index()]
@@ -140,20 +153,24 @@ impl RobotModel {
         self.root
     }
 
+    /// The link with this name, prefix included.
     #[must_use]
     pub fn link_by_name(&self, name: &str) -> Option<LinkId> {
         (self.links.iter().zip(0..)).find_map(|(l, i)| (l.name == name).then_some(LinkId(i)))
     }
 
+    /// The joint with this name.
     #[must_use]
     pub fn joint_by_name(&self, name: &str) -> Option<JointId> {
         (self.joints.iter().zip(0..)).find_map(|(j, i)| (j.name == name).then_some(JointId(i)))
     }
 
+    /// The ids of all links, ascending.
     pub fn link_ids(&self) -> impl Iterator<Item = LinkId> + use<> {
         (0..u32::try_from(self.links.len()).unwrap_or(u32::MAX)).map(LinkId)
     }
 
+    /// The ids of all joints, ascending.
     pub fn joint_ids(&self) -> impl Iterator<Item = JointId> + use<> {
         (0..u32::try_from(self.joints.len()).unwrap_or(u32::MAX)).map(JointId)
     }
@@ -187,6 +204,7 @@ impl RobotModel {
         self.joints.iter().filter_map(|j| Some((j, j.mimic?)))
     }
 
+    /// The SRDF, if the robot was read with one.
     #[must_use]
     pub fn srdf(&self) -> Option<&Srdf> {
         self.srdf.as_ref()

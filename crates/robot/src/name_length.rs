@@ -2,7 +2,7 @@
 
 use clearance_geometry::constants::LONGEST_NAME;
 
-use super::numbers::shortened;
+use super::decimal_numbers::shortened;
 
 /// Checks that a name of a robot, link, joint, frame or object has at most [`LONGEST_NAME`] bytes.
 ///

@@ -6,14 +6,18 @@ use clearance_files::input_files::{self, DESCRIPTION_LIMIT};
 
 use super::mesh_files::MeshFiles;
 use super::model::{ModelError, RobotModel};
-use super::{Fault, Place, srdf, urdf, urdf_validation};
+use super::{Fault, Place, srdf_reader, urdf_reader, urdf_validation};
 
 /// The texts that describe a robot; names are the names of their files, for messages.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RobotText<'t> {
+    /// Text of the URDF.
     pub urdf: &'t str,
+    /// File name of the URDF.
     pub urdf_name: Option<&'t str>,
+    /// Text of the SRDF.
     pub srdf: Option<&'t str>,
+    /// File name of the SRDF.
     pub srdf_name: Option<&'t str>,
 }
 
@@ -39,9 +43,9 @@ impl RobotModel {
                 message: format!("bad URDF: {e}"),
             })
         })?;
-        let mut model = urdf::build(&robot, sound, files)?;
+        let mut model = urdf_reader::build(&robot, sound, files)?;
         if let Some(srdf_text) = text.srdf {
-            srdf::apply(&mut model, srdf_text, text.srdf_name)?;
+            srdf_reader::apply(&mut model, srdf_text, text.srdf_name)?;
         }
         Ok(model)
     }

@@ -2,24 +2,26 @@
 //!
 //! `urdf-rs` drops numbers it cannot read, has no line numbers, fails on visuals and inertias that no collision query needs, and its XML
 //! reader panics on some namespaces. So the text is read twice. First it is read here as XML, to find errors and their lines. Then
-//! `urdf-rs` reads a validated text, reduced to the parts that collision checking needs.
+//! `urdf-rs` reads a validated text, reduced to the parts that collision checking needs. A second text, and not structs that are filled
+//! here, because `urdf-rs` then remains the only place that defines the defaults and the conversion of attributes; both cost far less
+//! than loading the meshes.
 
 use std::collections::HashMap;
 
 use clearance_geometry::math::Rotation;
 use roxmltree::Node;
 
+use super::decimal_numbers::shortened;
 use super::name_length::check_name_length;
-use super::numbers::shortened;
 use super::xml::{Expected, Xml, own_children, read_xml};
 use super::{Fault, ModelError, Place, Warning};
 
+mod ignored_elements;
 mod joint;
 mod link;
-mod unread;
-mod writer;
+mod xml_writer;
 
-use writer::Writer;
+use xml_writer::Writer;
 
 /// A validated URDF, before links and joints are put together.
 #[derive(Debug, Default)]

@@ -7,7 +7,9 @@ use super::Place;
 /// A warning about content of a URDF, SRDF or mesh that was accepted and should be checked by the user.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Warning {
+    /// Location in the input.
     pub place: Place,
+    /// Cause and effect.
     pub message: String,
 }
 

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use roxmltree::{Document, Error, Node, ParsingOptions};
 
-use super::numbers::shortened;
+use super::decimal_numbers::shortened;
 use super::{Fault, Place, Warning, xml_limits};
 
 /// Maximum length (bytes) of an XML text; robot descriptions are rarely longer than one megabyte.

@@ -263,7 +263,7 @@ impl Loader {
 
     /// Sets the frames to watch, in which a movement requires new poses of obstacles.
     fn watch_frames(&self, inputs: &LoaderInputs) {
-        let grounds = self.robot.as_ref().map(|robot| self.keeper.state.grounds(robot));
+        let grounds = self.robot.as_ref().map(|robot| self.keeper.state.anchor_frames(robot));
         *lock(&inputs.shared.grounds) = grounds.unwrap_or_default();
     }
 
@@ -431,7 +431,7 @@ impl Loader {
             sources: self.keeper.sources(parameters),
             incomplete: self.keeper.incomplete(parameters),
             warnings,
-            grounds: scene.grounds(robot),
+            grounds: scene.anchor_frames(robot),
             placed_at: Some(now.steady),
         });
         (self.model_revision, self.world_revision) = (model, world);

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use clearance_scene::{Gap, SceneRejection, SceneUpdate, Subject};
+use clearance_scene::{GapSubject, SceneGap, SceneRejection, SceneUpdate};
 
 /// Maximum number of stored gaps, so that a hostile network cannot fill the memory.
 const MOST: usize = 1000;
@@ -14,7 +14,7 @@ const TOLD: usize = 20;
 #[derive(Debug, Default)]
 pub struct MissingObjects {
     /// By subject and name: the gap, and the fault of the last message that caused it.
-    gaps: BTreeMap<(Subject, String), (Gap, String)>,
+    gaps: BTreeMap<(GapSubject, String), (SceneGap, String)>,
     /// Number of further gaps, whose names are not stored: only a complete scene closes them.
     unnamed: usize,
 }
@@ -25,7 +25,7 @@ impl MissingObjects {
         if let Some(update) = update {
             for (gap, fault) in std::mem::take(&mut self.gaps).into_values() {
                 let is_rejected = refusals.iter().any(|refusal| is_about(refusal, &gap));
-                if let Some(left) = update.left_of(gap, is_rejected) {
+                if let Some(left) = update.remaining_gap(gap, is_rejected) {
                     self.note(left, fault);
                 }
             }
@@ -42,13 +42,13 @@ impl MissingObjects {
 
     /// Records the objects of an update that was not applied at all, with the reason.
     pub fn note_unused(&mut self, source: &str, update: &SceneUpdate, why: &str) {
-        for gap in update.announced() {
+        for gap in update.announced_gaps() {
             let refusal = SceneRejection::of(&gap.name, why);
             self.note(gap, format!("{source}: {refusal}"));
         }
     }
 
-    fn note(&mut self, gap: Gap, fault: String) {
+    fn note(&mut self, gap: SceneGap, fault: String) {
         let key = (gap.subject, gap.name.clone());
         let is_full = self.gaps.len() >= MOST;
         match self.gaps.get_mut(&key) {
@@ -75,8 +75,8 @@ impl MissingObjects {
     }
 }
 
-fn is_about(refusal: &SceneRejection, gap: &Gap) -> bool {
-    let is_same = |other: &Gap| (other.subject, &other.name) == (gap.subject, &gap.name);
+fn is_about(refusal: &SceneRejection, gap: &SceneGap) -> bool {
+    let is_same = |other: &SceneGap| (other.subject, &other.name) == (gap.subject, &gap.name);
     refusal.gap.as_ref().is_some_and(is_same) || refusal.object.as_deref() == Some(&gap.name)
 }
 
@@ -140,7 +140,7 @@ mod tests {
     #[test]
     fn an_object_without_a_name_is_missing_until_all_are_removed() {
         let mut missing = MissingObjects::default();
-        let gap = Gap::new(Subject::Object, "", clearance_scene::Extent::Shapes);
+        let gap = SceneGap::new(GapSubject::Object, "", clearance_scene::GapExtent::Shapes);
         let unnamed = SceneRejection { gap: Some(gap), ..SceneRejection::new("id is empty") };
         missing.heed("topic", Some(&add("")), &[unnamed]);
         missing.heed("topic", Some(&add("b")), &[]);

@@ -8,7 +8,7 @@ use clearance_checker::{
 use clearance_monitor::Evaluation;
 use clearance_motion::{
     Certificate, ContinuousDirection, ContinuousTurn, HeldTurn, MotionSegment, Trajectory, TrajectoryPoint,
-    shortest_way,
+    shortest_turns,
 };
 use clearance_robot::{Configuration, RobotModel};
 use ros2_interfaces_jazzy_serde::trajectory_msgs::msg::JointTrajectoryPoint;
@@ -176,7 +176,7 @@ impl RequestContext<'_> {
     }
 
     fn shortest(&self, ends: Vec<Configuration>) -> Result<(Vec<Configuration>, Vec<HeldTurn>), Refusal> {
-        shortest_way(self.robot(), ends).map_err(|error| bad(format!("the shortest way: {error}")))
+        shortest_turns(self.robot(), ends).map_err(|error| bad(format!("the shortest way: {error}")))
     }
 
     fn trajectory(&self, request: &CheckTrajectoryRequest) -> Result<Way, Refusal> {
@@ -196,8 +196,9 @@ impl RequestContext<'_> {
         };
         let points: Vec<TrajectoryPoint> = request.trajectory.points.iter().map(point).collect();
         let direction = direction(&request.terms)?.unwrap_or_default();
-        let trajectory = Trajectory::from_points_going(self.robot(), joints, &points, &rest, direction)
-            .map_err(|error| bad(format!("trajectory: {error}")))?;
+        let trajectory =
+            Trajectory::from_points_with_direction(self.robot(), joints, &points, &rest, direction)
+                .map_err(|error| bad(format!("trajectory: {error}")))?;
         let trajectory = self.loosened(trajectory, joints, &request.terms.joint_tolerances)?;
         let notes = note.into_iter().chain(trajectory.late_start_note()).collect();
         Ok(Way { trajectory, notes })

@@ -13,7 +13,7 @@ use clearance_monitor::{CheckedState, Evaluation, Now, Observation, Revision, Wo
 use clearance_robot::{LinkPoses, RobotModel};
 use clearance_scene::MeshModel;
 use clearance_scene::{
-    OCTOMAP, Scene, SceneContext, SceneRejection, SceneUpdate, Subject, TransformTree, Unfit,
+    DroppedParts, GapSubject, OCTOMAP, Scene, SceneContext, SceneRejection, SceneUpdate, TransformTree,
 };
 use ros2_interfaces_jazzy_serde::octomap_msgs::msg::OctomapWithPose;
 use smol::channel::Sender;
@@ -135,7 +135,7 @@ impl SceneKeeper {
 
     /// Adapts the scene to a new robot.
     pub fn fit_to(&mut self, robot: &RobotModel) {
-        let Unfit { dropped, warnings } = self.state.fit_to(robot);
+        let DroppedParts { dropped, warnings } = self.state.adapt_to_robot(robot);
         for warning in dropped.iter().chain(&warnings) {
             log::warn!("{warning}");
         }
@@ -239,7 +239,7 @@ impl SceneKeeper {
     ) {
         let SceneUpdateContext { now, parameters, transforms, .. } = update_context;
         let context = SceneContext::new(robot, None, transforms, now.ros, parameters.transform_ttl);
-        state.stand_as(&self.state, &context);
+        state.keep_anchors_of(&self.state, &context);
         self.state = state;
     }
 
@@ -247,7 +247,7 @@ impl SceneKeeper {
     pub fn follow_frames(&mut self, robot: &Arc<RobotModel>, update_context: &SceneUpdateContext) -> bool {
         let SceneUpdateContext { now, parameters, transforms, .. } = update_context;
         let context = SceneContext::new(robot, None, transforms, now.ros, parameters.transform_ttl);
-        self.state.follow_frames(&context)
+        self.state.follow_anchor_frames(&context)
     }
 
     /// Stores a new octomap, or that there is none.
@@ -258,14 +258,14 @@ impl SceneKeeper {
         update: Option<&SceneUpdate>,
     ) {
         let is_rejected = |refusal: &SceneRejection| {
-            refusal.gap.as_ref().is_some_and(|gap| gap.subject == Subject::Octomap)
+            refusal.gap.as_ref().is_some_and(|gap| gap.subject == GapSubject::Octomap)
         };
         if refusals.iter().any(is_rejected) {
             return;
         }
         let Some(update) = update.filter(|update| update.changes_octomap()) else { return };
         self.dropped.retain(|name| name != OCTOMAP_SOURCE);
-        self.octomap_shows_room = octomap.is_some() && update.shows_room();
+        self.octomap_shows_room = octomap.is_some() && update.has_known_cells();
         self.octomap_seen = octomap.as_ref().map(|(_, sight)| *sight);
         self.octomap = octomap.filter(|(map, _)| !map.octomap.data.is_empty()).map(|(map, _)| Arc::new(map));
     }
@@ -276,7 +276,7 @@ impl SceneKeeper {
         let Some(update) = update.filter(|update| update.changes_octomap()) else { return false };
         let is_of_sensor = matches!(update, SceneUpdate::Octomap(Some(_)));
         let showed_room = self.octomap_shows_room || self.blind_octomap.is_some();
-        let is_blind = is_of_sensor && !update.shows_room() && showed_room;
+        let is_blind = is_of_sensor && !update.has_known_cells() && showed_room;
         let cause = || format!("the octree of {source} has no leaf, neither occupied nor free");
         self.blind_octomap = is_blind.then(cause);
         is_blind

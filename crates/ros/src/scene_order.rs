@@ -52,7 +52,7 @@ impl SceneOrder {
     /// Whether it contains data of objects, or robot settings that apply to them.
     #[must_use]
     pub fn tells_of_objects(&self) -> bool {
-        !self.refusals.is_empty() || self.update.as_ref().is_none_or(SceneUpdate::tells_of_objects)
+        !self.refusals.is_empty() || self.update.as_ref().is_none_or(SceneUpdate::changes_objects)
     }
 
     /// Sets the number of messages that were lost before this one.

@@ -17,6 +17,7 @@ pub struct AllowedCollisionMatrix {
 
 /// Errors in the entries of a matrix.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs, reason = "the message of each variant describes it and its fields")]
 pub enum MatrixError {
     #[error("allowed_collision_matrix: {names} entry_names but {rows} rows of entry_values")]
     Rows { names: usize, rows: usize },
@@ -34,10 +35,14 @@ pub enum MatrixError {
 #[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(default)]
 pub struct MatrixEntries {
+    /// Names of the rows and columns: links or objects.
     pub entry_names: Vec<String>,
+    /// One row for each name; true where contact is allowed.
     #[serde(deserialize_with = "rows")]
     pub entry_values: Vec<Vec<bool>>,
+    /// Names with a default value.
     pub default_entry_names: Vec<String>,
+    /// One value for each default name; true where contact is allowed.
     pub default_entry_values: Vec<bool>,
 }
 

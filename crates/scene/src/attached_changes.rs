@@ -7,7 +7,7 @@ use clearance_geometry::math::Pose;
 use clearance_robot::{LinkId, quoted};
 
 use super::{
-    AttachedChange, AttachedObject, Extent, ObjectChange, Operation, Scene, SceneContext, SceneRejection,
+    AttachedChange, AttachedObject, GapExtent, ObjectChange, Operation, Scene, SceneContext, SceneRejection,
 };
 
 impl Scene {
@@ -18,7 +18,7 @@ impl Scene {
         warnings: &mut Vec<String>,
     ) -> Result<(), SceneRejection> {
         let applied = self.attach_or_detach(change, context, warnings).map_err(SceneRejection::of_attached);
-        if change.extent() == Extent::Pose { applied.map_err(SceneRejection::of_pose) } else { applied }
+        if change.extent() == GapExtent::Pose { applied.map_err(SceneRejection::of_pose) } else { applied }
     }
 
     fn attach_or_detach(

@@ -6,19 +6,22 @@ use clearance_geometry::math::Pose;
 
 use super::{Obstacle, ObstacleShape};
 
-/// Index of an attached object in one [`World`](super::World), in the order of attaching.
+/// Index of an attached object in one `World`, in the order of attaching.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct AttachedId(pub u32);
 
 /// A rigid object attached to a link.
 #[derive(Clone, Debug)]
 pub struct AttachedObject {
+    /// Name of the object.
     pub name: String,
     /// Name of the link that the object is attached to.
     pub link: String,
     /// Pose of the object in the frame of that link.
     pub pose_lo: Pose,
+    /// Shapes with poses in the frame of the object.
     pub shapes: Arc<[ObstacleShape]>,
+    /// Named frames on the object, in its frame.
     pub subframes: Vec<(String, Pose)>,
     /// Links that may touch the object, in addition to the link that carries it.
     pub touch_links: Vec<String>,

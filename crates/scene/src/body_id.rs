@@ -7,8 +7,10 @@ use super::{AttachedId, ObstacleId};
 /// One of the two bodies of a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum BodyId {
+    /// A link of the robot.
     Link(LinkId),
     /// An attached object.
     Attached(AttachedId),
+    /// An obstacle of the world.
     Obstacle(ObstacleId),
 }

@@ -5,12 +5,15 @@ use std::sync::Arc;
 use clearance_geometry::math::Pose;
 use clearance_robot::RobotModel;
 
+use super::MultiDofJoint;
 use super::files::{JointStateText, MultiDofText, RobotStateText};
 
 /// Positions (rad, m) by the names of [`RobotModel::position_names`]; only those contained in a message.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedState {
+    /// Names of positions.
     pub names: Arc<[String]>,
+    /// One position (rad, m) for each name.
     pub positions: Vec<f64>,
 }
 
@@ -83,8 +86,7 @@ fn check_root_stays(joint: &str, pose: &Pose, robot: &RobotModel) -> Result<(), 
     if *pose == Pose::identity() {
         return Ok(());
     }
-    let mut virtual_joints = robot.srdf().into_iter().flat_map(|srdf| &srdf.virtual_joints);
-    if virtual_joints.any(|virtual_joint| virtual_joint.name == joint) {
+    if MultiDofJoint::find(robot, joint).virtual_joint.is_some() {
         return Err(format!(
             "virtual joint '{joint}' can not be moved here: leave it out, or at zero; where the robot stands among obstacles, the \
              robot_state of a planning scene says (--world)"

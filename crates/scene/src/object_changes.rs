@@ -6,8 +6,8 @@ use clearance_geometry::math::Pose;
 use clearance_robot::quoted;
 
 use super::{
-    Extent, Gap, OCTOMAP, ObjectChange, Obstacle, OctomapPlacement, Operation, Scene, SceneContext,
-    SceneRejection, Subject,
+    GapExtent, GapSubject, OCTOMAP, ObjectChange, Obstacle, OctomapPlacement, Operation, Scene, SceneContext,
+    SceneGap, SceneRejection,
 };
 
 impl Scene {
@@ -32,7 +32,7 @@ impl Scene {
     /// Checks whether the name is allowed for an object.
     pub(super) fn check_name(&self, id: &str, context: &SceneContext) -> Result<(), SceneRejection> {
         if id.is_empty() {
-            let unnamed = Gap::new(Subject::Object, "", Extent::Shapes);
+            let unnamed = SceneGap::new(GapSubject::Object, "", GapExtent::Shapes);
             return Err(SceneRejection::new("id is empty: every object needs a name").leaving(unnamed));
         }
         if id == OCTOMAP || self.is_sensed(id) {

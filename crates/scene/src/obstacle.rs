@@ -5,13 +5,17 @@ use std::sync::Arc;
 use clearance_geometry::Shape;
 use clearance_geometry::math::Pose;
 
-/// Id of an obstacle in one [`World`](super::World): its place in the list, which does not change until it is removed.
+/// Name of the octomap obstacle, as in `MoveIt`.
+pub const OCTOMAP: &str = "<octomap>";
+
+/// Id of an obstacle in one `World`: its place in the list, which does not change until it is removed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ObstacleId(pub u32);
 
 /// A rigid object around the robot, made of one or more shapes.
 #[derive(Clone, Debug)]
 pub struct Obstacle {
+    /// Name of the obstacle.
     pub name: String,
     /// Pose of the obstacle in the robot's root frame.
     pub pose_ro: Pose,
@@ -26,6 +30,7 @@ pub struct Obstacle {
 pub struct ObstacleShape {
     /// Pose of the shape in the frame of its object.
     pub pose_os: Pose,
+    /// The shape, in its own frame.
     pub shape: Shape,
 }
 

@@ -11,9 +11,13 @@ const KIND: &str = "OcTree";
 /// The fields of an `octomap_msgs/Octomap`.
 #[derive(Clone, Copy, Debug)]
 pub struct OctomapMessage<'m> {
+    /// Tree type, such as `OcTree`.
     pub id: &'m str,
+    /// True if cells are stored as free or occupied, without probabilities.
     pub binary: bool,
+    /// Edge length (m) of the smallest cells.
     pub resolution: f64,
+    /// The serialised tree.
     pub data: &'m [u8],
 }
 
@@ -30,7 +34,8 @@ impl OctomapMessage<'_> {
     /// If it cannot be read; the message names the field.
     pub fn placed(
         &self,
-        (frame, pose_fo): (String, Pose),
+        frame: String,
+        pose_fo: Pose,
         unknown_is_occupied: bool,
     ) -> Result<OctomapPlacement, String> {
         if self.id != KIND {
@@ -41,7 +46,7 @@ impl OctomapMessage<'_> {
         }
         let octomap = Octomap::from_message(self.binary, self.id, self.resolution, self.data);
         let octomap = octomap.map_err(|error| error.to_string())?;
-        OctomapPlacement::of(&octomap, (frame, pose_fo), unknown_is_occupied)
+        OctomapPlacement::of(&octomap, frame, pose_fo, unknown_is_occupied)
     }
 }
 
@@ -52,7 +57,8 @@ impl OctomapPlacement {
     /// If it has too many occupied cells.
     pub fn of(
         octomap: &Octomap,
-        (frame, pose_fo): (String, Pose),
+        frame: String,
+        pose_fo: Pose,
         unknown_is_occupied: bool,
     ) -> Result<Self, String> {
         let voxels = octomap.to_voxels(unknown_is_occupied).map_err(|error| error.to_string())?;

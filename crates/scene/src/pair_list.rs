@@ -95,6 +95,7 @@ pub enum SkipReason {
 }
 
 impl SkipReason {
+    /// All reasons, in the order of their numbers.
     pub const ALL: [Self; 6] = [
         Self::SameRigidBody,
         Self::Adjacent,
@@ -180,6 +181,7 @@ impl PairList {
         self.checked[place] = Some(row);
     }
 
+    /// Pairs of links and attached objects that must be checked.
     #[must_use]
     pub fn self_pairs(&self) -> &[(BodyId, BodyId)] {
         &self.self_pairs
@@ -219,6 +221,7 @@ impl PairList {
         self.self_pairs.len() + self.world_count
     }
 
+    /// True if there is no pair to check.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0

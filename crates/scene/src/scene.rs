@@ -5,20 +5,19 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use clearance_geometry::math::Pose;
 use clearance_robot::RobotModel;
 
-use super::anchors::Anchor;
-use super::{AllowedCollisionMatrix, Obstacle, SceneContext, SceneRejection, SceneUpdate, World};
-
-/// Name of the octomap obstacle, as in `MoveIt`.
-pub const OCTOMAP: &str = "<octomap>";
+use super::anchor::Anchor;
+use super::{AllowedCollisionMatrix, Obstacle, World};
 
 /// Everything around a robot that messages can change. Copies share their content.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
+    /// Obstacles and attached objects.
     pub world: World,
     /// Replaces the SRDF's matrix, if present.
     pub matrix: Option<AllowedCollisionMatrix>,
     /// Paddings (m) of individual links.
     pub link_padding: HashMap<String, f64>,
+    /// Scale factors of individual links.
     pub link_scale: HashMap<String, f64>,
     /// Types of objects, by name: database and key of `object_recognition_msgs/ObjectType`. Not used by any check.
     pub kinds: BTreeMap<String, [String; 2]>,
@@ -32,34 +31,13 @@ pub struct Scene {
     pub sensed: BTreeSet<String>,
 }
 
-/// Result of applying a message.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Applied {
-    /// True if anything was changed.
-    pub changed: bool,
-    /// Warnings about unusual but accepted content.
-    pub warnings: Vec<String>,
-    /// Accepted settings without effect, such as a matrix entry that names nothing.
-    pub ineffective: Vec<String>,
-    /// Rejected parts.
-    pub refusals: Vec<SceneRejection>,
-}
-
 /// Parts of a scene that were dropped or are in doubt after a change of the robot.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Unfit {
+pub struct DroppedParts {
     /// Descriptions of objects that are no longer in the scene, neither attached nor as obstacles.
     pub dropped: Vec<String>,
+    /// Warnings about parts that stay, but may have a different effect.
     pub warnings: Vec<String>,
-}
-
-impl Applied {
-    pub(super) fn note(&mut self, result: Result<(), SceneRejection>) {
-        match result {
-            Ok(()) => self.changed = true,
-            Err(refusal) => self.refusals.push(refusal),
-        }
-    }
 }
 
 impl Scene {
@@ -76,31 +54,11 @@ impl Scene {
         Self { fixed_frames, anchors, frame_anchors, ..self }
     }
 
-    /// Applies a message; each object and each field is applied completely or not at all. As in `MoveIt`, valid parts are applied even if
-    /// others are rejected.
-    pub fn apply(&mut self, update: &SceneUpdate, context: &SceneContext) -> Applied {
-        let mut applied = Applied::default();
-        match update {
-            SceneUpdate::Object(object) => {
-                let result = self.change_object(object, context, &mut applied.warnings);
-                applied.note(result);
-            }
-            SceneUpdate::Attached(attached) => {
-                let result = self.change_attached(attached, context, &mut applied.warnings);
-                applied.note(result);
-            }
-            SceneUpdate::Octomap(octomap) => applied.note(self.set_octomap(octomap.as_ref(), context)),
-            SceneUpdate::World(world) => self.replace_world((world, false), context, &mut applied),
-            SceneUpdate::Scene(change) => self.change_scene(change, context, &mut applied),
-        }
-        applied
-    }
-
     /// Sets the obstacle that a sensor sees now, under the name of its topic. Messages cannot remove it.
-    pub fn set_sensed(&mut self, name: &str, seen: Option<Obstacle>) {
+    pub fn set_sensed(&mut self, name: &str, obstacle: Option<Obstacle>) {
         self.anchors.remove(name);
         // messages cannot use this name, so an obstacle with it comes from a sensor
-        if let Some(Ok(_)) = seen.map(|obstacle| self.world.replace(obstacle)) {
+        if let Some(Ok(_)) = obstacle.map(|obstacle| self.world.replace(obstacle)) {
             self.sensed.insert(name.to_owned());
         } else {
             self.sensed.remove(name);
@@ -115,8 +73,8 @@ impl Scene {
     }
 
     /// Removes the parts that do not fit another robot; returns a description of them.
-    pub fn fit_to(&mut self, robot: &RobotModel) -> Unfit {
-        let Unfit { mut dropped, mut warnings } = Unfit::default();
+    pub fn adapt_to_robot(&mut self, robot: &RobotModel) -> DroppedParts {
+        let DroppedParts { mut dropped, mut warnings } = DroppedParts::default();
         let gone: Vec<_> =
             self.world.attached().iter().filter(|o| robot.link_by_name(&o.link).is_none()).cloned().collect();
         for object in gone {
@@ -142,6 +100,6 @@ impl Scene {
                 object.name
             ));
         }
-        Unfit { dropped, warnings }
+        DroppedParts { dropped, warnings }
     }
 }

@@ -1,6 +1,6 @@
 //! Tests of every operation and every rejection, without a network.
 
-mod anchors;
+mod anchor_updates;
 mod attached;
 mod moveit;
 
@@ -273,7 +273,7 @@ fn frames_are_links_objects_fixed_frames_and_those_of_tf() {
         ("tower", "world", None),
     ] {
         let transform = Transform { parent: parent.to_owned(), pose_pf: at(0.0, 1.0, 0.0), stamp };
-        assert!(cell.transforms.note(frame, transform));
+        assert!(cell.transforms.insert(frame, transform));
     }
     cell.object(add("table", "base", at(4.0, 0.0, 0.0))).unwrap();
     for (frame, place) in [
@@ -294,12 +294,12 @@ fn frames_are_links_objects_fixed_frames_and_those_of_tf() {
     cell.poses = None;
     cell.refuses_object(add("probe", "optical", Pose::identity()), "unknown frame 'optical'");
     let transform = Transform { parent: "flange".to_owned(), pose_pf: at(0.0, 0.0, 0.5), stamp };
-    cell.transforms.note("hand", transform);
+    cell.transforms.insert("hand", transform);
     cell.object(add("probe", "optical", Pose::identity())).unwrap();
     assert_eq!(cell.places("probe"), [[0.0, 4.0, 0.5]]);
     // a present tf transform takes precedence over an earlier one from a scene
     let transform = Transform { parent: "odom".to_owned(), pose_pf: at(7.0, 0.0, 0.0), stamp };
-    cell.transforms.note("shelf", transform);
+    cell.transforms.insert("shelf", transform);
     cell.object(add("probe", "shelf", Pose::identity())).unwrap();
     assert_eq!(cell.places("probe"), [[7.0, -1.0, 0.0]]);
 }
@@ -308,17 +308,17 @@ fn frames_are_links_objects_fixed_frames_and_those_of_tf() {
 fn old_transforms_say_nothing() {
     let mut cell = Cell::new();
     let transform = |stamp| Transform { parent: "base".to_owned(), pose_pf: at(0.0, 0.0, 1.0), stamp };
-    cell.transforms.note("old", transform(Some(seconds(98.0))));
+    cell.transforms.insert("old", transform(Some(seconds(98.0))));
     cell.refuses_object(add("x", "old", Pose::identity()), "transform of frame 'old' on tf is 2.000 s old");
     // a late transform does not replace a newer one
-    cell.transforms.note("old", transform(Some(seconds(99.5))));
+    cell.transforms.insert("old", transform(Some(seconds(99.5))));
     let late = Transform { pose_pf: at(9.0, 9.0, 9.0), ..transform(Some(seconds(99.4))) };
-    cell.transforms.note("old", late);
+    cell.transforms.insert("old", late);
     cell.object(add("x", "old", Pose::identity())).unwrap();
     assert_eq!(cell.places("x"), [[0.0, 0.0, 1.0]]);
     // the search ends in a circle of frames
     for (frame, parent) in [("p", "q"), ("q", "p"), ("r", "r")] {
-        cell.transforms.note(frame, Transform { parent: parent.to_owned(), ..transform(None) });
+        cell.transforms.insert(frame, Transform { parent: parent.to_owned(), ..transform(None) });
         cell.refuses_object(add("y", frame, Pose::identity()), "unknown frame");
     }
 }
@@ -486,7 +486,7 @@ fn another_robot_keeps_what_it_can() {
     };
     cell.scene(sized).unwrap();
     let other = RobotModel::from_urdf(&URDF.replace("\"hand\"", "\"thumb\""), &MeshFiles::default()).unwrap();
-    let unfit = cell.scene.fit_to(&other);
+    let unfit = cell.scene.adapt_to_robot(&other);
     assert_eq!((unfit.dropped.len(), unfit.warnings.len()), (1, 2), "{unfit:?}");
     assert_eq!((cell.held(), cell.names()), (vec!["b"], vec!["thumb"]));
     assert_eq!(cell.scene.link_padding.len(), 1);

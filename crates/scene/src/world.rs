@@ -19,6 +19,7 @@ pub struct World {
 }
 
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs, reason = "the message of each variant describes it and its fields")]
 pub enum WorldError {
     #[error("object '{0}' is given twice")]
     Duplicate(String),
@@ -155,6 +156,7 @@ impl World {
         self.len() == 0 && self.attached.is_empty()
     }
 
+    /// The id of the obstacle with this name.
     #[must_use]
     pub fn id(&self, name: &str) -> Option<ObstacleId> {
         self.names.get(name).copied()
@@ -167,6 +169,7 @@ impl World {
         self.places[id.0 as usize].as_ref().expect("the id is of an obstacle of this world")
     }
 
+    /// The obstacle with this name.
     #[must_use]
     pub fn obstacle_by_name(&self, name: &str) -> Option<&Arc<Obstacle>> {
         Some(self.obstacle(self.id(name)?))
@@ -190,6 +193,7 @@ impl World {
         &self.attached
     }
 
+    /// The attached object with this name.
     #[must_use]
     pub fn attached_by_name(&self, name: &str) -> Option<&Arc<AttachedObject>> {
         self.attached.iter().find(|object| object.name == name)

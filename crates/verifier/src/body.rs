@@ -34,6 +34,13 @@ pub(super) enum Content {
     Children([usize; 2]),
 }
 
+/// A unit direction, with the absolute values of its components.
+#[derive(Clone, Copy)]
+struct Direction<'d> {
+    n: &'d Vector,
+    n_abs: &'d Vector,
+}
+
 impl Body {
     /// A body of shapes at their poses; there must be at least one shape.
     pub fn new(shapes: &[(Pose, &Shape)], solid_meshes: bool) -> Self {
@@ -101,11 +108,12 @@ impl Body {
     /// The largest n·x of all points x below a node, and the element where it is.
     pub fn support(&self, node: usize, n: &Vector) -> (f64, &Element) {
         let mut best = (f64::NEG_INFINITY, 0);
-        self.climb(node, (n, &n.abs()), &mut best);
+        self.climb(node, &Direction { n, n_abs: &n.abs() }, &mut best);
         (best.0, &self.elements[best.1])
     }
 
-    fn climb(&self, node: usize, (n, n_abs): (&Vector, &Vector), best: &mut (f64, usize)) {
+    fn climb(&self, node: usize, direction: &Direction, best: &mut (f64, usize)) {
+        let Direction { n, n_abs } = *direction;
         let top = |node: usize| n.dot(&self.nodes[node].centre.coords) + n_abs.dot(&self.nodes[node].half);
         match self.nodes[node].content {
             Content::Element(e) => {
@@ -123,7 +131,7 @@ impl Body {
                     // a NaN bound excludes nothing
                     let beyond = top <= best.0;
                     if !beyond {
-                        self.climb(child, (n, n_abs), best);
+                        self.climb(child, direction, best);
                     }
                 }
             }
@@ -134,16 +142,13 @@ impl Body {
     pub fn is_clear_of(&self, plane: &Plane, target: f64) -> bool {
         let n = plane.normal.into_inner();
         let is_unit = (n.norm_squared() - 1.0).abs() <= 1e-14;
-        is_unit && (self.nodes.is_empty() || self.node_is_clear_of(0, (&n, &n.abs()), plane, target))
+        is_unit
+            && (self.nodes.is_empty()
+                || self.node_is_clear_of(0, &Direction { n: &n, n_abs: &n.abs() }, plane, target))
     }
 
-    fn node_is_clear_of(
-        &self,
-        index: usize,
-        (n, n_abs): (&Vector, &Vector),
-        plane: &Plane,
-        target: f64,
-    ) -> bool {
+    fn node_is_clear_of(&self, index: usize, direction: &Direction, plane: &Plane, target: f64) -> bool {
+        let Direction { n, n_abs } = *direction;
         let node = &self.nodes[index];
         let (height, reach) = (plane.height(&node.centre), n_abs.dot(&node.half));
         if height - reach >= target || -height - reach >= target {
@@ -155,7 +160,7 @@ impl Body {
                 low - plane.offset >= target || plane.offset - high >= target
             }
             Content::Children(pair) => {
-                pair.iter().all(|child| self.node_is_clear_of(*child, (n, n_abs), plane, target))
+                pair.iter().all(|child| self.node_is_clear_of(*child, direction, plane, target))
             }
         }
     }

@@ -4,7 +4,7 @@ use clearance_geometry::math::{Extremes, MatrixPose, Point, Vector};
 use clearance_robot::{LinkId, LinkPoses, RobotModel};
 
 use super::body::Body;
-use super::segment_kinematics::{Carrier, SegmentKinematics};
+use super::segment_kinematics::{AxisFrame, SegmentKinematics};
 
 /// Rounding error (m) of kinematics and distances, per metre of the coordinates used and per radian.
 const ROUNDING: f64 = 1e-14;
@@ -34,15 +34,23 @@ pub(super) struct Line {
     pub turns: bool,
 }
 
-/// Carrier of a body.
+/// The link or moving obstacle that gives a body its pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Ride {
-    On(LinkId),
+pub(super) enum BodyCarrier {
+    Link(LinkId),
     /// By its place.
     Obstacle(usize),
 }
 
-/// A body at its place.
+/// A body to be placed: its index, its carrier, and the indices of the steps that move it.
+pub(super) struct BodyPlacement<'b> {
+    pub index: usize,
+    pub carrier: BodyCarrier,
+    pub body: &'b Body,
+    pub path: &'b [usize],
+}
+
+/// A body at its pose.
 #[derive(Debug)]
 pub(super) struct Placed {
     pub pose_rb: MatrixPose,
@@ -97,47 +105,44 @@ impl IntervalMidpoint {
     }
 
     /// Goes to another t, or to another segment.
-    pub fn go_to(&mut self, robot: &RobotModel, course: &SegmentKinematics, t: f64) {
+    pub fn go_to(&mut self, robot: &RobotModel, kinematics: &SegmentKinematics, t: f64) {
         self.t = t;
-        self.size = course.motion.size();
+        self.size = kinematics.motion.size();
         self.bodies.fill_with(|| None);
-        let q = course.motion.at(t);
+        let q = kinematics.motion.at(t);
         robot.forward_kinematics(&q, &mut self.poses);
         let poses = &self.poses;
         self.lines.clear();
-        self.lines.extend(course.steps.iter().map(|step| {
-            let (origin, axis) = match step.carrier {
-                Carrier::Joint(id) => {
+        self.lines.extend(kinematics.steps.iter().map(|step| {
+            let (origin, axis) = match step.frame {
+                AxisFrame::Joint(id) => {
                     let joint = robot.joint(id);
                     let rotation = poses.pose(joint.parent).rotation * joint.pose_pj.rotation;
                     (poses.pose(joint.child).translation.vector.into(), rotation * step.axis)
                 }
-                Carrier::Obstacle { at, linear } => (at + linear * t, step.axis),
+                AxisFrame::Obstacle { at, linear } => (at + linear * t, step.axis),
             };
             Line { origin, axis, turns: step.turns }
         }));
         let origins = self.lines.iter().map(|line| line.origin.coords.amax());
         let links = robot.link_ids().map(|link| poses.pose(link).translation.vector.amax());
         self.farthest = origins.chain(links).fold(0.0, f64::greater);
-        let angles = course.steps.iter().filter(|step| step.turns).map(|step| step.size);
+        let angles = kinematics.steps.iter().filter(|step| step.turns).map(|step| step.size);
         self.radians = angles.fold(0.0, f64::greater);
     }
 
     /// Computes a body's pose and the extent of its box at the first use: the body is carried by a link, or is an obstacle.
-    /// `path` has the numbers of the steps that move it.
     pub fn place(
         &mut self,
-        course: &SegmentKinematics,
-        (index, ride): (usize, Ride),
-        body: &Body,
-        path: &[usize],
+        kinematics: &SegmentKinematics,
+        BodyPlacement { index, carrier, body, path }: BodyPlacement,
     ) {
         let Self { poses, lines, bodies, t, .. } = self;
         bodies[index].get_or_insert_with(|| {
-            let pose_rb = match ride {
-                Ride::On(link) => MatrixPose::from(poses.pose(link)),
-                Ride::Obstacle(obstacle) => match course.mover_of[obstacle] {
-                    Some(mover) => course.motion.obstacles()[mover].matrix(*t),
+            let pose_rb = match carrier {
+                BodyCarrier::Link(link) => MatrixPose::from(poses.pose(link)),
+                BodyCarrier::Obstacle(obstacle) => match kinematics.mover_of[obstacle] {
+                    Some(mover) => kinematics.motion.obstacles()[mover].matrix(*t),
                     None => MatrixPose::identity(),
                 },
             };

@@ -8,42 +8,52 @@
 //! | file | content |
 //! |---|---|
 //! | `PairList` and `Settings` of clearance-scene | pairs that have to be apart, paddings and scales, as the checker uses them |
-//! | `documents` | it is about this robot, world and motion; every pair is listed |
-//! | `joins` | segments follow each other exactly, or the gap between them is free; obstacles start at their poses in the world |
-//! | `expected`, `differences` | it is about the expected motion, or the differences from it |
-//! | `coverage` | for every pair, intervals cover all of every segment |
+//! | `certificate_content`, `required_pairs` | the certificate is about this robot and world; every pair is listed |
+//! | `segment_continuity` | segments follow each other exactly, or the gap between them is free; obstacles start at their poses in the world |
+//! | `expected_motion`, `certificate_differences` | it is about the expected motion, or the differences from it |
+//! | `interval_coverage` | for every pair, intervals cover all of every segment |
 //! | `segment_kinematics`, `interval_midpoint` | axes of revolute and prismatic joints, and their motion, from the URDF's tree |
-//! | `bound` | maximum decrease of a pair's distance within an interval (`docs/derivations/motion-bound.md`) |
+//! | `motion_bound` | maximum decrease of a pair's distance within an interval (`docs/derivations/motion-bound.md`) |
 //! | `element` | extent of a triangle or primitive in a direction, and its corners |
-//! | `body`, `apart` | all pairs of elements are proven apart, by boxes or by a separating direction |
+//! | `body_geometry`, `body` | shapes of links, attached objects and obstacles as trees of boxes |
+//! | `separation_test` | all pairs of elements are proven apart, by boxes or by a separating direction |
 //! | `interior` | nothing lies inside a closed mesh, if meshes are solids |
+//! | `segment_verifier`, `verifier` | every proof of every segment is checked by the above |
 //!
-//! The search for directions (`direction`) need not be correct: a wrong direction proves nothing, and the certificate is rejected.
+//! The search for directions (`separating_direction`) need not be correct: a wrong direction proves nothing, and the certificate is rejected.
 
+#![deny(missing_docs)]
 // minimum and maximum of floating-point numbers, see `math/extremes.rs` of clearance-geometry
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
-mod apart;
 mod body;
-mod bound;
-mod coverage;
-mod differences;
-mod direction;
-mod documents;
+mod body_geometry;
+mod body_pair;
+mod certificate_content;
+mod certificate_differences;
 mod element;
-mod expected;
+mod expected_motion;
 mod interior;
+mod interval_coverage;
 mod interval_midpoint;
-mod joins;
-mod refusal;
+mod motion_bound;
+mod proof_interval;
+mod rejection;
+mod required_pairs;
+mod segment_continuity;
 mod segment_kinematics;
-mod subjects;
+mod segment_verifier;
+mod separating_direction;
+mod separation_test;
+mod verification_statistics;
 mod verifier;
+mod verifier_model;
 
 #[cfg(test)]
 mod tests;
 
-pub use differences::Differences;
-pub use expected::Expected;
-pub use refusal::{Refusal, Verified};
+pub use certificate_differences::CertificateDifferences;
+pub use expected_motion::ExpectedMotion;
+pub use rejection::Rejection;
+pub use verification_statistics::VerificationStatistics;
 pub use verifier::{Verifier, verify};

@@ -5,7 +5,7 @@ use clearance_motion::MotionSegment;
 use clearance_robot::{JointId, JointKind, RobotModel};
 use clearance_scene::World;
 
-use super::Refusal;
+use super::Rejection;
 
 /// A segment as steps: rotations about lines and translations along them.
 #[derive(Debug)]
@@ -22,9 +22,9 @@ pub(super) struct SegmentKinematics {
 /// One rotation or translation.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Step {
-    pub carrier: Carrier,
+    pub frame: AxisFrame,
     pub turns: bool,
-    /// Unit vector in the carrier's frame; zero without motion.
+    /// Unit vector in the axis frame; zero without motion.
     pub axis: Vector,
     /// Angle (rad) or length (m) as polynomial of t, the constant first.
     pub law: [f64; 6],
@@ -36,7 +36,7 @@ pub(super) struct Step {
 
 /// Frame of an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Carrier {
+pub(super) enum AxisFrame {
     /// The joint's frame in its parent; the line passes through the child's origin.
     Joint(JointId),
     /// The root's frame; the line passes through a point that moves at constant velocity.
@@ -84,7 +84,7 @@ impl SegmentKinematics {
         world: &World,
         segment: usize,
         motion: MotionSegment,
-    ) -> Result<Self, Refusal> {
+    ) -> Result<Self, Rejection> {
         let laws = Laws::new(robot, &motion);
         let mut steps = Vec::new();
         for &id in robot.topological_order() {
@@ -97,16 +97,16 @@ impl SegmentKinematics {
         for (number, mover) in motion.obstacles().iter().enumerate() {
             let name = || mover.name.clone();
             let Some(o) = world.id(&mover.name).map(|id| id.0 as usize) else {
-                return Err(Refusal::UnknownObstacle { segment, name: name() });
+                return Err(Rejection::UnknownObstacle { segment, name: name() });
             };
             if mover_of[o].replace(number).is_some() {
-                return Err(Refusal::ObstacleTwice { segment, name: name() });
+                return Err(Rejection::ObstacleTwice { segment, name: name() });
             }
             obstacle_steps[o] = vec![steps.len(), steps.len() + 1];
             let linear = Vector::from(mover.linear);
-            let carrier = Carrier::Obstacle { at: Point::from(mover.centre), linear };
-            steps.push(Step::even(carrier, false, linear));
-            steps.push(Step::even(carrier, true, Vector::from(mover.angular)));
+            let frame = AxisFrame::Obstacle { at: Point::from(mover.centre), linear };
+            steps.push(Step::constant_speed(frame, false, linear));
+            steps.push(Step::constant_speed(frame, true, Vector::from(mover.angular)));
         }
         Ok(Self { motion, steps, obstacle_steps, mover_of })
     }
@@ -119,10 +119,10 @@ impl SegmentKinematics {
 
 impl Step {
     /// A rotation or translation at constant speed, given by the product of axis and speed.
-    fn even(carrier: Carrier, turns: bool, speed: Vector) -> Self {
+    fn constant_speed(frame: AxisFrame, turns: bool, speed: Vector) -> Self {
         let axis = speed.try_normalize(0.0).unwrap_or_else(Vector::zeros);
         let size = speed.norm();
-        Self { carrier, turns, axis, law: [0.0, size, 0.0, 0.0, 0.0, 0.0], tube: 0.0, size }
+        Self { frame, turns, axis, law: [0.0, size, 0.0, 0.0, 0.0, 0.0], tube: 0.0, size }
     }
 
     /// By Taylor's theorem, which is exact for polynomials.
@@ -168,9 +168,9 @@ impl<'r> Laws<'r> {
         let (driver, multiplier, offset) =
             joint.mimic.map_or((id, 1.0, 0.0), |m| (m.joint, m.multiplier, m.offset));
         let Some(first) = self.robot.first_position(driver) else { return };
-        let carrier = Carrier::Joint(id);
+        let frame = AxisFrame::Joint(id);
         let step = |turns: bool, axis: Vector, position: usize| Step {
-            carrier,
+            frame,
             turns,
             axis,
             law: self.polynomials[position].map(|c| multiplier * c),
@@ -196,8 +196,8 @@ impl<'r> Laws<'r> {
                     [0.0, 0.5].map(|t| joint.kind.motion(&self.motion.at(t).positions()[first..]));
                 let speed = |i: usize| self.polynomials[first + i][1];
                 let turn = (middle.rotation * start.rotation.inverse()).scaled_axis() * 2.0;
-                steps.push(Step::even(carrier, false, Vector::new(speed(0), speed(1), speed(2))));
-                steps.push(Step::even(carrier, true, turn));
+                steps.push(Step::constant_speed(frame, false, Vector::new(speed(0), speed(1), speed(2))));
+                steps.push(Step::constant_speed(frame, true, turn));
             }
         }
     }

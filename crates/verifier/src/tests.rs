@@ -1,7 +1,7 @@
 //! Tests that true certificates are accepted, false ones are rejected, and the trusted bounds hold for sampled points.
 
-mod apart;
-mod bound;
+mod motion_bound;
 mod prover;
-mod refusals;
+mod rejections;
 mod scenes;
+mod separation_test;

@@ -3,7 +3,7 @@
 
 use std::collections::HashMap;
 
-use clearance::bvh::AxisBox;
+use clearance::proximity::bvh::AxisBox;
 
 use super::structures::{BroadPhase, overlap};
 

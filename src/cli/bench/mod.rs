@@ -9,14 +9,14 @@ use std::hint::black_box;
 use std::process::ExitCode;
 
 use clap::Args;
-use clearance::bvh::AxisBox;
 use clearance::checker::{CollisionChecker, Question};
+use clearance::proximity::bvh::AxisBox;
 use clearance::robot::Configuration;
 use clearance::scene::World;
 use serde::Serialize;
 
 use super::failure::Failure;
-use super::model::{self, ModelArgs, WorldArgs};
+use super::model_args::{self, ModelArgs, WorldArgs};
 use super::run_args::{Format, internal, print_line};
 use super::timing;
 use hash_grid::HashGrid;
@@ -34,34 +34,34 @@ pub struct BenchArgs {
     #[command(flatten)]
     world: WorldArgs,
 
-    /// Without a world: how many boxes stand around the robot, in worlds one after the other
+    /// Without a world: number of boxes around the robot; several numbers are measured one after the other
     #[arg(long, value_name = "N,...", value_delimiter = ',', default_value = "10,100,1000,10000",
         value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     obstacles: Vec<u32>,
 
-    /// Random states of the robot
+    /// Number of random states of the robot
     #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     states: u32,
 
-    /// Where random numbers begin
+    /// Seed of the random numbers
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
 
-    /// How the answer is written
+    /// Output format
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
 }
 
 /// Output in JSON format. Times are thread CPU time, the best of several passes.
 #[derive(Serialize)]
-struct Answer {
+struct BenchOutput {
     robot: String,
     states: usize,
-    worlds: Vec<WorldAnswer>,
+    worlds: Vec<WorldResult>,
 }
 
 #[derive(Serialize)]
-struct WorldAnswer {
+struct WorldResult {
     obstacles: usize,
     /// Number of bounding boxes: one per obstacle, or one per piece of a large obstacle.
     boxes: usize,
@@ -90,11 +90,11 @@ struct BroadPhaseAnswer {
 }
 
 pub fn run(args: &BenchArgs) -> Result<ExitCode, Failure> {
-    let robot = args.model.load()?;
-    let scene = args.world.load(&robot, &args.model.mesh_files())?;
+    let robot = args.model.robot.load()?;
+    let scene = args.world.load(&robot, &args.model.robot.mesh_files())?;
     let mut without_world = scene.clone();
     without_world.world = World::default();
-    let alone = model::checker(robot, &without_world, args.model.settings())?;
+    let alone = model_args::checker(robot, &without_world, args.model.settings())?;
     let mut random = fastrand::Rng::with_seed(args.seed);
     let states: Vec<_> = (0..args.states).map(|_| alone.robot().random_configuration(&mut random)).collect();
     let worlds = if scene.world.is_empty() {
@@ -104,17 +104,18 @@ pub fn run(args: &BenchArgs) -> Result<ExitCode, Failure> {
     } else {
         vec![scene.world]
     };
-    let mut answers = Vec::new();
+    let mut results = Vec::new();
     for world in &worlds {
         let checker = alone
             .with_world(world, alone.settings().clone(), scene.matrix.as_ref())
             .map_err(Failure::input)?;
-        answers.push(world_answer(&checker, &states)?);
+        results.push(measure_world(&checker, &states)?);
     }
-    let answer = Answer { robot: alone.robot().name().to_owned(), states: states.len(), worlds: answers };
+    let output =
+        BenchOutput { robot: alone.robot().name().to_owned(), states: states.len(), worlds: results };
     match args.format {
-        Format::Json => print_line(&serde_json::to_string(&answer).map_err(internal)?)?,
-        Format::Text => print_text(&answer)?,
+        Format::Json => print_line(&serde_json::to_string(&output).map_err(internal)?)?,
+        Format::Text => print_text(&output)?,
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -128,7 +129,7 @@ fn region(checker: &CollisionChecker, states: &[Configuration]) -> AxisBox {
 }
 
 #[allow(clippy::cast_precision_loss)] // counts fit 52 bits
-fn world_answer(checker: &CollisionChecker, states: &[Configuration]) -> Result<WorldAnswer, Failure> {
+fn measure_world(checker: &CollisionChecker, states: &[Configuration]) -> Result<WorldResult, Failure> {
     let mut workspace = checker.workspace();
     let free = states.iter().filter(|q| checker.is_free(q, &mut workspace)).count();
     let boolean_us = best(states.len(), || {
@@ -145,7 +146,7 @@ fn world_answer(checker: &CollisionChecker, states: &[Configuration]) -> Result<
     let items = checker.world_boxes();
     let truth = brute_force(&items, &parts);
     let overlaps: usize = truth.iter().map(Vec::len).sum();
-    Ok(WorldAnswer {
+    Ok(WorldResult {
         obstacles: checker.world().len(),
         boxes: items.len(),
         free: free as f64 / states.len() as f64,
@@ -238,13 +239,13 @@ fn best(pieces: usize, pass: impl FnMut()) -> f64 {
     timing::measure(PASSES, pieces, pass).map_or(0.0, |timing| timing.us_min)
 }
 
-fn print_text(answer: &Answer) -> Result<(), Failure> {
+fn print_text(output: &BenchOutput) -> Result<(), Failure> {
     print_line(&format!(
         "{}: {} random states; µs of CPU time, best of {PASSES}",
-        answer.robot, answer.states
+        output.robot, output.states
     ))?;
-    for world in &answer.worlds {
-        let WorldAnswer { obstacles, boxes, free, boolean_us, distance_us, overlaps, broad_phases } = world;
+    for world in &output.worlds {
+        let WorldResult { obstacles, boxes, free, boolean_us, distance_us, overlaps, broad_phases } = world;
         print_line(&format!(
             "\n{obstacles} obstacles in {boxes} boxes, {:.0} % of the states free: boolean {boolean_us:.2}, distance {distance_us:.2} a state",
             100.0 * free

@@ -1,8 +1,8 @@
 //! Random box obstacles around a robot.
 
-use clearance::bvh::AxisBox;
+use clearance::geometry::math::{Pose, Rotation, Vector};
 use clearance::geometry::{Primitive, Shape};
-use clearance::math::{Pose, Rotation, Vector};
+use clearance::proximity::bvh::AxisBox;
 use clearance::scene::{Obstacle, World};
 
 use crate::cli::failure::Failure;

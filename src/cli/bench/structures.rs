@@ -1,7 +1,7 @@
 //! Broad phase structures: find the boxes that overlap a given box. The library's tree, and alternatives.
 
-use clearance::bvh::{AxisBox, DynamicTree};
-use clearance::simd::Level;
+use clearance::geometry::simd::Level;
+use clearance::proximity::bvh::{AxisBox, DynamicTree};
 
 /// Set of numbered boxes that can be inserted, moved and removed.
 pub trait BroadPhase {

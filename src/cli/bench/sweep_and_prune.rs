@@ -1,6 +1,6 @@
 //! Sweep and prune (Cohen, Lin, Manocha & Ponamgi 1995, *I-COLLIDE*): boxes sorted along one axis.
 
-use clearance::bvh::AxisBox;
+use clearance::proximity::bvh::AxisBox;
 
 use super::structures::{BroadPhase, overlap};
 

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
+use clearance::geometry::math::{Point, Pose};
 use clearance::geometry::{Primitive, Shape};
-use clearance::math::{Point, Pose};
 use clearance::motion::{
     Certificate, MotionSegment, MovingObstacle, ObstacleTrajectory, Trajectory, TrajectoryPoint,
 };

@@ -2,8 +2,8 @@
 
 use std::collections::HashMap;
 
+use clearance::geometry::math::{Point, Pose, Rotation, Vector};
 use clearance::geometry::{Primitive, Shape};
-use clearance::math::{Point, Pose, Rotation, Vector};
 use clearance::motion::{Certificate, MovingObstacle, SegmentText};
 use clearance::robot::{JointKind, LinkPoses};
 

@@ -1,11 +1,11 @@
 //! Segments join exactly, or the gap between them is proven free.
 
 use clearance::checker::{MotionOptions, MotionVerdict};
+use clearance::geometry::math::{Point, Pose};
 use clearance::geometry::{Primitive, Shape};
-use clearance::math::{Point, Pose};
 use clearance::motion::{MotionSegment, MovingObstacle, Trajectory, TrajectoryPoint};
 use clearance::scene::{AttachedObject, World};
-use clearance::verifier::Refusal;
+use clearance::verifier::Rejection;
 
 use super::{Scene, obstacle, sheet, wall};
 use crate::random::Random;
@@ -35,8 +35,8 @@ fn follower(multiplier: f64, held: bool) -> Scene {
 /// Both segments are free, but what lies between them is not: neither the checker nor the verifier takes them for one motion.
 fn assert_gap_is_found(scene: &Scene, segments: Vec<MotionSegment>, what: &str) {
     let forged = scene.spliced(&segments);
-    let refusal = scene.verify(&forged).expect_err(what);
-    assert!(matches!(refusal, Refusal::OpenJoin { segment: 1, .. }), "{what}: {refusal:?}");
+    let rejection = scene.verify(&forged).expect_err(what);
+    assert!(matches!(rejection, Rejection::OpenJoin { segment: 1, .. }), "{what}: {rejection:?}");
     let trajectory = Trajectory::of_segments(segments).unwrap();
     let report = scene.checker.check_trajectory(
         &trajectory,
@@ -104,8 +104,8 @@ fn obstacles_do_not_jump_through_a_gap() {
     let (before, after) = (middle - 0.0012, middle + 0.0012);
     // larger than rounding explains
     let torn = [moving(0.0, before), moving(after, 1.1e6)];
-    let refusal = scene.verify(&scene.spliced(&torn)).unwrap_err();
-    assert!(matches!(refusal, Refusal::ObstacleJump { segment: 1, .. }), "{refusal:?}");
+    let rejection = scene.verify(&scene.spliced(&torn)).unwrap_err();
+    assert!(matches!(rejection, Rejection::ObstacleJump { segment: 1, .. }), "{rejection:?}");
     // within it, a sheet may pass a grain
     let grain = "<robot name='grain'><link name='base'><collision><geometry><sphere radius='1e-5'/></geometry></collision></link>
         <link name='other'/><joint name='j' type='revolute'><parent link='base'/><child link='other'/><axis xyz='0 0 1'/>

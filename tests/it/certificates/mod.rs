@@ -7,13 +7,13 @@ mod joins;
 mod mutations;
 
 use clearance::checker::{CollisionChecker, MotionOptions};
+use clearance::geometry::math::{Point, Pose, Vector};
 use clearance::geometry::{Primitive, Shape, TriangleMesh};
-use clearance::math::{Point, Pose, Vector};
 use clearance::motion::{Certificate, MotionSegment, Trajectory};
 use clearance::robot::{MeshFiles, RobotModel};
 use clearance::scene::Settings;
 use clearance::scene::{Obstacle, World};
-use clearance::verifier::{Refusal, Verified, verify};
+use clearance::verifier::{Rejection, VerificationStatistics, verify};
 use std::sync::Arc;
 
 /// A robot in a world.
@@ -60,7 +60,7 @@ impl Scene {
         whole
     }
 
-    pub fn verify(&self, certificate: &Certificate) -> Result<Verified, Refusal> {
+    pub fn verify(&self, certificate: &Certificate) -> Result<VerificationStatistics, Rejection> {
         verify(&self.robot, &self.world, &self.settings, None, certificate)
     }
 }

@@ -4,7 +4,7 @@
 //! `CLEARANCE_SOUNDNESS=long` makes 10⁵ of them.
 
 use clearance::motion::{Certificate, MovingObstacle, Proof, SegmentText};
-use clearance::verifier::{Expected, Verifier};
+use clearance::verifier::{ExpectedMotion, Verifier};
 use rayon::prelude::*;
 
 use super::bases::{Base, bases, followers};
@@ -253,7 +253,8 @@ fn answers(base: &Base, verifier: &Verifier, room: &Room, seed: u64) -> (Option<
     let any = verifier.verify(&document);
     let expected = base.motion.as_ref().map(|motion| {
         let tolerance = base.certificate.tolerance;
-        let expected = Expected { motion: Some(motion.clone()), tolerance, ..Expected::default() };
+        let expected =
+            ExpectedMotion { motion: Some(motion.clone()), tolerance, ..ExpectedMotion::default() };
         verifier.verify_expected(&document, &expected)
     });
     let is_expected = expected.is_some_and(|found| found.is_ok());

@@ -1,8 +1,8 @@
 //! A body with the reference engine's hierarchies.
 
 use clearance::geometry::Shape;
-use clearance::math::Pose;
-use clearance::query::Element;
+use clearance::geometry::math::Pose;
+use clearance::proximity::Element;
 
 use super::obb::Obb;
 use super::rss::Rss;

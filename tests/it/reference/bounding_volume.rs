@@ -1,7 +1,7 @@
 //! One simple solid around points or around a primitive.
 
 use clearance::geometry::Primitive;
-use clearance::math::{Point, Pose, RotationMatrix, Vector};
+use clearance::geometry::math::{Point, Pose, RotationMatrix, Vector};
 
 /// Slack of a separating-axis test, relative to the coordinates that enter it: a separation must exceed the rounding of
 /// the sums it is made of, else the axis does not count as separating (Ericson, *Real-Time Collision Detection*, 4.4.1).
@@ -10,7 +10,7 @@ pub const SEPARATION_SLACK: f64 = 1e-14;
 /// Axes along which points spread, the largest spread first.
 pub fn principal_axes(points: &[Point]) -> RotationMatrix {
     let vectors: Vec<Vector> = points.iter().map(|p| p.coords).collect();
-    clearance::bounding_volume::principal_axes(&vectors)
+    clearance::proximity::bounding_volume::principal_axes(&vectors)
 }
 
 /// A solid that is cheap to test and holds what it was fitted to.
@@ -25,7 +25,7 @@ pub trait BoundingVolume: Clone {
     /// in this one's. Zero when they overlap.
     fn lower_bound(&self, other: &Self, pose_ab: &Pose) -> f64;
 
-    /// False only if the volumes are more than [`CONTACT_DISTANCE`](clearance::constants::CONTACT_DISTANCE) apart.
+    /// False only if the volumes are more than [`CONTACT_DISTANCE`](clearance::geometry::constants::CONTACT_DISTANCE) apart.
     fn may_touch(&self, other: &Self, pose_ab: &Pose) -> bool;
 
     /// A measure by which the larger of two volumes is split first.

@@ -1,7 +1,7 @@
 //! Do two bodies touch?
 
-use clearance::math::{Point, Pose};
-use clearance::query::element_contact;
+use clearance::geometry::math::{Point, Pose};
+use clearance::proximity::element_contact;
 
 use super::body::ReferenceBody;
 use super::bounding_volume::BoundingVolume;

@@ -1,8 +1,8 @@
 //! How far are two bodies apart?
 
-use clearance::constants::CONTACT_DISTANCE;
-use clearance::math::Pose;
-use clearance::query::{Separation, element_separation};
+use clearance::geometry::constants::CONTACT_DISTANCE;
+use clearance::geometry::math::Pose;
+use clearance::proximity::{Separation, element_separation};
 
 use super::body::ReferenceBody;
 use super::bounding_volume::BoundingVolume;

@@ -1,11 +1,11 @@
 //! Oriented bounding boxes and their separating-axis test (Gottschalk, Lin & Manocha 1996, *OBBTree*, section 5).
 
 use super::bounding_volume::{BoundingVolume, principal_axes};
-use clearance::constants::{CONTACT_DISTANCE, FIT_SLACK};
+use clearance::geometry::constants::{CONTACT_DISTANCE, FIT_SLACK};
 
 use super::bounding_volume::SEPARATION_SLACK;
 use clearance::geometry::Primitive;
-use clearance::math::{Point, Pose, RotationMatrix, Vector};
+use clearance::geometry::math::{Point, Pose, RotationMatrix, Vector};
 
 /// A box with its own axes.
 #[derive(Clone, Debug, PartialEq)]

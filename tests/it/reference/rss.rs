@@ -1,11 +1,11 @@
 //! Rectangle swept spheres: all points within a radius of a rectangle (Larsen, Gottschalk, Lin & Manocha 1999).
 
 use super::bounding_volume::{BoundingVolume, principal_axes};
-use clearance::constants::{CONTACT_DISTANCE, FIT_SLACK};
+use clearance::geometry::constants::{CONTACT_DISTANCE, FIT_SLACK};
 
 use super::bounding_volume::SEPARATION_SLACK;
+use clearance::geometry::math::{Point, Pose, RotationMatrix, Vector};
 use clearance::geometry::{PointPair, Primitive, nearest_on_segments, separated_across};
-use clearance::math::{Point, Pose, RotationMatrix, Vector};
 
 /// A rectangle and a radius around it.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! Top-down construction: a volume around all, split at the median along the longest principal axis.
 
-use clearance::math::{Point, Vector};
-use clearance::query::Element;
+use clearance::geometry::math::{Point, Vector};
+use clearance::proximity::Element;
 
 use super::bounding_volume::{BoundingVolume, principal_axes};
 use super::obb::Obb;

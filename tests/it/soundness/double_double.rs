@@ -6,7 +6,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use clearance::math::{Point, Pose, Vector};
+use clearance::geometry::math::{Point, Pose, Vector};
 
 #[derive(Clone, Copy, Debug)]
 pub struct DoubleDouble {

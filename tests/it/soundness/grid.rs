@@ -2,7 +2,7 @@
 //! and lines up all the time, and every answer is known exactly.
 
 use clearance::geometry::TriangleMesh;
-use clearance::math::{Point, Pose, Rotation, RotationMatrix};
+use clearance::geometry::math::{Point, Pose, Rotation, RotationMatrix};
 
 use super::grid_oracle::{Quotient, squared_distance};
 use super::laws::{Case, Scrutiny, judge_with_truth};

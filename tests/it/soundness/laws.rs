@@ -1,8 +1,8 @@
 //! What must hold between the answers and the truth, and between the answers themselves, for any two bodies.
 
-use clearance::constants::CONTACT_DISTANCE;
-use clearance::math::{Point, Pose};
-use clearance::query::{CollisionBody, Scratch, Separation, collide, distance, within_margin};
+use clearance::geometry::constants::CONTACT_DISTANCE;
+use clearance::geometry::math::{Point, Pose};
+use clearance::proximity::{CollisionBody, Scratch, Separation, collide, distance, within_margin};
 
 use super::ledger::{Accuracy, Band, Ledger};
 use super::solid_oracle::solid_distance;

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Mutex;
 
-use clearance::constants::CONTACT_DISTANCE;
+use clearance::geometry::constants::CONTACT_DISTANCE;
 use rayon::prelude::*;
 
 use crate::random::Random;

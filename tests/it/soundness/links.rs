@@ -1,10 +1,10 @@
 //! Links of real robots: at relative poses of every kind, and where joints and obstacles bring them.
 
 use clearance::checker::{CollisionChecker, CollisionReport, PairDistance, Question};
-use clearance::constants::CONTACT_DISTANCE;
+use clearance::geometry::constants::CONTACT_DISTANCE;
+use clearance::geometry::math::Pose;
 use clearance::geometry::{Primitive, Shape};
-use clearance::math::Pose;
-use clearance::query::{Scratch, distance};
+use clearance::proximity::{Scratch, distance};
 use clearance::robot::{LinkPoses, RobotModel};
 use clearance::scene::{BodyId, Settings};
 use clearance::scene::{Obstacle, World};

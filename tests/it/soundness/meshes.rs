@@ -1,8 +1,8 @@
 //! Mesh against mesh, from one to two thousand triangles: the hierarchies must never lose a pair.
 
+use clearance::geometry::math::{Point, Pose, Vector};
 use clearance::geometry::{Shape, TriangleMesh};
-use clearance::math::{Point, Pose, Vector};
-use clearance::query::{CollisionBody, Scratch, collide, distance};
+use clearance::proximity::{CollisionBody, Scratch, collide, distance};
 
 use super::laws::{Case, Scrutiny, judge};
 use super::ledger::{Family, Ledger, survey};
@@ -161,7 +161,7 @@ fn a_mesh_against_itself() {
         let case = Case {
             a: &a,
             b: &a,
-            pose_ab: Pose::from_parts(shift.into(), clearance::math::Rotation::identity()),
+            pose_ab: Pose::from_parts(shift.into(), clearance::geometry::math::Rotation::identity()),
         };
         judge(&case, family.accuracy, Scrutiny::mostly_laws(random), random, ledger);
     });

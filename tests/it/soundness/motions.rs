@@ -5,8 +5,8 @@
 //! and edges that were moved until they just graze.
 
 use clearance::checker::{CollisionChecker, MotionOptions, MotionOrder, MotionVerdict, Question, Workspace};
+use clearance::geometry::math::{Pose, Vector};
 use clearance::geometry::{Primitive, Shape};
-use clearance::math::{Pose, Vector};
 use clearance::motion::MotionSegment;
 use clearance::robot::{Configuration, RobotModel};
 use clearance::scene::Settings;

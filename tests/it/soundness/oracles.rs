@@ -1,7 +1,7 @@
 //! The oracles against each other and against answers worked out by hand.
 
+use clearance::geometry::math::{Point, Pose, Rotation, Vector};
 use clearance::geometry::{Primitive, Shape};
-use clearance::math::{Point, Pose, Rotation, Vector};
 
 use super::double_double::Vec3;
 use super::grid_oracle::squared_distance;

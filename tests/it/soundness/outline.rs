@@ -1,6 +1,6 @@
 //! The parts and their bounds in f64: good enough to prove that what is far is far, and for nothing else.
 
-use clearance::math::{Point, Pose, RotationMatrix, Vector};
+use clearance::geometry::math::{Point, Pose, RotationMatrix, Vector};
 
 use super::double_double::{ExactPose, Vec3};
 

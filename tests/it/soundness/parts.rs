@@ -1,7 +1,7 @@
 //! What bodies are made of: triangles and solid primitives, and how far two of them are apart.
 
 use clearance::geometry::Primitive;
-use clearance::math::{Point, Vector};
+use clearance::geometry::math::{Point, Vector};
 
 use super::double_double::{ExactPose, Vec3};
 use super::outline::Outline;

@@ -1,8 +1,8 @@
 //! Solid primitives against each other and against triangles and meshes.
 
+use clearance::geometry::math::{Point, Pose, Vector};
 use clearance::geometry::{Primitive, Shape};
-use clearance::math::{Point, Pose, Vector};
-use clearance::query::signed_distance;
+use clearance::proximity::signed_distance;
 
 use super::laws::{Case, Scrutiny, judge};
 use super::ledger::{Accuracy, Family, Ledger, survey};

@@ -4,7 +4,7 @@
 //! more. Sunk instead of lifted, a corner over a face pierces it.
 
 use clearance::geometry::TriangleMesh;
-use clearance::math::{Point, Pose, Vector};
+use clearance::geometry::math::{Point, Pose, Vector};
 
 use super::laws::{Case, Scrutiny, judge_with_truth};
 use super::ledger::{Family, Ledger, survey};

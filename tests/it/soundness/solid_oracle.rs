@@ -1,7 +1,7 @@
 //! How far two bodies are apart: every part against every part, less what a tree of boxes proves too far.
 
+use clearance::geometry::math::{Point, Pose, Vector};
 use clearance::geometry::{Plane, Primitive, Shape};
-use clearance::math::{Point, Pose, Vector};
 
 use super::double_double::{ExactPose, Vec3};
 use super::outline::{Bounds, Motion};

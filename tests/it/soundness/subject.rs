@@ -1,8 +1,8 @@
 //! A body twice: as the engine under test holds it, and as the oracle does.
 
+use clearance::geometry::math::{Point, Pose};
 use clearance::geometry::{Shape, Triangle, TriangleMesh};
-use clearance::math::{Point, Pose};
-use clearance::query::CollisionBody;
+use clearance::proximity::CollisionBody;
 
 use super::solid_oracle::Solid;
 

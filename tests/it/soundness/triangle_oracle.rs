@@ -4,7 +4,7 @@
 //! edges. Every squared distance is a quotient whose numerator and denominator are sums of few products, so that one
 //! rounding to f64 at the end is all that is lost.
 
-use clearance::math::Vector;
+use clearance::geometry::math::Vector;
 
 use super::double_double::Vec3;
 

@@ -1,6 +1,6 @@
 //! Triangle against triangle, each a body of its own: wherever floating point may go wrong.
 
-use clearance::math::{Point, Pose, Vector};
+use clearance::geometry::math::{Point, Pose, Vector};
 
 use super::laws::{Case, Scrutiny, judge};
 use super::ledger::{Accuracy, Family, Ledger, survey};

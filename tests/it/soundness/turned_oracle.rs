@@ -3,7 +3,7 @@
 //! The distance of a point from one has a closed form and is convex; over a convex set its least value is found by
 //! golden-section searches nested in one another (Kiefer 1953): slow, simple, and without any idea of GJK.
 
-use clearance::math::{Point, Vector};
+use clearance::geometry::math::{Point, Vector};
 
 use super::triangle_oracle::Nearest;
 

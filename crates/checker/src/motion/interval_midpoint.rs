@@ -2,7 +2,7 @@
 
 use clearance_geometry::math::{UnitVector, Vector};
 use clearance_motion::{MotionSegment, MovingObstacle};
-use clearance_robot::{Approach, Deviation, Deviations, Reach, SideMotion};
+use clearance_robot::{Deviation, Deviations, MotionBound, Reach, SideMotion};
 
 use super::checked_motion::{CheckedMotion, PlacedPair, PoseScratch};
 use crate::capsules::capsule_distance_bound;
@@ -38,7 +38,7 @@ pub fn deviations_within(segment: &MotionSegment, [from, to]: [f64; 2]) -> impl 
 /// A pair in the middle of an interval.
 pub struct IntervalMidpoint<'c> {
     pub pair: PosedPair<'c>,
-    pub approach: Approach,
+    pub approach: MotionBound,
     /// Lower bound (m) on the bodies' distance, padding not subtracted, from their capsules.
     pub lower: f64,
 }
@@ -66,7 +66,7 @@ impl<'c> IntervalMidpoint<'c> {
             Some(mover) => motion_of_obstacle(mover, &reaches[1], &around),
             None => side(1),
         };
-        let approach = Approach::new(&[side(0), second], &reaches, half_width, motion.segment.size());
+        let approach = MotionBound::new(&[side(0), second], &reaches, half_width, motion.segment.size());
         Self { pair, approach, lower }
     }
 }

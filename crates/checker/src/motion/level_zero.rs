@@ -67,7 +67,7 @@ struct WithTolerance<'s>(&'s MotionSegment);
 
 impl Deviations for WithTolerance<'_> {
     fn of(&self, position: usize) -> Deviation {
-        Deviation { off: self.0.tube().get(position).copied().unwrap_or(0.0), ..Deviation::default() }
+        Deviation { tolerance: self.0.tube().get(position).copied().unwrap_or(0.0), ..Deviation::default() }
     }
 
     fn half_width(&self) -> f64 {
@@ -216,7 +216,7 @@ impl LevelZero<'_> {
             let robot_body = &pairs.robot()[part];
             let reach = robot_body.reach_in(&robot.frame(robot_body.chain_body()));
             let moved = pairs.robot().part_motion(part, &reach, robot.frames(), &whole);
-            round_up((moved.way + moved.off) * (1.0 + MOTION_SLACK) + MOTION_SLACK)
+            round_up((moved.path_length + moved.tolerance) * (1.0 + MOTION_SLACK) + MOTION_SLACK)
         };
         ObstacleScreen { motion: self.motion, broad_phase: self.broad_phase, scratch: self.scratch, near }
             .run(|body, _| robot.frame(body), motion);

@@ -51,7 +51,7 @@ pub fn swept_volumes(
             let reach = robot_body.reach_at(&(&frames[robot_body.chain_body()]).into());
             let moved = geometry.part_motion(part, &reach, frames, &deviations_within(segment, t));
             let [a, b] = reach.ends.map(Point::from);
-            let radius = (reach.radius + moved.way + moved.off) * (1.0 + 1e-9) + 1e-9;
+            let radius = (reach.radius + moved.path_length + moved.tolerance) * (1.0 + 1e-9) + 1e-9;
             volumes.push(SweptVolume { body: robot_body.id(), t, a, b, radius });
         }
     }

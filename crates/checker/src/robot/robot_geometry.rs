@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use clearance_geometry::math::{Extremes, Point};
 use clearance_robot::{
-    Chain, Deviations, Frame, KinematicPath, LinkPoses, PathsToRoot, Reach, RobotModel, SideMotion,
-    TravelRates,
+    Chain, Deviations, DisplacementRates, Frame, KinematicPath, LinkPoses, PathsToRoot, Reach, RobotModel,
+    SideMotion,
 };
 use clearance_robot::{Configuration, PlacedFrame};
 use clearance_scene::{BodyId, World};
@@ -28,7 +28,7 @@ pub struct RobotGeometry {
     paths_to_root: PathsToRoot,
     path_sums: PathSums,
     /// Bounds on how far bodies move when joints move.
-    travel_rates: TravelRates,
+    displacement_rates: DisplacementRates,
 }
 
 impl Index<usize> for RobotGeometry {
@@ -51,8 +51,8 @@ impl RobotGeometry {
         let parts = robot_bodies(&model, &chain, scene, known)?;
         let paths_to_root = chain.paths_to_root();
         let path_sums = PathSums::new(&paths_to_root, &parts);
-        let travel_rates = travel_rates(&model, &chain, &parts);
-        Ok(Self { model, chain, parts, paths_to_root, path_sums, travel_rates })
+        let displacement_rates = displacement_rates(&model, &chain, &parts);
+        Ok(Self { model, chain, parts, paths_to_root, path_sums, displacement_rates })
     }
 
     pub fn model(&self) -> &Arc<RobotModel> {
@@ -79,8 +79,8 @@ impl RobotGeometry {
         (0..self.parts.len()).filter(move |part| bodies(self.parts[*part].chain_body()))
     }
 
-    pub fn travel_rates(&self) -> &TravelRates {
-        &self.travel_rates
+    pub fn displacement_rates(&self) -> &DisplacementRates {
+        &self.displacement_rates
     }
 
     pub fn paths_to_root(&self) -> &PathsToRoot {
@@ -149,7 +149,7 @@ fn chain(robot: &RobotModel, world: &World) -> Chain {
 }
 
 /// Bounds on the motion of bodies when joints move, relative to each other and to the world.
-fn travel_rates(robot: &RobotModel, chain: &Chain, parts: &[RobotBody]) -> TravelRates {
+fn displacement_rates(robot: &RobotModel, chain: &Chain, parts: &[RobotBody]) -> DisplacementRates {
     let mut reach = vec![0.0_f64; chain.body_count()];
     for robot_body in parts {
         let body = robot_body.chain_body();
@@ -160,5 +160,5 @@ fn travel_rates(robot: &RobotModel, chain: &Chain, parts: &[RobotBody]) -> Trave
         Some((robot.first_position(j)?, [limits.lower, limits.upper]))
     });
     let ranges: HashMap<usize, [f64; 2]> = limited.collect();
-    chain.travel_rates(&reach, |index| ranges.get(&index).copied())
+    chain.displacement_rates(&reach, |index| ranges.get(&index).copied())
 }

@@ -98,7 +98,7 @@ impl<'a> QueriedState<'a> {
     fn queue_self_candidates_of_stream(&mut self, limit: f64) -> bool {
         let pairs = self.pairs;
         let Some(stream) = &mut self.stream else { return false };
-        stream.advance(pairs.robot().travel_rates(), self.q.positions());
+        stream.advance(pairs.robot().displacement_rates(), self.q.positions());
         if stream.all_beyond(limit) {
             return false;
         }

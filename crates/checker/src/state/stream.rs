@@ -1,6 +1,6 @@
 //! Memory of the last states, so that a stream of states costs little per state.
 //!
-//! An upper bound on the change of all distances follows from the joints alone ([`TravelRates`]). The known lower bound
+//! An upper bound on the change of all distances follows from the joints alone ([`DisplacementRates`]). The known lower bound
 //! of each pair's distance is reduced by this travel since the pair's last search. Only pairs whose remaining bound is
 //! too small are searched again; if there are none, bodies are not even placed. For obstacles, one bound per robot part
 //! covers all of them.
@@ -10,7 +10,7 @@ use std::num::NonZeroU32;
 
 use clearance_geometry::math::Extremes;
 use clearance_proximity::{Effort, Scratch};
-use clearance_robot::TravelRates;
+use clearance_robot::DisplacementRates;
 
 use crate::pairs::{CheckedPairs, PairMemory, PlacedRobot, PosedPair, RememberedPair};
 use crate::revision::Revision;
@@ -90,7 +90,7 @@ impl Stream {
     }
 
     /// Adds the travel to the next state.
-    pub fn advance(&mut self, rates: &TravelRates, positions: &[f64]) {
+    pub fn advance(&mut self, rates: &DisplacementRates, positions: &[f64]) {
         self.travelled += if self.positions.len() == positions.len() {
             rates.between(&self.positions, positions)
         } else {

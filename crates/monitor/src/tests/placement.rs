@@ -33,10 +33,10 @@ fn tree(seconds: f64, pose: clearance_geometry::math::Pose) -> TransformTree {
         pose_pf: clearance_geometry::math::Pose::identity(),
         stamp: None,
     };
-    assert!(tree.note("between", fixed));
+    assert!(tree.insert("between", fixed));
     let moving =
         Transform { parent: "between".to_owned(), pose_pf: pose, stamp: Some(time(START + seconds)) };
-    assert!(tree.note("base", moving));
+    assert!(tree.insert("base", moving));
     tree
 }
 

@@ -42,7 +42,7 @@ impl Room {
     fn tell(&mut self, x: f64, seconds: f64) {
         let stamp = Some(time(START + seconds));
         let pose_pf = Pose::translation(x, 0.0, 0.0);
-        self.transforms.note("base", Transform { parent: "map".to_owned(), pose_pf, stamp });
+        self.transforms.insert("base", Transform { parent: "map".to_owned(), pose_pf, stamp });
     }
 
     fn change(&mut self, change: ObjectChange) {
@@ -55,7 +55,7 @@ impl Room {
     /// Moves the obstacles to follow `tf`, as the loader does.
     fn follow(&mut self) {
         let context = SceneContext::new(&self.robot, None, &self.transforms, Some(time(START)), 1.0);
-        self.scene.follow_frames(&context);
+        self.scene.follow_anchor_frames(&context);
         self.put_in_force();
     }
 
@@ -68,7 +68,7 @@ impl Room {
         let checker =
             CollisionChecker::new(Arc::clone(&self.robot), &self.scene.world, Settings::default()).unwrap();
         let mut revision = Revision::new(checker, 1, 0);
-        revision.grounds = self.scene.grounds(&self.robot);
+        revision.grounds = self.scene.anchor_frames(&self.robot);
         revision.placed_at = placed_at.map(Duration::from_secs_f64);
         self.monitor.set_checker(Arc::new(revision));
     }
@@ -131,7 +131,7 @@ fn what_is_told_once_on_the_way_hides_no_silence_about_the_rest() {
     let mut room = Room::new();
     let of_map =
         Transform { parent: "room".to_owned(), pose_pf: Pose::identity(), stamp: Some(time(START - 3.0)) };
-    room.transforms.note("map", of_map);
+    room.transforms.insert("map", of_map);
     let pillar = ObjectChange::named("pillar", Operation::Move);
     room.change(ObjectChange {
         frame: "room".to_owned(),
@@ -213,7 +213,7 @@ fn what_stands_in_nothing_while_the_root_drives_is_not_known() {
     assert!(room.monitor.heeds_transforms());
     assert_eq!(code(&room.judged(5.0)), "FREE", "tf says nothing of the root");
     let pose_pf = Pose::identity();
-    room.transforms.note("base", Transform { parent: "odom".to_owned(), pose_pf, stamp });
+    room.transforms.insert("base", Transform { parent: "odom".to_owned(), pose_pf, stamp });
     assert_eq!(code(&room.judged(5.1)), "FREE", "it will stand there from now on");
     assert_eq!(code(&room.judged(6.2)), "stale_world");
     room.follow();
@@ -225,8 +225,10 @@ fn a_root_that_tf_no_longer_connects_with_the_room_is_not_known() {
     let mut room = Room::new();
     assert_eq!(code(&room.judged(0.0)), "FREE");
     let pose_pf = Pose::identity();
-    room.transforms
-        .note("base", Transform { parent: "elsewhere".to_owned(), pose_pf, stamp: Some(time(START + 0.1)) });
+    room.transforms.insert(
+        "base",
+        Transform { parent: "elsewhere".to_owned(), pose_pf, stamp: Some(time(START + 0.1)) },
+    );
     let lost = room.judged(0.1);
     assert_eq!(code(&lost), "stale_world");
     assert!(lost.stale_world.is_some() && lost.placement.is_some());
@@ -301,10 +303,10 @@ fn a_localiser_that_comes_slowly_hides_no_drive() {
     for i in 0..500_u32 {
         let seconds = 0.004 * f64::from(i);
         if i % 50 == 0 {
-            room.transforms.note("odom", told("map", 0.0, seconds + 1.0));
+            room.transforms.insert("odom", told("map", 0.0, seconds + 1.0));
         }
         if i % 5 == 0 {
-            room.transforms.note("base", told("odom", 0.5 * seconds, seconds));
+            room.transforms.insert("base", told("odom", 0.5 * seconds, seconds));
             room.follow();
         }
         room.monitor.note_transforms(&room.transforms);

@@ -98,7 +98,7 @@ fn goals_of_actions_are_trajectories() {
     }
     let robot = robot();
     let loose = follow.replace("\npath_tolerance: []", "\npath_tolerance: [{name: j, position: 0.5}]");
-    let read = Trajectory::from_yaml_going(
+    let read = Trajectory::from_yaml_with_direction(
         &robot,
         &loose,
         &robot.default_configuration(),
@@ -148,7 +148,9 @@ fn a_start_that_is_not_the_first_point_is_rejected() {
     let robot = robot();
     let turned = displayed("{name: [j], position: [6.283185307179586]}");
     let rest = robot.default_configuration();
-    assert!(Trajectory::from_yaml_going(&robot, &turned, &rest, ContinuousDirection::Shortest).is_ok());
+    assert!(
+        Trajectory::from_yaml_with_direction(&robot, &turned, &rest, ContinuousDirection::Shortest).is_ok()
+    );
     // a mimic joint at half the angle is elsewhere after a whole turn of its leader
     let urdf = "<robot name='r'><link name='a'/><link name='b'/><link name='c'/><link name='d'/>
         <joint name='j' type='continuous'><parent link='a'/><child link='b'/></joint>
@@ -156,8 +158,8 @@ fn a_start_that_is_not_the_first_point_is_rejected() {
         <joint name='m' type='continuous'><parent link='a'/><child link='d'/><mimic joint='j' multiplier='0.5'/></joint></robot>";
     let geared = RobotModel::from_urdf(urdf, &MeshFiles::default()).unwrap();
     let rest = geared.default_configuration();
-    let error =
-        Trajectory::from_yaml_going(&geared, &turned, &rest, ContinuousDirection::Shortest).unwrap_err();
+    let error = Trajectory::from_yaml_with_direction(&geared, &turned, &rest, ContinuousDirection::Shortest)
+        .unwrap_err();
     assert!(error.to_string().contains("'j' at 6.28"), "{error}");
     let plain = points("1.0") + "trajectory_start: {joint_state: {name: [j], position: [0.5]}}\n";
     assert!(read(&plain).unwrap_err().contains("'j' at 0.5"));
@@ -190,7 +192,7 @@ fn starts_of_floating_joints_are_compared_as_rotations() {
 fn a_first_point_that_comes_later_is_remarked() {
     let robot = robot();
     let remarks = |text: &str| {
-        let read = Trajectory::from_yaml_going(
+        let read = Trajectory::from_yaml_with_direction(
             &robot,
             text,
             &robot.default_configuration(),

@@ -37,9 +37,9 @@ pub struct Deviation {
     /// δ: the maximum deviation within the interval, to either side.
     pub most: f64,
     /// The part of δ beyond the motion at the velocity in the middle.
-    pub bent: f64,
+    pub curvature: f64,
     /// Tolerance that does not depend on the interval; not included in the others.
-    pub off: f64,
+    pub tolerance: f64,
 }
 
 /// Deviation of positions within an interval.
@@ -57,7 +57,9 @@ pub trait Deviations {
 /// All points within `radius` of a segment, in the frame of the ancestor.
 #[derive(Clone, Copy, Debug)]
 pub struct Reach {
+    /// End points (m) of the segment.
     pub ends: [Vector; 2],
+    /// Radius (m).
     pub radius: f64,
 }
 
@@ -65,21 +67,23 @@ pub struct Reach {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SideMotion {
     /// W, for the interval's width alone.
-    pub way: f64,
+    pub path_length: f64,
     /// Contribution of tolerances to W.
-    pub off: f64,
+    pub tolerance: f64,
     /// R.
     pub remainder: f64,
     /// K, for the interval's width alone.
-    pub bent: f64,
+    pub curvature: f64,
     /// Maximum distance (m) of the frames on the path from the ancestor's origin; rounding errors are proportional to it.
     pub extent: f64,
     /// Velocity (per unit of t) of the body point at the ancestor's origin, and angular velocity.
     pub velocity: Vector,
+    /// Angular velocity (rad per unit of t).
     pub angular: Vector,
 }
 
 impl Chain {
+    /// The kinematic paths of all bodies to the root.
     #[must_use]
     #[inline]
     pub fn paths_to_root(&self) -> PathsToRoot {
@@ -149,13 +153,13 @@ impl Chain {
         range: impl Fn(usize) -> f64,
         ways: &mut Vec<f64>,
     ) {
-        let (mut extent, mut way) = (reach, 0.0);
-        ways.push(way);
+        let (mut extent, mut path_length) = (reach, 0.0);
+        ways.push(path_length);
         while body != 0 {
             let joint = &self.bodies[body - 1];
-            let stretch = joint.add_stretched_way(&mut way, extent, deviations, &range);
+            let stretch = joint.add_stretched_path(&mut path_length, extent, deviations, &range);
             extent += norm(joint.origin) + stretch;
-            ways.push(way);
+            ways.push(path_length);
             body = joint.parent;
         }
     }
@@ -181,7 +185,7 @@ impl PathsToRoot {
     }
 
     /// The bodies from one up to the root, both included.
-    fn way(&self, body: usize) -> &[usize] {
+    fn path_to_root(&self, body: usize) -> &[usize] {
         &self.bodies[self.ways[body].clone()]
     }
 
@@ -197,13 +201,13 @@ impl PathsToRoot {
     #[inline]
     pub fn common_depths(&self, body: usize) -> Vec<usize> {
         let mut depths = vec![usize::MAX; self.ways.len()];
-        for above in self.way(body) {
+        for above in self.path_to_root(body) {
             depths[*above] = self.depth(*above);
         }
         // parents come before their children
         for other in 0..depths.len() {
             if depths[other] == usize::MAX {
-                depths[other] = depths[self.way(other)[1]];
+                depths[other] = depths[self.path_to_root(other)[1]];
             }
         }
         depths
@@ -213,8 +217,8 @@ impl PathsToRoot {
     #[must_use]
     #[inline]
     pub fn between(&self, bodies: [usize; 2], joints: [usize; 2]) -> KinematicPath<'_> {
-        let side = |i: usize| &self.way(bodies[i])[..joints[i]];
-        KinematicPath { ancestor: self.way(bodies[0])[joints[0]], sides: [side(0), side(1)] }
+        let side = |i: usize| &self.path_to_root(bodies[i])[..joints[i]];
+        KinematicPath { ancestor: self.path_to_root(bodies[0])[joints[0]], sides: [side(0), side(1)] }
     }
 
     /// The path between a body and the root.
@@ -243,9 +247,9 @@ impl KinematicPath<'_> {
 
 impl Body {
     /// Adds the motion, by this joint, of points within `extent` of its origin; returns the translation by the joint itself.
-    fn add_stretched_way(
+    fn add_stretched_path(
         &self,
-        way: &mut f64,
+        path_length: &mut f64,
         extent: f64,
         deviations: &impl Deviations,
         range: impl Fn(usize) -> f64,
@@ -253,18 +257,18 @@ impl Body {
         match &self.step {
             Step::Turn(_, source) => {
                 let d = deviations.of(source.index);
-                *way += source.multiplier.abs() * (d.most + d.off) * extent;
+                *path_length += source.multiplier.abs() * (d.most + d.tolerance) * extent;
                 0.0
             }
             Step::Shift(_, source) => {
                 let d = deviations.of(source.index);
-                *way += source.multiplier.abs() * (d.most + d.off);
+                *path_length += source.multiplier.abs() * (d.most + d.tolerance);
                 source.multiplier.abs() * range(source.index) + source.offset.abs()
             }
             Step::Float(_, first) => {
                 let shift = (0..3).map(|k| deviations.of(first + k).most).sum::<f64>();
                 let turn = deviations.turn(*first).map_or(0.0, |(_, angle)| angle.abs());
-                *way += shift + turn * deviations.half_width() * extent;
+                *path_length += shift + turn * deviations.half_width() * extent;
                 (0..3).map(|k| range(first + k)).sum()
             }
         }
@@ -307,8 +311,8 @@ impl Body {
                 let deviation = Deviation {
                     velocity: 0.0,
                     most: length(|d| d.most),
-                    bent: length(|d| d.bent),
-                    off: length(|d| d.off),
+                    curvature: length(|d| d.curvature),
+                    tolerance: length(|d| d.tolerance),
                 };
                 motion.shift(out(along.map(|d| d.velocity)), &deviation);
             }
@@ -323,8 +327,8 @@ impl Deviation {
         Self {
             velocity: self.velocity * multiplier,
             most: self.most * size,
-            bent: self.bent * size,
-            off: self.off * size,
+            curvature: self.curvature * size,
+            tolerance: self.tolerance * size,
         }
     }
 }
@@ -357,13 +361,13 @@ impl SideMotion {
     /// Adds a revolute joint, nearer to the ancestor than the joints so far.
     #[inline]
     pub fn turn(&mut self, axis: &Vector, origin: &Vector, deviation: &Deviation, reach: &Reach) {
-        let Deviation { velocity, most, bent, off } = *deviation;
-        let moved = self.way + self.off;
+        let Deviation { velocity, most, curvature, tolerance } = *deviation;
+        let moved = self.path_length + self.tolerance;
         let far = reach.farthest_from(axis, origin) + moved;
-        self.remainder += (most + off) * (moved + 0.5 * (most + off) * far);
-        self.way += most * far;
-        self.off += off * far;
-        self.bent += bent * far;
+        self.remainder += (most + tolerance) * (moved + 0.5 * (most + tolerance) * far);
+        self.path_length += most * far;
+        self.tolerance += tolerance * far;
+        self.curvature += curvature * far;
         let angular = axis * velocity;
         self.angular += angular;
         self.velocity += origin.cross(&angular);
@@ -372,9 +376,9 @@ impl SideMotion {
     /// Adds a prismatic joint.
     #[inline]
     pub fn shift(&mut self, velocity: Vector, deviation: &Deviation) {
-        self.way += deviation.most;
-        self.off += deviation.off;
-        self.bent += deviation.bent;
+        self.path_length += deviation.most;
+        self.tolerance += deviation.tolerance;
+        self.curvature += deviation.curvature;
         self.velocity += velocity;
     }
 }
@@ -398,12 +402,12 @@ mod tests {
             let chain = Chain::compile(0, &joints, &needed);
             let ways = chain.paths_to_root();
             let up = |mut body: usize| {
-                let mut way = vec![body];
+                let mut path = vec![body];
                 while body != Chain::ROOT {
                     body = chain.bodies[body - 1].parent;
-                    way.push(body);
+                    path.push(body);
                 }
-                way
+                path
             };
             for a in 0..chain.body_count() {
                 let common = ways.common_depths(a);
@@ -423,9 +427,9 @@ mod tests {
                         (ancestor, &*first, &*second)
                     );
                 }
-                let (mut way, root) = (up(a), ways.to_root(a));
-                way.pop();
-                assert_eq!((root.side(0), root.side(1)), (&*way, &[][..]));
+                let (mut path, root) = (up(a), ways.to_root(a));
+                path.pop();
+                assert_eq!((root.side(0), root.side(1)), (&*path, &[][..]));
             }
         }
     }

@@ -131,9 +131,11 @@ impl Body {
 }
 
 impl PlacedFrame {
+    /// The identity transform.
     pub const IDENTITY: Self =
         Self([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0; 4]]);
 
+    /// The frame as plain numbers.
     #[inline(always)]
     #[must_use]
     pub fn frame(&self) -> Frame<f64> {
@@ -155,12 +157,14 @@ impl From<&PlacedFrame> for MatrixPose {
 }
 
 impl<S: Simd> Columns<S> {
+    /// Loads a stored frame into SIMD registers.
     #[inline(always)]
     pub fn of(simd: S, PlacedFrame([x, y, z, t]): &PlacedFrame) -> Self {
         let vector = |v: &[f64; 4]| f64x4::from_slice(simd, v);
         Self { r: [vector(x), vector(y), vector(z)], t: vector(t) }
     }
 
+    /// Stores the frame.
     #[inline(always)]
     pub fn placed(&self) -> PlacedFrame {
         let [x, y, z] = self.r;

@@ -12,6 +12,7 @@ const GRANTED: f64 = 1e-9;
 /// A ball (root frame) that contains all positions of a point or body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReachableRegion {
+    /// Centre (m).
     pub centre: Vector,
     /// Radius (m). Infinite where a joint floats, or is prismatic without a range.
     pub radius: f64,

@@ -334,7 +334,7 @@ fn parts_are_noted_and_found_in_a_recording() {
     std::fs::write(folder.path().join("m.gltf"), gltf("t.bin")).unwrap();
     std::fs::write(folder.path().join("t.bin"), corners()).unwrap();
     let log = MeshLog::default();
-    let files = MeshFiles::default().with_folder(folder.path()).noted_in(log.clone());
+    let files = MeshFiles::default().with_folder(folder.path()).with_log(log.clone());
     assert!(opens(&files, "m.gltf"));
     let mut recorded = RecordedMeshes::default();
     for found in log.take() {

@@ -18,8 +18,8 @@ use roxmltree::{Node, NodeId};
 use super::ReadMesh;
 use super::mesh_builder::MeshBuilder;
 use super::polygon::Triangulator;
-use super::tally::Tally;
-use crate::numbers::{decimal, decimals, shortened};
+use super::remark_counter::RemarkCounter;
+use crate::decimal_numbers::{decimal, decimals, shortened};
 use crate::xml::{Expected, Xml, child, children, read_xml, text};
 
 mod accessor;
@@ -55,7 +55,7 @@ struct Collada<'d> {
     triangulator: Triangulator,
     text_left: Cell<usize>,
     remarks: Vec<String>,
-    tally: Tally,
+    remark_counts: RemarkCounter,
 }
 
 impl<'d> Collada<'d> {
@@ -68,7 +68,7 @@ impl<'d> Collada<'d> {
             triangulator: Triangulator::default(),
             text_left: Cell::new(MOST_TEXT),
             remarks: Vec::new(),
-            tally: Tally::default(),
+            remark_counts: RemarkCounter::default(),
         }
     }
 
@@ -91,7 +91,7 @@ impl<'d> Collada<'d> {
             return Err("the scene shows no triangles".to_owned());
         }
         let mesh = self.shown.finish()?;
-        self.remarks.extend(self.tally.remarks());
+        self.remarks.extend(self.remark_counts.remarks());
         let mut told = HashSet::new();
         self.remarks.retain(|remark| told.insert(remark.clone()));
         Ok(ReadMesh { mesh, remarks: self.remarks })

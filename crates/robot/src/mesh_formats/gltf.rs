@@ -14,9 +14,9 @@ use clearance_geometry::math::Point;
 use nalgebra::{Matrix4, Quaternion, Translation3, UnitQuaternion};
 
 use super::mesh_builder::{MOST_TRIANGLES, MeshBuilder};
-use super::tally::{TOO_FEW_CORNERS, Tally};
-use super::{Parts, ReadMesh, memory};
-use crate::numbers::shortened;
+use super::remark_counter::{RemarkCounter, TOO_FEW_CORNERS};
+use super::{Parts, ReadMesh, mesh_memory};
+use crate::decimal_numbers::shortened;
 
 mod accessor;
 mod buffers;
@@ -71,7 +71,8 @@ pub(super) fn read_binary(bytes: &[u8], parts: Parts) -> Result<ReadMesh, String
 }
 
 fn read(json: &[u8], buffer: Option<&[u8]>, parts: Parts) -> Result<ReadMesh, String> {
-    memory::check(values(json).saturating_mul(VALUE_BYTES)).map_err(|e| bad(&format!("its values {e}")))?;
+    mesh_memory::check(values(json).saturating_mul(VALUE_BYTES))
+        .map_err(|e| bad(&format!("its values {e}")))?;
     let document: Document = serde_json::from_slice(json).map_err(|e| bad(&shortened(&e.to_string())))?;
     check_version(&document)?;
     let surface = Surface {
@@ -80,7 +81,7 @@ fn read(json: &[u8], buffer: Option<&[u8]>, parts: Parts) -> Result<ReadMesh, St
         builder: MeshBuilder::default(),
         accessors: HashMap::new(),
         elements: 0,
-        tally: Tally::default(),
+        remark_counts: RemarkCounter::default(),
     };
     surface.read().map_err(|reason| bad(&reason))
 }
@@ -137,7 +138,14 @@ struct Surface<'d> {
     accessors: HashMap<(Use, usize), Rc<Elements>>,
     /// Number of elements visited so far.
     elements: usize,
-    tally: Tally,
+    remark_counts: RemarkCounter,
+}
+
+/// The corners of a primitive's triangles: `count` vertices, by index if there are indices, in the topology `mode`.
+struct Corners<'e> {
+    mode: u32,
+    count: usize,
+    indices: Option<&'e Elements>,
 }
 
 impl Surface<'_> {
@@ -154,7 +162,7 @@ impl Surface<'_> {
         if self.builder.triangles.is_empty() {
             return Err("the scene shows no triangles".to_owned());
         }
-        let mut remarks: Vec<String> = self.tally.remarks().collect();
+        let mut remarks: Vec<String> = self.remark_counts.remarks().collect();
         remarks.push(
             "+Y is up in glTF, but its axes are taken as they stand in the file, as MoveIt does and RViz up to Kilted"
                 .to_owned(),
@@ -186,7 +194,7 @@ impl Surface<'_> {
             let to_file: Matrix4<f64> = to_file * transform(node).map_err(named)?;
             if let Some(mesh) = node.mesh {
                 if node.skin.is_some() {
-                    self.tally.add("skinned meshes are taken in their bind pose", None);
+                    self.remark_counts.add("skinned meshes are taken in their bind pose", None);
                 }
                 shown.push((mesh, to_file));
             }
@@ -215,8 +223,8 @@ impl Surface<'_> {
         let mode = primitive.mode.unwrap_or(4);
         match mode {
             4..=6 => {}
-            0 => self.tally.add("lists of points are skipped", None),
-            1..=3 => self.tally.add("lists of lines are skipped", None),
+            0 => self.remark_counts.add("lists of points are skipped", None),
+            1..=3 => self.remark_counts.add("lists of lines are skipped", None),
             other => return Err(format!("mode {other} is none of glTF")),
         }
         if mode < 4 {
@@ -227,7 +235,7 @@ impl Surface<'_> {
             return Err(format!("is compressed by {name}, which is not read; save the file without"));
         }
         if !primitive.targets.is_empty() {
-            self.tally.add("meshes with morph targets are taken without them", None);
+            self.remark_counts.add("meshes with morph targets are taken without them", None);
         }
         let Some(&positions) = primitive.attributes.get("POSITION") else {
             return Err("has no attribute POSITION".to_owned());
@@ -236,7 +244,8 @@ impl Surface<'_> {
         let indices = primitive.indices.map(|i| self.accessor(Use::Indices, i)).transpose()?;
         let count = indices.as_ref().map_or(positions.count, |indices| indices.count);
         self.charge(count)?;
-        self.append_triangles(mode, count, (&positions, indices.as_deref()), to_file)
+        let corners = Corners { mode, count, indices: indices.as_deref() };
+        self.append_triangles(corners, &positions, to_file)
     }
 
     /// Checks an accessor, once.
@@ -266,13 +275,12 @@ impl Surface<'_> {
 
     fn append_triangles(
         &mut self,
-        mode: u32,
-        count: usize,
-        (positions, indices): (&Elements, Option<&Elements>),
+        Corners { mode, count, indices }: Corners,
+        positions: &Elements,
         to_file: &Matrix4<f64>,
     ) -> Result<(), String> {
         if count < 3 {
-            self.tally.add(TOO_FEW_CORNERS, None);
+            self.remark_counts.add(TOO_FEW_CORNERS, None);
             return Ok(());
         }
         if mode == 4 && !count.is_multiple_of(3) {

@@ -4,7 +4,7 @@ use clearance_geometry::TriangleMesh;
 use clearance_geometry::math::Point;
 use nalgebra::Matrix4;
 
-use super::memory;
+use super::mesh_memory;
 
 /// Maximum number of triangles of a file, instances included: a file of nested instances can produce any number.
 pub(super) const MOST_TRIANGLES: usize = 20_000_000;
@@ -31,10 +31,10 @@ impl MeshBuilder {
         if u32::try_from(vertices).is_err() {
             return Err("it has more vertices than 32-bit indices can name, instances counted".to_owned());
         }
-        let needed = memory::of_mesh(vertices, triangles);
+        let needed = mesh_memory::of_mesh(vertices, triangles);
         if needed > self.available {
-            let needed = needed.next_multiple_of(memory::STEP);
-            memory::check(needed).map_err(|e| {
+            let needed = needed.next_multiple_of(mesh_memory::STEP);
+            mesh_memory::check(needed).map_err(|e| {
                 format!("{triangles} triangles, instances counted, and {vertices} vertices {e}")
             })?;
             self.available = needed;

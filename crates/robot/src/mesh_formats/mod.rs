@@ -2,13 +2,13 @@
 
 mod dae;
 mod gltf;
-pub(super) mod memory;
 mod mesh_builder;
+pub(super) mod mesh_memory;
 mod obj;
 mod ply;
 mod polygon;
+mod remark_counter;
 mod stl;
-mod tally;
 
 use clearance_files::ply_format::is_ply;
 use clearance_geometry::TriangleMesh;
@@ -51,7 +51,7 @@ enum Format {
 /// The reason why the file contains no mesh, without quotes of its content.
 pub(super) fn read(bytes: Vec<u8>, extension: &str, parts: Parts) -> Result<ReadMesh, String> {
     let format = recognise(&bytes, extension)?;
-    memory::check(bytes.len().saturating_mul(COPIES))
+    mesh_memory::check(bytes.len().saturating_mul(COPIES))
         .map_err(|e| format!("its {} bytes {e}", bytes.len()))?;
     let mut read = match format {
         Format::BinaryStl => stl::read_binary(bytes),

@@ -11,8 +11,8 @@ use clearance_geometry::math::Point;
 use super::ReadMesh;
 use super::mesh_builder::MeshBuilder;
 use super::polygon::Triangulator;
-use super::tally::{TOO_FEW_CORNERS, Tally};
-use crate::numbers::decimal;
+use super::remark_counter::{RemarkCounter, TOO_FEW_CORNERS};
+use crate::decimal_numbers::decimal;
 
 /// Valid OBJ statements that do not affect the surface.
 const OTHER_STATEMENTS: [&str; 31] = [
@@ -89,14 +89,14 @@ pub(super) fn read(text: &str) -> Result<ReadMesh, String> {
         Err(error) => return Err(format!("bad OBJ at line {}: {error}", lines.count)),
     };
     let mut built = MeshBuilder::default();
-    let mut tally = Tally::default();
+    let mut remark_counts = RemarkCounter::default();
     let mut triangulator = Triangulator::default();
     for model in &models {
         let first = built.vertices.len();
         let positions = model.mesh.positions.chunks_exact(3).map(|p| Point::new(p[0], p[1], p[2]));
         built.reserve(positions.len(), 0)?;
         built.vertices.extend(positions);
-        append_faces(&model.mesh, first, &mut built, (&mut triangulator, &mut tally))?;
+        append_faces(&model.mesh, first, &mut built, &mut triangulator, &mut remark_counts)?;
     }
     // tobj keeps only the vertices that faces refer to
     if let (Some(line), true) = (surface.unreadable.first(), built.vertices.iter().any(|v| v.x.is_nan())) {
@@ -108,7 +108,7 @@ pub(super) fn read(text: &str) -> Result<ReadMesh, String> {
         return Err("the file has no faces".to_owned());
     }
     let mesh = built.finish()?;
-    Ok(ReadMesh { mesh, remarks: surface.remarks().into_iter().chain(tally.remarks()).collect() })
+    Ok(ReadMesh { mesh, remarks: surface.remarks().into_iter().chain(remark_counts.remarks()).collect() })
 }
 
 /// The statements that define the surface, on the same lines as in the file; other lines are empty.
@@ -119,7 +119,7 @@ struct Surface {
     unreadable: Vec<usize>,
     /// Lines that are not valid OBJ.
     unknown: Vec<usize>,
-    skipped: Tally,
+    skipped: RemarkCounter,
     vertices: usize,
     /// Upper bound on the number of triangles.
     triangles: usize,
@@ -250,7 +250,8 @@ fn append_faces(
     mesh: &tobj::Mesh,
     first: usize,
     built: &mut MeshBuilder,
-    (triangulator, tally): (&mut Triangulator, &mut Tally),
+    triangulator: &mut Triangulator,
+    remark_counts: &mut RemarkCounter,
 ) -> Result<(), String> {
     // tobj leaves the arities empty when all are 3
     let arities: Vec<usize> = if mesh.face_arities.is_empty() {
@@ -265,7 +266,7 @@ fn append_faces(
         };
         rest = others;
         if arity < 3 {
-            tally.add(TOO_FEW_CORNERS, None);
+            remark_counts.add(TOO_FEW_CORNERS, None);
             continue;
         }
         let points: Option<Vec<Point>> =

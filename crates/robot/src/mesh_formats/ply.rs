@@ -9,7 +9,7 @@ use clearance_geometry::math::Point;
 use super::ReadMesh;
 use super::mesh_builder::{MOST_TRIANGLES, MeshBuilder};
 use super::polygon::Triangulator;
-use super::tally::{TOO_FEW_CORNERS, Tally};
+use super::remark_counter::{RemarkCounter, TOO_FEW_CORNERS};
 
 /// Names of elements that are surfaces, in lower case and without plural s; of these, face and tristrips are read.
 const SURFACES: [&str; 8] =
@@ -68,11 +68,11 @@ pub(super) fn read(bytes: &[u8]) -> Result<ReadMesh, String> {
         return Err("the file has no faces: it is a point cloud, or lacks its surface".to_owned());
     }
     let mesh = surface.finish()?;
-    let mut tally = Tally::default();
+    let mut remark_counts = RemarkCounter::default();
     for _ in 0..faces.short + strips.short {
-        tally.add(TOO_FEW_CORNERS, None);
+        remark_counts.add(TOO_FEW_CORNERS, None);
     }
-    remarks.extend(tally.remarks());
+    remarks.extend(remark_counts.remarks());
     Ok(ReadMesh { mesh, remarks })
 }
 

@@ -11,7 +11,7 @@ use clearance_geometry::math::Point;
 
 use super::ReadMesh;
 use super::mesh_builder::MeshBuilder;
-use crate::numbers::shortened;
+use crate::decimal_numbers::shortened;
 
 const HEADER: usize = 84;
 const TRIANGLE: usize = 50;

@@ -7,7 +7,7 @@ use clearance_geometry::math::Vector;
 use roxmltree::Node;
 
 use super::{JointNotes, Validator};
-use crate::numbers::shortened;
+use crate::decimal_numbers::shortened;
 
 const TYPES: [&str; 6] = ["fixed", "revolute", "continuous", "prismatic", "floating", "planar"];
 

@@ -6,7 +6,7 @@ use nalgebra::Quaternion;
 use roxmltree::Node;
 
 use super::{CollisionNotes, LinkNotes, Validator, is_unexpanded};
-use crate::numbers::{decimals, shortened};
+use crate::decimal_numbers::{decimals, shortened};
 use crate::xml::{is_foreign, own_children};
 
 pub(super) const SHAPES: [&str; 5] = ["box", "sphere", "cylinder", "capsule", "mesh"];

@@ -76,7 +76,7 @@ impl Cell {
             ..Parameters::default()
         };
         let meshes = MeshLog::default();
-        let mesh_files = MeshFiles::default().beside_urdf(folder).noted_in(meshes.clone());
+        let mesh_files = MeshFiles::default().beside_urdf(folder).with_log(meshes.clone());
         let robot = RobotModel::load_with(&folder.join("rod.urdf"), None, &mesh_files).unwrap();
         let mut loader = Loader::new((mesh_files, nothing_around(), MeshModel::Surface));
         let mut monitor = Monitor::new(parameters.monitor_settings(), || Duration::ZERO);

@@ -32,7 +32,7 @@ fn placed(
     unknown_is_occupied: bool,
 ) -> Result<OctomapPlacement, SceneRejection> {
     let data: Vec<u8> = message.data.iter().map(|byte| byte.cast_unsigned()).collect();
-    let placed = fields(message, &data).placed(place, unknown_is_occupied);
+    let placed = fields(message, &data).placed(place.0, place.1, unknown_is_occupied);
     placed.map_err(|why| SceneRejection::of_octomap(format!("octomap: {why}")))
 }
 

@@ -413,7 +413,7 @@ pub fn note_transforms(
         };
         let parent = transform.header.frame_id;
         let stamp = (!fixed).then_some(stamp);
-        too_many |= !tree.note(&transform.child_frame_id, Transform { parent, pose_pf, stamp });
+        too_many |= !tree.insert(&transform.child_frame_id, Transform { parent, pose_pf, stamp });
     }
     match wrong {
         Some((frame, why)) => {

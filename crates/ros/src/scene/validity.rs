@@ -8,7 +8,8 @@ use clearance_robot::{Configuration, JointId, LinkId, LinkPoses, RobotModel};
 use clearance_scene::AttachedId;
 use clearance_scene::BodyId;
 use clearance_scene::{
-    Applied, ObjectChange, Operation, Scene, SceneContext, SceneRejection, SceneUpdate, TransformTree,
+    Applied, MultiDofJoint, ObjectChange, Operation, Scene, SceneContext, SceneRejection, SceneUpdate,
+    TransformTree,
 };
 use ros2_interfaces_jazzy_serde::geometry_msgs::msg::Vector3;
 use ros2_interfaces_jazzy_serde::moveit_msgs::msg::{Constraints, ContactInformation, RobotState};
@@ -210,8 +211,7 @@ fn placed_joints(robot: &RobotModel, given: &MultiDOFJointState) -> Result<Vec<(
     for (name, transform) in names.iter().zip(transforms) {
         let quoted = quoted_list(std::slice::from_ref(name));
         let pose = transform_pose(transform).map_err(|why| format!("{quoted}: {why}"))?;
-        let is_virtual = robot.srdf().is_some_and(|srdf| srdf.virtual_joints.iter().any(|j| j.name == *name));
-        if is_virtual && robot.joint_by_name(name).is_none() {
+        if MultiDofJoint::find(robot, name).is_only_virtual() {
             if pose != Pose::identity() {
                 return Err(format!(
                     "virtual joint {quoted} can not be moved here: leave it out, or at zero"

@@ -42,15 +42,20 @@ impl From<PlyError> for CloudError {
 /// Location of one coordinate of all points: the coordinate of point `i` starts at byte `first + i * stride`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Column {
+    /// Offset (bytes) of the first number.
     pub first: usize,
+    /// Distance (bytes) between two numbers.
     pub stride: usize,
+    /// Storage type of a number.
     pub kind: NumberKind,
 }
 
 /// The coordinates x, y and z of all points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Columns {
+    /// The columns of the three coordinates (m).
     pub xyz: [Column; 3],
+    /// Byte order of the numbers.
     pub order: ByteOrder,
 }
 

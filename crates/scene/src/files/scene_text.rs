@@ -8,8 +8,9 @@ use clearance_geometry::Shape;
 use clearance_geometry::math::Pose;
 use clearance_robot::RobotModel;
 
-use super::loader::{SceneError, SceneLoader};
-use crate::shapes::{mesh, message_pose, plane, solid};
+use super::scene_error::SceneError;
+use super::scene_loader::SceneLoader;
+use crate::message_shapes::{mesh, message_pose, plane, solid};
 use crate::{Obstacle, ObstacleShape};
 
 /// Deviation of a quaternion's length from 1 above which a warning is issued.
@@ -32,8 +33,8 @@ impl SceneLoader {
 
     /// Adds the objects of a `.scene` text; their poses are in MoveIt's planning frame.
     pub fn read_scene_text(&mut self, text: &str, file: &str, robot: &RobotModel) -> Result<(), SceneError> {
-        let place = self.situation.place(robot);
-        let context = place.context(robot);
+        let placed = self.robot_state.placed(robot);
+        let context = placed.context(robot);
         let planning_frame = context.planning_frame();
         let remark = context.frame_remark(planning_frame, &self.scene);
         self.warnings.extend(remark.map(|remark| format!("{file}: {remark}")));
@@ -56,9 +57,9 @@ impl SceneLoader {
             };
             let mut remarks = Vec::new();
             let object = words.object(&id, newer, &mut remarks).map_err(|e| named(&words, e))?;
-            reader.note(&id, remarks);
+            reader.warn_about(&id, remarks);
             if object.shapes.is_empty() && !id.is_empty() {
-                reader.note(&id, ["no shapes: it is left out".to_owned()]);
+                reader.warn_about(&id, ["no shapes: it is left out".to_owned()]);
                 continue;
             }
             reader.add_obstacle(object, planning_frame).map_err(|error| named(&words, error.message))?;

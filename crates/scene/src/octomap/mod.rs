@@ -32,19 +32,24 @@ pub struct Cell {
     pub corner: [u16; 3],
     /// The edge is `1 << level` finest cells.
     pub level: u8,
+    /// State of the cell.
     pub space: Space,
 }
 
 /// State of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Space {
+    /// No obstacle.
     Free,
+    /// Occupied by an obstacle.
     Occupied,
+    /// Never observed.
     Unknown,
 }
 
 /// Errors of octree decoding.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the message of each variant describes it and its fields")]
 pub enum OctomapError {
     #[error("the tree ends in the middle of a node at byte {byte}")]
     Truncated { byte: usize },

@@ -179,9 +179,13 @@ fn appending_to_nothing_takes_no_object_from_the_world() {
 #[test]
 fn octomaps_of_messages_and_files_are_the_same() {
     let message = |id, data| OctomapMessage { id, binary: true, resolution: 0.1, data };
-    let place = || (String::new(), Pose::identity());
-    assert!(message("ColorOcTree", &[1, 0]).placed(place(), false).unwrap_err().contains("'ColorOcTree'"));
-    assert!(message("OcTree", &[]).placed(place(), false).unwrap().shape.is_none());
+    assert!(
+        message("ColorOcTree", &[1, 0])
+            .placed(String::new(), Pose::identity(), false)
+            .unwrap_err()
+            .contains("'ColorOcTree'")
+    );
+    assert!(message("OcTree", &[]).placed(String::new(), Pose::identity(), false).unwrap().shape.is_none());
     let octomap = |id: &str| {
         read_scene(&format!(
             "octomap: {{octomap: {{binary: true, id: {id}, resolution: 0.1, data: [-128, 0]}}}}"

@@ -1,14 +1,15 @@
 //! The triangles of one COLLADA geometry.
 
 use std::collections::HashMap;
+use std::ops::Range;
 use std::rc::Rc;
 
 use roxmltree::{Node, NodeId};
 
 use super::{Collada, child, children};
-use crate::mesh_formats::memory;
 use crate::mesh_formats::mesh_builder::MeshBuilder;
-use crate::mesh_formats::tally::TOO_FEW_CORNERS;
+use crate::mesh_formats::mesh_memory;
+use crate::mesh_formats::remark_counter::TOO_FEW_CORNERS;
 
 /// Polygons, as indices of their corners in the positions.
 type Polygons = Vec<Vec<usize>>;
@@ -36,7 +37,7 @@ impl<'d> Collada<'d> {
                 if let Some((vertices, polygons)) = self.polygons(primitive)? {
                     let range = self.positions_once(vertices, &mut known, &mut surface)?;
                     for polygon in polygons {
-                        self.append_polygon(primitive, &polygon, range, &mut surface)?;
+                        self.append_polygon(primitive, &polygon, &range, &mut surface)?;
                     }
                 }
             }
@@ -53,7 +54,7 @@ impl<'d> Collada<'d> {
         }
         let splines = children(geometry, "spline").count();
         for _ in 0..splines {
-            self.tally.add("splines are skipped", Some(self.xml.line(geometry)));
+            self.remark_counts.add("splines are skipped", Some(self.xml.line(geometry)));
         }
         let is_mesh = |part: &Node| matches!(part.tag_name().name(), "mesh" | "convex_mesh");
         let mut meshes = geometry.children().filter(is_mesh);
@@ -65,21 +66,22 @@ impl<'d> Collada<'d> {
         }
     }
 
-    /// First position of a `<vertices>` in the surface, and the number of positions.
+    /// The positions of a `<vertices>` in the surface; they are added at the first use.
     fn positions_once(
         &mut self,
         vertices: Node<'d, 'd>,
-        known: &mut HashMap<NodeId, (usize, usize)>,
+        known: &mut HashMap<NodeId, Range<usize>>,
         surface: &mut MeshBuilder,
-    ) -> Result<(usize, usize), String> {
+    ) -> Result<Range<usize>, String> {
         if let Some(range) = known.get(&vertices.id()) {
-            return Ok(*range);
+            return Ok(range.clone());
         }
         let positions = self.positions(vertices)?;
-        let range = (surface.vertices.len(), positions.len());
+        let first = surface.vertices.len();
+        let range = first..first + positions.len();
         surface.reserve(positions.len(), 0)?;
         surface.vertices.extend(positions);
-        known.insert(vertices.id(), range);
+        known.insert(vertices.id(), range.clone());
         Ok(range)
     }
 
@@ -87,22 +89,22 @@ impl<'d> Collada<'d> {
         &mut self,
         primitive: Node,
         polygon: &[usize],
-        (first, count): (usize, usize),
+        vertices: &Range<usize>,
         surface: &mut MeshBuilder,
     ) -> Result<(), String> {
-        if let Some(index) = polygon.iter().find(|&&index| index >= count) {
-            return Err(self.at(primitive, format!("names vertex {index}, but there are {count}")));
+        if let Some(index) = polygon.iter().find(|&&index| index >= vertices.len()) {
+            return Err(self.at(primitive, format!("names vertex {index}, but there are {}", vertices.len())));
         }
         if polygon.len() < 3 {
-            self.tally.add(TOO_FEW_CORNERS, Some(self.xml.line(primitive)));
+            self.remark_counts.add(TOO_FEW_CORNERS, Some(self.xml.line(primitive)));
             return Ok(());
         }
-        let corners: Vec<_> = polygon.iter().map(|&index| surface.vertices[first + index]).collect();
+        let corners: Vec<_> = polygon.iter().map(|&index| surface.vertices[vertices.start + index]).collect();
         let triangles = self.triangulator.triangulate(&corners);
         let triangles = triangles.map_err(|reason| self.at(primitive, reason))?;
         surface.reserve(0, triangles.len())?;
         for triple in triangles {
-            surface.push(triple.map(|k| first + polygon[k]))?;
+            surface.push(triple.map(|k| vertices.start + polygon[k]))?;
         }
         Ok(())
     }
@@ -113,12 +115,13 @@ impl<'d> Collada<'d> {
         match kind {
             "triangles" | "polylist" | "polygons" | "trifans" | "tristrips" => {}
             "lines" | "linestrips" => {
-                self.tally.add("lists of lines are skipped", Some(self.xml.line(primitive)));
+                self.remark_counts.add("lists of lines are skipped", Some(self.xml.line(primitive)));
                 return Ok(None);
             }
             _ if NO_PRIMITIVES.contains(&kind) => return Ok(None),
             _ => {
-                self.tally.add("unknown elements of a mesh are skipped", Some(self.xml.line(primitive)));
+                self.remark_counts
+                    .add("unknown elements of a mesh are skipped", Some(self.xml.line(primitive)));
                 return Ok(None);
             }
         }
@@ -157,7 +160,7 @@ impl<'d> Collada<'d> {
             "polylist" => self.counted_polygons(primitive, &lists.concat())?,
             "trifans" | "tristrips" => {
                 for _ in lists.iter().filter(|list| list.len() < 3) {
-                    self.tally.add(TOO_FEW_CORNERS, Some(self.xml.line(primitive)));
+                    self.remark_counts.add(TOO_FEW_CORNERS, Some(self.xml.line(primitive)));
                 }
                 let triangles = if kind == "trifans" { fan } else { strip };
                 lists.iter().flat_map(|list| triangles(list)).collect()
@@ -185,7 +188,7 @@ impl<'d> Collada<'d> {
                         return Err(self.at(part, "has no <p>"));
                     };
                     lists.push(self.indices(outline)?);
-                    self.tally
+                    self.remark_counts
                         .add("polygons have holes, which are taken as filled", Some(self.xml.line(part)));
                 }
                 _ => {}
@@ -233,7 +236,7 @@ impl<'d> Collada<'d> {
 
     fn indices(&self, node: Node<'d, 'd>) -> Result<Vec<usize>, String> {
         let text = self.text(node)?;
-        memory::check(text.len().saturating_mul(INDEX_BYTES))
+        mesh_memory::check(text.len().saturating_mul(INDEX_BYTES))
             .map_err(|e| self.at(node, format!("its indices {e}")))?;
         (text.split_whitespace())
             .map(|word| word.parse().map_err(|_| self.at(node, "holds something that is no index")))

@@ -132,7 +132,8 @@ impl Elements {
         let count = accessor.count;
         let place = match accessor.buffer_view {
             Some(view) => {
-                let range = (accessor.byte_offset, count, width * component.size());
+                let size = width * component.size();
+                let range = ElementRange { offset: accessor.byte_offset, count, size };
                 Some(Strided::open(document, view, range, buffers)?)
             }
             // zeros take no bytes, so the count has no other limit
@@ -165,9 +166,10 @@ impl Elements {
         if !matches!(kind, Component::U8 | Component::U16 | Component::U32) {
             return Err("its indices are unsigned integers of 8, 16 or 32 bits".to_owned());
         }
-        let numbers = (sparse.indices.byte_offset, count, kind.size());
+        let numbers = ElementRange { offset: sparse.indices.byte_offset, count, size: kind.size() };
         let numbers = Strided::open(document, sparse.indices.buffer_view, numbers, buffers)?;
-        let values = (sparse.values.byte_offset, count, self.width * self.component.size());
+        let size = self.width * self.component.size();
+        let values = ElementRange { offset: sparse.values.byte_offset, count, size };
         let values = Strided::open(document, sparse.values.buffer_view, values, buffers)?;
         let replaced = Replaced { count, kind, numbers, values };
         let mut before = None;
@@ -230,12 +232,20 @@ impl Replaced {
     }
 }
 
+/// `count` elements of `size` bytes from byte `offset`.
+#[derive(Clone, Copy, Debug)]
+struct ElementRange {
+    offset: usize,
+    count: usize,
+    size: usize,
+}
+
 impl Strided {
-    /// `count` elements of `size` bytes from byte `offset` of a buffer view.
+    /// Elements of a buffer view.
     fn open(
         document: &Document,
         view: usize,
-        (offset, count, size): (usize, usize, usize),
+        ElementRange { offset, count, size }: ElementRange,
         buffers: &mut Buffers,
     ) -> Result<Self, String> {
         let Some(found) = document.buffer_views.get(view) else {

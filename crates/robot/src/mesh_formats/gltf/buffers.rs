@@ -7,8 +7,8 @@ use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 
 use super::document::{Buffer, Document};
+use crate::decimal_numbers::shortened;
 use crate::mesh_formats::Parts;
-use crate::numbers::shortened;
 
 /// Programs write base64 with or without padding.
 const BASE64: GeneralPurpose = GeneralPurpose::new(

@@ -97,8 +97,11 @@ pub struct OctomapBody {
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct RobotStateText {
+    /// Positions of joints with one position.
     pub joint_state: JointStateText,
+    /// Transforms of planar, floating and virtual joints.
     pub multi_dof_joint_state: MultiDofText,
+    /// Objects that the robot holds.
     pub attached_collision_objects: Vec<AttachedText>,
     #[serde(rename = "is_diff")]
     pub(crate) _is_diff: Option<IgnoredAny>,

@@ -3,7 +3,7 @@
 use clearance_geometry::math::Pose;
 use serde::Deserialize;
 
-use crate::shapes::message_pose;
+use crate::message_shapes::message_pose;
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]

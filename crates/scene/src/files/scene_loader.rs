@@ -1,0 +1,91 @@
+//! Loader that reads several scene files into one scene.
+
+use clearance_geometry::Shape;
+use clearance_geometry::math::Pose;
+use clearance_robot::RobotModel;
+
+use super::robot_state_yaml::FileRobotState;
+use super::scene_error::SceneError;
+use super::scene_file::SceneFile;
+use crate::{CloudPoints, OCTOMAP, Obstacle, Octomap, OctomapPlacement, Scene, SceneContext};
+
+/// Reads files of any kind, one after the other; each adds to the scene of the earlier ones.
+#[derive(Clone, Debug, Default)]
+pub struct SceneLoader {
+    /// The scene of the files read so far.
+    pub scene: Scene,
+    /// True if unknown space of an octree counts as occupied; set before the octree is read.
+    pub unknown_is_occupied: bool,
+    /// Warnings about accepted content; each names its file.
+    pub warnings: Vec<String>,
+    pub(super) robot_state: FileRobotState,
+}
+
+impl SceneLoader {
+    /// The scene. Frames of the files are removed: they are only valid for the robot pose of the files.
+    #[must_use]
+    pub fn into_scene(self) -> Scene {
+        self.scene.without_frames()
+    }
+
+    /// Adds the points of a file as an obstacle made of balls with this `radius` (m), in the root frame; `name` is the file's stem.
+    pub fn add_cloud(
+        &mut self,
+        points: CloudPoints,
+        name: &str,
+        radius: f64,
+        file: &str,
+        robot: &RobotModel,
+    ) -> Result<(), SceneError> {
+        let fault = |message: String| SceneError::of_file(file, message);
+        let CloudPoints { dropped, rounding, .. } = points;
+        self.warnings.extend(points.remarks.iter().map(|r| format!("{file}: {r}")));
+        if dropped > 0 {
+            self.warnings.push(format!("{file}: {dropped} points without finite coordinates are left out"));
+        }
+        if rounding > NOTABLE_ROUNDING {
+            self.warnings.push(format!(
+                "{file}: points are {rounding:.1e} m larger, since 32-bit floats tell no less apart so far from the origin"
+            ));
+        }
+        let Some(cloud) = points.cloud(radius).map_err(|e| fault(e.to_string()))? else {
+            self.warnings.push(format!("{file}: the cloud has no points"));
+            return Ok(());
+        };
+        let placed = self.robot_state.placed(robot);
+        let cloud = Obstacle::of_shape(name, Pose::identity(), Shape::Points(cloud));
+        self.file(file, &placed.context(robot)).add_obstacle(cloud, "")
+    }
+
+    /// Uses the octree of a file as the scene's octomap, in the root frame.
+    ///
+    /// # Errors
+    /// If there is an octomap already, or the octree has too many cells.
+    pub fn add_octomap(
+        &mut self,
+        octomap: &Octomap,
+        file: &str,
+        robot: &RobotModel,
+    ) -> Result<(), SceneError> {
+        let (frame, pose_fo) = (String::new(), Pose::identity());
+        let octomap = OctomapPlacement::of(octomap, frame, pose_fo, self.unknown_is_occupied)
+            .map_err(|message| SceneError::of_object(file, OCTOMAP, message))?;
+        let placed = self.robot_state.placed(robot);
+        self.file(file, &placed.context(robot)).set_octomap(octomap)
+    }
+
+    /// A file that must not replace any object.
+    pub(super) fn file<'f>(&'f mut self, name: &'f str, context: &'f SceneContext<'f>) -> SceneFile<'f> {
+        SceneFile {
+            scene: &mut self.scene,
+            warnings: &mut self.warnings,
+            name,
+            context,
+            is_diff: false,
+            unknown_is_occupied: self.unknown_is_occupied,
+        }
+    }
+}
+
+/// Rounding of points (m) above which a warning is issued.
+const NOTABLE_ROUNDING: f64 = 1e-4;

@@ -1,0 +1,37 @@
+//! Ancestor of a frame in the `tf` tree.
+
+use clearance_geometry::math::Pose;
+
+use super::Time;
+use super::transform::StoredTransform;
+
+/// An ancestor of a frame.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Ancestor<'t> {
+    pub name: &'t str,
+    /// Its transform to its own parent; `None` for the topmost frame.
+    pub transform: Option<&'t StoredTransform>,
+    /// Pose, in this ancestor, of the frame that the search started from.
+    pub pose_af: Pose,
+    /// The oldest transform on the path, if one of them is not static: its frame and stamp.
+    pub oldest: Option<(&'t str, Time)>,
+    /// The stamp of the oldest repeatedly published transform on the path.
+    pub oldest_alive: Option<Time>,
+}
+
+impl<'t> Ancestor<'t> {
+    /// The parent of this ancestor, as the next ancestor; `transform_of` gives a frame's transform to its parent.
+    pub fn parent(&self, transform_of: impl FnOnce(&str) -> Option<&'t StoredTransform>) -> Option<Self> {
+        let StoredTransform { transform, is_alive } = self.transform?;
+        let stamped = transform.stamp.map(|stamp| (self.name, stamp));
+        let oldest = match (self.oldest, stamped) {
+            (Some(a), Some(b)) => Some(if b.1 < a.1 { b } else { a }),
+            (a, b) => a.or(b),
+        };
+        let alive = transform.stamp.filter(|_| *is_alive);
+        let oldest_alive = [self.oldest_alive, alive].into_iter().flatten().min();
+        let name = transform.parent.as_str();
+        let pose_af = transform.pose_pf * self.pose_af;
+        Some(Self { name, transform: transform_of(name), pose_af, oldest, oldest_alive })
+    }
+}

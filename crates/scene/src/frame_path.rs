@@ -1,0 +1,91 @@
+//! Path between two frames in the `tf` tree.
+
+use clearance_geometry::math::Pose;
+
+use super::Time;
+use super::frame_ancestor::Ancestor;
+use super::transform::{StoredTransform, Transform};
+
+/// Path from a frame `reference` up to the first common ancestor, and down to a frame `frame`.
+#[derive(Clone, Debug)]
+pub struct FramePath<'t> {
+    /// The reference and its ancestors, up to the common ancestor.
+    of_reference: Vec<Ancestor<'t>>,
+    /// The frame and its ancestors, up to the common ancestor.
+    of_frame: Vec<Ancestor<'t>>,
+}
+
+/// A frame on a path whose transform is published repeatedly.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PathLink<'t> {
+    /// Name of the frame.
+    pub name: &'t str,
+    /// Its pose in its parent.
+    pub pose_pf: Pose,
+    /// Stamp of its latest transform.
+    pub stamp: Time,
+}
+
+impl<'t> FramePath<'t> {
+    /// The path between two frames, given with all their ancestors; `None` if the two are not connected.
+    pub(super) fn between(
+        mut of_reference: Vec<Ancestor<'t>>,
+        mut of_frame: Vec<Ancestor<'t>>,
+    ) -> Option<Self> {
+        let (above, below) = of_frame
+            .iter()
+            .enumerate()
+            .find_map(|(i, a)| Some((i, of_reference.iter().position(|r| r.name == a.name)?)))?;
+        of_reference.truncate(below + 1);
+        of_frame.truncate(above + 1);
+        Some(Self { of_reference, of_frame })
+    }
+
+    /// Pose of the frame in the reference.
+    #[must_use]
+    pub fn pose(&self) -> Pose {
+        let [of_reference, of_frame] = self.ends();
+        of_reference.pose_af.inverse() * of_frame.pose_af
+    }
+
+    /// Frame and stamp of the oldest transform on the path, if one of them is not static.
+    #[must_use]
+    pub fn oldest(&self) -> Option<Time> {
+        self.ends().into_iter().filter_map(|end| end.oldest).map(|(_, stamp)| stamp).min()
+    }
+
+    /// As above, among the frames that are published repeatedly.
+    #[must_use]
+    pub fn oldest_alive(&self) -> Option<Time> {
+        self.ends().into_iter().filter_map(|end| end.oldest_alive).min()
+    }
+
+    /// The frames on the path that are published repeatedly.
+    pub fn live_links(&self) -> impl Iterator<Item = PathLink<'t>> {
+        let below = [&self.of_reference, &self.of_frame].into_iter().flat_map(|side| &side[..side.len() - 1]);
+        let known = below.filter_map(|ancestor| Some((ancestor.name, ancestor.transform?)));
+        known.filter(|(_, known)| known.is_alive).filter_map(|(name, StoredTransform { transform, .. })| {
+            let Transform { pose_pf, stamp, .. } = transform;
+            Some(PathLink { name, pose_pf: *pose_pf, stamp: (*stamp)? })
+        })
+    }
+
+    /// Pose of the frame in the reference, if a frame on the path had another pose in its parent.
+    #[must_use]
+    pub fn pose_with(&self, link: &str, pose_pf: &Pose) -> Pose {
+        let [of_reference, of_frame] = [&self.of_reference, &self.of_frame].map(|side| {
+            let links = &side[..side.len() - 1];
+            links.iter().fold(Pose::identity(), |pose, ancestor| match ancestor.transform {
+                _ if ancestor.name == link => pose_pf * pose,
+                Some(known) => known.transform.pose_pf * pose,
+                None => pose,
+            })
+        });
+        of_reference.inverse() * of_frame
+    }
+
+    /// The first common ancestor, as reached from each of the two frames.
+    fn ends(&self) -> [&Ancestor<'t>; 2] {
+        [&self.of_reference, &self.of_frame].map(|side| &side[side.len() - 1])
+    }
+}

@@ -1,0 +1,487 @@
+//! Tests that true certificates are accepted, and altered ones are rejected.
+
+use clearance_checker::CollisionChecker;
+use clearance_geometry::math::{Point, Pose, Vector};
+use clearance_geometry::testing::Random;
+use clearance_geometry::{Primitive, Shape};
+use clearance_motion::{Certificate, MotionSegment, MovingObstacle, Proof, Trajectory};
+use clearance_robot::{MeshFiles, RobotModel};
+use clearance_scene::AllowedCollisionMatrix;
+use clearance_scene::{MeshModel, Settings};
+use clearance_scene::{Obstacle, World};
+use std::sync::Arc;
+
+use super::prover::prove;
+use super::scenes;
+use crate::{ExpectedMotion, Rejection, Verifier, verify};
+
+const TWO_LINK: &str = include_str!("../../../../urdf/two_link/two_link.urdf");
+
+fn two_link() -> RobotModel {
+    RobotModel::from_urdf(TWO_LINK, &MeshFiles::default()).unwrap()
+}
+
+fn ball(name: &str, centre: [f64; 3]) -> Obstacle {
+    let pose_rs = Pose::from_parts(Vector::from(centre).into(), nalgebra::UnitQuaternion::identity());
+    let shape = Shape::Primitive(Primitive::Sphere { radius: 0.1 });
+    Obstacle::of_shape(name, pose_rs, shape)
+}
+
+/// Two balls outside the arm's reach, one of which comes and goes.
+fn balls() -> World {
+    let mut world = World::default();
+    world.add(ball("still", [0.0, -2.5, 0.0])).unwrap();
+    world.add(ball("comes", [3.0, 0.0, 0.5])).unwrap();
+    world
+}
+
+fn straight(robot: &RobotModel, from: &[f64], to: &[f64]) -> MotionSegment {
+    let [from, to] = [from, to].map(|q| robot.configuration(q).unwrap());
+    MotionSegment::straight(robot, &from, &to)
+}
+
+/// The ball that comes, on its way from one place to another.
+fn coming(from: [f64; 3], to: [f64; 3]) -> Vec<MovingObstacle> {
+    let [from, to] =
+        [from, to].map(|v| Pose::from_parts(Vector::from(v).into(), nalgebra::UnitQuaternion::identity()));
+    vec![MovingObstacle::between("comes", Point::new(3.0, 0.0, 0.5), &from, &to)]
+}
+
+/// Out, along a curve, and back within a tube.
+fn tour(robot: &RobotModel) -> Vec<MotionSegment> {
+    let first = straight(robot, &[0.0, 0.5], &[1.0, -0.5]);
+    let bent = vec![[1.0, -0.5, 0.25, 0.25, 0.5, -0.5], [-0.5, 0.25, 0.0, 0.5, -0.25, 0.0]];
+    let second = MotionSegment::polynomial(robot, bent).unwrap();
+    let third = straight(robot, &[1.0, 0.0], &[0.0, 0.5]).with_tube(robot, vec![0.02, 0.03]).unwrap();
+    let moves = [
+        coming([0.0; 3], [-0.3, 0.2, 0.0]),
+        coming([-0.3, 0.2, 0.0], [0.1, 0.0, 0.0]),
+        coming([0.1, 0.0, 0.0], [0.0; 3]),
+    ];
+    [first, second, third].into_iter().zip(moves).map(|(s, m)| s.with_movers(m).unwrap()).collect()
+}
+
+fn settings() -> Settings {
+    Settings { padding: 0.01, ..Settings::default() }
+}
+
+#[test]
+fn what_is_proven_is_accepted() {
+    let (robot, world) = (two_link(), balls());
+    let verifier = Verifier::new(&robot, &world, &settings(), None).unwrap();
+    let certificate = prove(&verifier, &settings(), &tour(&robot)).unwrap();
+    let found = verifier.verify(&certificate).unwrap();
+    assert_eq!((found.segments, found.pairs), (3, 7));
+    assert_eq!(found.proofs, certificate.segments.iter().map(|s| s.proofs.len()).sum::<usize>());
+    let read = Certificate::from_json(&certificate.to_json()).unwrap();
+    assert_eq!(verifier.verify(&read).unwrap(), found);
+}
+
+/// Changes a certificate, and says what the rejection must look like once the digest fits again.
+type Alteration = (&'static str, fn(&mut Certificate), fn(&Rejection) -> bool);
+
+fn first_proof(c: &mut Certificate) -> &mut Proof {
+    &mut c.segments[0].proofs[0]
+}
+
+const ALTERATIONS: &[Alteration] = &[
+    ("format", |c| c.format.push('2'), |r| matches!(r, Rejection::Format(_))),
+    ("robot", |c| c.robot.push('2'), |r| matches!(r, Rejection::Robot { .. })),
+    ("model", |c| c.model.replace_range(..1, "x"), |r| matches!(r, Rejection::Model(_))),
+    ("world", |c| c.world.replace_range(..1, "x"), |r| matches!(r, Rejection::World(_))),
+    ("motion hash", |c| c.motion.replace_range(..1, "x"), |r| matches!(r, Rejection::MotionHash)),
+    (
+        "joints swapped",
+        |c| {
+            c.joints.swap(0, 1);
+            c.motion = c.motion_hash();
+        },
+        |r| matches!(r, Rejection::Joints { place: 0, .. }),
+    ),
+    (
+        "joint missing",
+        |c| {
+            c.joints.pop();
+            c.motion = c.motion_hash();
+        },
+        |r| matches!(r, Rejection::Joints { place: 1, .. }),
+    ),
+    (
+        "joint added",
+        |c| {
+            c.joints.push("j".into());
+            c.motion = c.motion_hash();
+        },
+        |r| matches!(r, Rejection::Joints { place: 2, .. }),
+    ),
+    (
+        "pair missing",
+        |c| {
+            c.pairs.remove(2);
+        },
+        |r| matches!(r, Rejection::MissingPair(..)),
+    ),
+    ("pair renamed", |c| c.pairs[1][0] = "x".into(), |r| matches!(r, Rejection::MissingPair(..))),
+    ("pair added", |c| c.pairs.push(["x".into(), "y".into()]), |r| matches!(r, Rejection::UnknownPair(..))),
+    (
+        "pair twice",
+        |c| {
+            let p = c.pairs[0].clone();
+            c.pairs.push(p);
+        },
+        |r| matches!(r, Rejection::PairOrder { place: 7, .. }),
+    ),
+    ("pairs swapped", |c| c.pairs.swap(1, 2), |r| matches!(r, Rejection::PairOrder { place: 1, .. })),
+    ("names swapped", |c| c.pairs[1].swap(0, 1), |r| matches!(r, Rejection::MissingPair(..))),
+    (
+        "no segments",
+        |c| {
+            c.segments.clear();
+            c.motion = c.motion_hash();
+        },
+        |r| matches!(r, Rejection::NoSegments),
+    ),
+    (
+        "segment missing",
+        |c| {
+            c.segments.remove(1);
+            c.motion = c.motion_hash();
+        },
+        |r| matches!(r, Rejection::Jump { segment: 1, .. }),
+    ),
+    (
+        "motion altered",
+        |c| c.segments[0].motion.tube = vec![0.1, 0.1],
+        |r| matches!(r, Rejection::MotionHash),
+    ),
+    ("ends apart", |c| shift_end(c, 1e-6), |r| matches!(r, Rejection::Jump { segment: 1, .. })),
+    (
+        "too long",
+        |c| {
+            c.segments[0].motion.from.as_mut().unwrap().push(0.0);
+            c.motion = c.motion_hash();
+        },
+        |r| matches!(r, Rejection::Motion { segment: 0, .. }),
+    ),
+    (
+        "no motion",
+        |c| {
+            c.segments[0].motion.from = None;
+            c.motion = c.motion_hash();
+        },
+        |r| matches!(r, Rejection::Motion { segment: 0, .. }),
+    ),
+    ("no number", |c| shift_end(c, f64::NAN), |r| matches!(r, Rejection::Motion { segment: 0, .. })),
+    ("too far", |c| shift_end(c, 1e9), |r| matches!(r, Rejection::Motion { segment: 0, .. })),
+    (
+        "obstacle unknown",
+        |c| with_obstacle(c, |o| o.name = "x".into()),
+        |r| matches!(r, Rejection::UnknownObstacle { segment: 0, .. }),
+    ),
+    (
+        "obstacle faster",
+        |c| with_obstacle(c, |o| o.linear[0] -= 0.1),
+        |r| matches!(r, Rejection::ObstacleJump { segment: 1, .. } | Rejection::Bound { .. }),
+    ),
+    (
+        "obstacle turned",
+        |c| with_obstacle(c, |o| o.start = Some(([0.0; 3], [9.0; 4]))),
+        |r| matches!(r, Rejection::Motion { segment: 0, .. }),
+    ),
+    (
+        "obstacle twice",
+        |c| {
+            let o = c.segments[0].motion.obstacles[0].clone();
+            c.segments[0].motion.obstacles.push(o);
+            c.motion = c.motion_hash();
+        },
+        |r| matches!(r, Rejection::ObstacleTwice { segment: 0, .. }),
+    ),
+    ("pair number", |c| first_proof(c).0 = 7, |r| matches!(r, Rejection::PairNumber { pair: 7, .. })),
+    ("another pair", |c| first_proof(c).0 = 1, |r| matches!(r, Rejection::Gap { .. })),
+    (
+        "backwards",
+        |c| {
+            let p = first_proof(c);
+            (p.1, p.2) = (p.2, p.1);
+        },
+        |r| matches!(r, Rejection::Interval { .. }),
+    ),
+    ("before the start", |c| first_proof(c).1 = -0.1, |r| matches!(r, Rejection::Interval { .. })),
+    (
+        "after the end",
+        |c| c.segments[0].proofs.last_mut().unwrap().2 = 1.1,
+        |r| matches!(r, Rejection::Interval { .. }),
+    ),
+    ("no interval", |c| first_proof(c).2 = f64::NAN, |r| matches!(r, Rejection::Interval { .. })),
+    ("later start", |c| first_proof(c).1 += 1e-12, |r| matches!(r, Rejection::Gap { .. })),
+    (
+        "earlier end",
+        |c| c.segments[0].proofs.last_mut().unwrap().2 -= 1e-12,
+        |r| matches!(r, Rejection::Gap { .. }),
+    ),
+    (
+        "proof missing",
+        |c| {
+            c.segments[1].proofs.remove(3);
+        },
+        |r| matches!(r, Rejection::Gap { segment: 1, .. }),
+    ),
+    ("no proofs", |c| c.segments[2].proofs.clear(), |r| matches!(r, Rejection::Gap { segment: 2, .. })),
+    ("lower raised", |c| first_proof(c).3 += 1e-6, |r| matches!(r, Rejection::Near { proof: 0, .. })),
+    ("lower endless", |c| first_proof(c).3 = f64::INFINITY, |r| matches!(r, Rejection::Lengths { .. })),
+    ("lower no number", |c| first_proof(c).3 = f64::NAN, |r| matches!(r, Rejection::Lengths { .. })),
+    (
+        "lower is bound",
+        |c| {
+            let p = first_proof(c);
+            p.3 = p.4;
+        },
+        |r| matches!(r, Rejection::Short { .. }),
+    ),
+    ("bound lowered", |c| first_proof(c).4 *= 0.9, |r| matches!(r, Rejection::Bound { proof: 0, .. })),
+    ("bound zero", |c| first_proof(c).4 = 0.0, |r| matches!(r, Rejection::Bound { proof: 0, .. })),
+    ("bound negative", |c| first_proof(c).4 = -1.0, |r| matches!(r, Rejection::Lengths { .. })),
+    ("bound no number", |c| first_proof(c).4 = f64::NAN, |r| matches!(r, Rejection::Lengths { .. })),
+    (
+        "bound above lower",
+        |c| {
+            let p = first_proof(c);
+            p.4 = p.3;
+        },
+        |r| matches!(r, Rejection::Short { .. }),
+    ),
+    (
+        "wider tube",
+        |c| {
+            c.segments[2].motion.tube = vec![0.3, 0.3];
+            c.motion = c.motion_hash();
+        },
+        |r| matches!(r, Rejection::OpenJoin { segment: 2, .. }),
+    ),
+    (
+        "tube negative",
+        |c| {
+            c.segments[2].motion.tube = vec![-0.3, 0.3];
+            c.motion = c.motion_hash();
+        },
+        |r| matches!(r, Rejection::Motion { segment: 2, .. }),
+    ),
+    (
+        "bent more",
+        |c| {
+            c.segments[1].motion.polynomials.as_mut().unwrap()[0][4] += 0.3;
+            c.segments[1].motion.polynomials.as_mut().unwrap()[0][5] -= 0.3;
+            c.motion = c.motion_hash();
+        },
+        |r| matches!(r, Rejection::Bound { .. } | Rejection::Near { .. }),
+    ),
+];
+
+fn shift_end(c: &mut Certificate, by: f64) {
+    c.segments[0].motion.to.as_mut().unwrap()[1] += by;
+    c.motion = c.motion_hash();
+}
+
+fn with_obstacle(c: &mut Certificate, change: impl Fn(&mut MovingObstacle)) {
+    change(&mut c.segments[0].motion.obstacles[0]);
+    c.motion = c.motion_hash();
+}
+
+#[test]
+fn whatever_is_altered_is_rejected() {
+    let (robot, world) = (two_link(), balls());
+    let verifier = Verifier::new(&robot, &world, &settings(), None).unwrap();
+    let certificate = prove(&verifier, &settings(), &tour(&robot)).unwrap();
+    for (what, alter, fits) in ALTERATIONS {
+        let mut altered = certificate.clone();
+        alter(&mut altered);
+        if *what != "format" {
+            let rejection = verifier.verify(&altered).unwrap_err();
+            assert!(matches!(rejection, Rejection::Digest), "{what}: {rejection}");
+        }
+        altered.digest = altered.content_hash();
+        let rejection = verifier.verify(&altered).expect_err(what);
+        assert!(fits(&rejection), "{what}: {rejection:?}");
+    }
+    let mut altered = certificate.clone();
+    altered.digest.replace_range(..1, "x");
+    assert!(matches!(verifier.verify(&altered), Err(Rejection::Digest)));
+}
+
+#[test]
+fn it_holds_for_one_robot_one_world_and_one_set_of_rules() {
+    let (robot, world) = (two_link(), balls());
+    let verifier = Verifier::new(&robot, &world, &settings(), None).unwrap();
+    let certificate = prove(&verifier, &settings(), &tour(&robot)).unwrap();
+    let thinner = RobotModel::from_urdf(&TWO_LINK.replace("0.01", "0.009"), &MeshFiles::default()).unwrap();
+    let rejected =
+        |robot: &RobotModel, world: &World, settings: &Settings, matrix: Option<&AllowedCollisionMatrix>| {
+            verify(robot, world, settings, matrix, &certificate).unwrap_err()
+        };
+    assert!(matches!(rejected(&thinner, &world, &settings(), None), Rejection::Model(_)));
+    let mut elsewhere = World::default();
+    elsewhere.add(ball("still", [0.0, -2.5, 0.0])).unwrap();
+    elsewhere.add(ball("comes", [3.0, 0.0, 0.5 + 1e-12])).unwrap();
+    assert!(matches!(rejected(&robot, &elsewhere, &settings(), None), Rejection::World(_)));
+    for other in [
+        Settings { padding: 0.02, ..settings() },
+        Settings { link_padding: [("tip".to_owned(), 0.0)].into(), ..settings() },
+        Settings { pad_self: true, ..settings() },
+        Settings { check_self: false, ..settings() },
+        Settings { check_world: false, ..settings() },
+        Settings { mesh_model: MeshModel::Solid, ..settings() },
+    ] {
+        assert!(matches!(rejected(&robot, &world, &other, None), Rejection::Model(_)), "{other:?}");
+    }
+    // without a matrix adjacent links are left out, with one they are not
+    let matrix = AllowedCollisionMatrix::default();
+    assert!(matches!(rejected(&robot, &world, &settings(), Some(&matrix)), Rejection::Model(_)));
+    let mut matrix = AllowedCollisionMatrix::default();
+    for (a, b) in [("base", "upper"), ("upper", "tip"), ("still", "tip")] {
+        matrix.set(a, b, true);
+    }
+    assert!(matches!(rejected(&robot, &world, &settings(), Some(&matrix)), Rejection::UnknownPair(..)));
+    let bad = Settings { padding: f64::NAN, ..settings() };
+    assert!(matches!(rejected(&robot, &world, &bad, None), Rejection::BadPadding { .. }));
+    let bad = Settings { link_padding: [("x".to_owned(), 0.0)].into(), ..settings() };
+    assert!(matches!(rejected(&robot, &world, &bad, None), Rejection::UnknownLink(_)));
+}
+
+/// Changes a true certificate to one of another motion, as a forger would: all its fields are consistent, but it is not true.
+fn forged(mut certificate: Certificate, segments: &[MotionSegment]) -> Certificate {
+    for (proof, segment) in certificate.segments.iter_mut().zip(segments) {
+        proof.motion = segment.text();
+    }
+    certificate.motion = certificate.motion_hash();
+    certificate.digest = certificate.content_hash();
+    certificate
+}
+
+/// Certificates of every kind of lie about a motion that hits something.
+fn assert_cannot_pass(
+    verifier: &Verifier,
+    settings: &Settings,
+    free: &[MotionSegment],
+    hits: &[MotionSegment],
+) {
+    assert!(prove(verifier, settings, hits).is_err());
+    let honest = prove(verifier, settings, free).unwrap();
+    let mut forgery = forged(honest, hits);
+    verifier.verify(&forgery).unwrap_err();
+    let mut random = Random::new(76);
+    for _ in 0..300 {
+        let parts = 1 + u32::try_from(random.below(40)).unwrap();
+        for segment in &mut forgery.segments {
+            segment.proofs.clear();
+            for pair in 0..verifier.model.required.pairs.len() {
+                let padding = verifier.model.required.pairs[pair].padding;
+                let end = |k: u32| f64::from(k) / f64::from(parts);
+                let bound = [1e-9, 0.01, 0.5, 3.0][random.below(4)] * (1.0 + random.within(1.0));
+                let lower = bound + padding + [1e-8, 1e-3, 1.0][random.below(3)];
+                segment.proofs.extend((0..parts).map(|k| Proof(pair, end(k), end(k + 1), lower, bound)));
+            }
+        }
+        forgery.digest = forgery.content_hash();
+        verifier.verify(&forgery).unwrap_err();
+    }
+}
+
+#[test]
+fn a_motion_that_hits_cannot_pass() {
+    let (robot, world) = (two_link(), balls());
+    let verifier = Verifier::new(&robot, &world, &settings(), None).unwrap();
+    let free = [straight(&robot, &[0.0, 0.0], &[0.0, 2.6])];
+    // the tip folds back into the base
+    let hits = [straight(&robot, &[0.0, 0.0], &[0.0, 2.84])];
+    assert_cannot_pass(&verifier, &settings(), &free, &hits);
+    // it stays clear of it, but it may be off
+    let within = [straight(&robot, &[0.0, 0.0], &[0.0, 2.6]).with_tube(&robot, vec![0.0, 0.25]).unwrap()];
+    assert_cannot_pass(&verifier, &settings(), &free, &within);
+    // it stands, and the ball comes
+    let still = [straight(&robot, &[0.0, 0.0], &[0.0, 0.0])];
+    let hit = coming([0.0; 3], [-1.0, 0.0, -0.5]);
+    let hit = [straight(&robot, &[0.0, 0.0], &[0.0, 0.0]).with_movers(hit).unwrap()];
+    assert_cannot_pass(&verifier, &settings(), &still, &hit);
+}
+
+#[test]
+fn what_lies_inside_a_closed_mesh_is_refused_where_meshes_are_solid() {
+    let robot = two_link();
+    let mut world = World::default();
+    let ends = [[9., 0., 0.], [-9., 0., 0.], [0., 9., 0.], [0., -9., 0.], [0., 0., 9.], [0., 0., -9.]];
+    let shape = scenes::eight_faces(ends.map(Point::from));
+    let pose_rs = Pose::identity();
+    world.add(Obstacle::of_shape("hall", pose_rs, shape)).unwrap();
+    let motion = [straight(&robot, &[0.0, 0.0], &[0.5, 0.5])];
+    for mesh_model in [MeshModel::Surface, MeshModel::Solid] {
+        let settings = Settings { mesh_model, ..settings() };
+        let verifier = Verifier::new(&robot, &world, &settings, None).unwrap();
+        let certificate = prove(&verifier, &settings, &motion).unwrap();
+        let checker = CollisionChecker::new(Arc::new(robot.clone()), &world, settings.clone()).unwrap();
+        let free = checker.is_free(&motion[0].at(0.5), &mut checker.workspace());
+        assert_eq!(free, mesh_model == MeshModel::Surface);
+        let found = verifier.verify(&certificate);
+        assert!(
+            matches!((&found, free), (Ok(_), true) | (Err(Rejection::Inside { .. }), false)),
+            "{found:?}"
+        );
+    }
+}
+
+/// Random robots with joints of all kinds: what is proven is accepted, and never hits at any sampled instant.
+#[test]
+fn random_motions() {
+    let mut random = Random::new(78);
+    let mut accepted = 0;
+    for _ in 0..60 {
+        let robot = scenes::robot(&mut random, &scenes::ALL_KINDS);
+        let world = scenes::world(&mut random, 3.0);
+        let motion = scenes::motion(&mut random, &robot, 0.3);
+        let settings = Settings { check_self: random.below(4) == 0, padding: 0.005, ..Settings::default() };
+        let verifier = Verifier::new(&robot, &world, &settings, None).unwrap();
+        let segments = [motion];
+        let Ok(certificate) = prove(&verifier, &settings, &segments) else { continue };
+        // its obstacles have moved already when it begins: accepted only if that is expected
+        let motion = Some(Trajectory::of_segments(segments.to_vec()).unwrap());
+        verifier
+            .verify_expected(&certificate, &ExpectedMotion { motion, ..ExpectedMotion::default() })
+            .unwrap();
+        let displaced =
+            segments[0].obstacles().iter().any(|mover| mover.displacement(0.0) != Pose::identity());
+        let strictly = verifier.verify(&certificate);
+        assert!(matches!(
+            (&strictly, displaced),
+            (Ok(_), false) | (Err(Rejection::ObstacleStart { .. }), true)
+        ));
+        accepted += 1;
+        if segments[0].obstacles().is_empty() {
+            let checker = CollisionChecker::new(Arc::new(robot.clone()), &world, settings.clone()).unwrap();
+            let mut workspace = checker.workspace();
+            assert!((0..=50).all(|k| checker.is_free(&segments[0].at(f64::from(k) / 50.0), &mut workspace)));
+        }
+    }
+    println!("{accepted} of 60 were free");
+    assert!(accepted > 20, "{accepted}");
+}
+
+/// Proofs of links and objects at their original size do not apply to larger ones.
+#[test]
+fn larger_bodies_are_verified_as_large_as_they_are() {
+    let (robot, world) = (two_link(), balls());
+    let unscaled = Verifier::new(&robot, &world, &settings(), None).unwrap();
+    for (larger, holds) in [
+        (Settings { link_scale: [("tip".to_owned(), 4.0)].into(), ..settings() }, false),
+        (Settings { object_scale: [("still".to_owned(), 20.0)].into(), ..settings() }, false),
+        (Settings { link_scale: [("tip".to_owned(), 0.5)].into(), ..settings() }, true),
+    ] {
+        // as if the proofs were about the larger ones
+        let forged = prove(&unscaled, &larger, &tour(&robot)).unwrap();
+        let verifier = Verifier::new(&robot, &world, &larger, None).unwrap();
+        assert_eq!(verifier.verify(&forged).is_ok(), holds, "{larger:?}");
+        let own = prove(&verifier, &larger, &tour(&robot));
+        assert!(own.is_err() || verifier.verify(&own.unwrap()).is_ok());
+    }
+    let bad = Settings { link_scale: [("tip".to_owned(), -1.0)].into(), ..settings() };
+    assert!(matches!(Verifier::new(&robot, &world, &bad, None), Err(Rejection::CannotScale { .. })));
+}
