@@ -11,7 +11,7 @@ use clearance::geometry::Shape;
 use clearance::math::Vector;
 use clearance::motion::{Certificate, Trajectory, model_fingerprint, world_fingerprint};
 use clearance::node::fuzzing::{MessageKind, OfflineNode, respond_in_memory};
-use clearance::node::recording::{Archive, Prepared, replay};
+use clearance::node::{Archive, Prepared, replay};
 use clearance::robot::{LinkPoses, MeshUse, RecordedMeshes, RobotText};
 use clearance::scene::{AllowedCollisionMatrix, MeshModel, NamedState, Scene, SceneLoader};
 use clearance::verifier::{Verifier, verify};

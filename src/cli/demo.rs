@@ -4,9 +4,8 @@ use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, mpsc};
 
-use clearance::node::recording::Given;
 use clearance::node::{
-    self, Environment, Motion, NodeOptions, Parameters, Reach, RosArguments, Startup, Surroundings,
+    self, Environment, Given, Motion, NodeOptions, Parameters, Reach, RosArguments, Startup, Surroundings,
     ThreadPriority, Trajectory, View,
 };
 use clearance::robot::{MeshFiles, RobotModel, RobotText};
@@ -36,7 +35,7 @@ const MESHES: &[(&str, &[u8])] = meshes! {
 
 /// Runs the demo until it is stopped.
 pub fn run(view: ViewArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
-    node::logging::start(level);
+    node::start_logging(level);
     let startup = Startup::begin(Parameters::default().memory_limit).map_err(failure)?;
     // the demo must be invisible to other machines and must not disturb them
     let environment =

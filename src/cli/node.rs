@@ -4,10 +4,9 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
-use clearance::node::recording::Given;
 use clearance::node::{
-    self, Announcement, Environment, Motion, NodeError, NodeOptions, ParameterSource, RosArguments, Startup,
-    Surroundings, ThreadPriority, Value, View,
+    self, Announcement, Environment, Given, Motion, NodeError, NodeOptions, ParameterSource, RosArguments,
+    Startup, Surroundings, ThreadPriority, Value, View,
 };
 use clearance::robot::{MeshFiles, MeshLog};
 use log::LevelFilter;
@@ -49,7 +48,7 @@ pub struct NodeArgs {
 /// Runs the node until it is stopped.
 pub fn run(args: &NodeArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
     let arguments = args.ros_arguments()?;
-    node::logging::start(arguments.log_level.unwrap_or(level));
+    node::start_logging(arguments.log_level.unwrap_or(level));
     let parameters = node::initial_parameters(&arguments).map_err(failure)?;
     let startup = Startup::begin(parameters.memory_limit).map_err(failure)?;
     let priority = ThreadPriority::allowed(parameters.use_realtime_priority).map_err(failure)?;

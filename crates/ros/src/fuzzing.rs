@@ -12,26 +12,29 @@ use clearance_robot::{MeshFiles, RobotModel};
 use clearance_scene::{MeshModel, Scene, TransformTree};
 use ros2_interfaces_jazzy_serde::moveit_msgs::srv::GetStateValidityRequest;
 
-use crate::cdr;
-use crate::clearance_srvs::{CheckMotionRequest, CheckTrajectoryRequest, MotionTerms};
-use crate::loader::Loader;
-use crate::loader_inputs::{Pass, places_of};
-use crate::messages::{collision_state, joint_state_input};
-use crate::monitor_loop::Event;
-use crate::motion_requests::{answer_motion, answer_trajectory};
-use crate::order::Order;
-use crate::parameter_services::{ParameterStore, changes};
-use crate::parameters::Parameters;
-use crate::recording::SceneDoor;
-use crate::scene::{
-    CloudMessage, Situation, attached_order, note_transforms, object_order, octomap_order, scene_order,
-    state_validity, world_order,
+use crate::dds::cdr;
+use crate::loading::loader::Loader;
+use crate::loading::loader_inputs::Pass;
+use crate::messages::clearance_srvs::{CheckMotionRequest, CheckTrajectoryRequest, MotionTerms};
+use crate::messages::collision_state::collision_state;
+use crate::messages::joint_state::joint_state_input;
+use crate::monitor_events::monitor_event::Event;
+use crate::parameters::parameter_set::Parameters;
+use crate::parameters::parameter_store::ParameterStore;
+use crate::recording::step::SceneDoor;
+use crate::scene::cloud_inbox::CloudMessage;
+use crate::scene::command_conversion::{
+    attached_order, object_order, octomap_order, scene_order, world_order,
 };
-use crate::scene_keeper::SceneUpdateContext;
-use crate::scene_order::SceneOrder;
-use crate::state_requests::{answer_distances, answer_states};
-
-pub use crate::view::respond_in_memory;
+use crate::scene::loader_command::Order;
+use crate::scene::scene_command::SceneOrder;
+use crate::scene::scene_update_context::{SceneUpdateContext, places_of};
+use crate::scene::transform_messages::note_transforms;
+use crate::services::motion_requests::{answer_motion, answer_trajectory};
+use crate::services::parameter_services::changes;
+use crate::services::state_requests::{answer_distances, answer_states};
+use crate::services::state_validity::{Situation, state_validity};
+pub use crate::view::in_memory::respond_in_memory;
 
 /// Longest time (s) of a check, whatever the request asks for.
 const CHECK_TIME: f64 = 0.2;

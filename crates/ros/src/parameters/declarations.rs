@@ -2,12 +2,14 @@
 
 use std::sync::LazyLock;
 
-use super::declaration::{Access, Declaration, Range, TOPICS};
-use super::{CONTINUOUS_DIRECTIONS, Parameters, STALE_SOURCE_POLICIES, UNKNOWN_OR_WARN, UNKNOWN_SPACES};
+use crate::parameters::declaration::{Access, Declaration, Range, TOPICS};
+use crate::parameters::parameter_set::{
+    CONTINUOUS_DIRECTIONS, Parameters, STALE_SOURCE_POLICIES, UNKNOWN_OR_WARN, UNKNOWN_SPACES,
+};
 
 /// Declaration of the parameter with this name.
 #[must_use]
-pub fn declaration(name: &str) -> Option<&'static Declaration> {
+pub fn declaration_of(name: &str) -> Option<&'static Declaration> {
     DECLARATIONS.iter().find(|d| d.name == name)
 }
 

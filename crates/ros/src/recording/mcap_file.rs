@@ -10,8 +10,8 @@ use mcap::records::{Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use ros2_interfaces_jazzy_serde::std_msgs::msg::String as StringMessage;
 
-use super::step::RecordStep;
-use crate::cdr;
+use crate::dds::cdr;
+use crate::recording::step::RecordStep;
 
 /// Private name of the topic that contains the steps.
 pub const STEPS: &str = "recording";

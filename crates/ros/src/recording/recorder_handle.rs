@@ -16,11 +16,11 @@ use ros2_interfaces_jazzy_serde::rosgraph_msgs::msg::Clock;
 use ros2_interfaces_jazzy_serde::sensor_msgs::msg::{JointState, PointCloud2};
 use ros2_interfaces_jazzy_serde::tf2_msgs::msg::TFMessage;
 
-use super::step::{OrderStep, RecordedMonitorEvent};
-use crate::clearance_msgs::{BodyPair, CollisionState};
-use crate::mailbox::{Refused, Sender};
-use crate::messages::collision_state;
-use crate::parameters::Parameters;
+use crate::messages::clearance_msgs::{BodyPair, CollisionState};
+use crate::messages::collision_state::collision_state;
+use crate::parameters::parameter_set::Parameters;
+use crate::recording::step::{OrderStep, RecordedMonitorEvent};
+use crate::threading::mailbox::{Refused, Sender};
 
 /// Largest total size (bytes) of the events in the queue.
 const LONGEST_QUEUE: usize = 256 << 20;
@@ -109,7 +109,7 @@ impl From<&Evaluation> for RecordedResult {
 }
 
 /// An event in the queue to the recorder.
-pub(super) struct Item {
+pub struct Item {
     /// Time of the event (ns since 1970).
     pub at: u64,
     pub what: RecordedEvent,
@@ -128,7 +128,7 @@ struct Line {
 
 /// Counters of the queue: bytes that wait, and events that did not fit.
 #[derive(Debug, Default)]
-pub(super) struct Backlog {
+pub struct Backlog {
     pub bytes: AtomicUsize,
     pub lost: AtomicU64,
     /// The recording has ended: later events are not part of it.
@@ -148,7 +148,7 @@ impl Backlog {
 }
 
 impl RecorderHandle {
-    pub(super) fn to(items: Sender<Item>, backlog: Arc<Backlog>) -> Self {
+    pub fn to(items: Sender<Item>, backlog: Arc<Backlog>) -> Self {
         Self(Some(Arc::new(Line { items, backlog })))
     }
 
@@ -172,7 +172,7 @@ impl RecorderHandle {
 
     /// Counts this number of steps as lost.
     #[cfg(test)]
-    pub(super) fn lose(&self, steps: u64) {
+    pub fn lose(&self, steps: u64) {
         if let Some(line) = &self.0 {
             line.backlog.lost.fetch_add(steps, Ordering::Relaxed);
         }
@@ -199,7 +199,7 @@ impl RecorderHandle {
     }
 }
 
-pub(super) fn system_time() -> u64 {
+pub fn system_time() -> u64 {
     let since_epoch = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     u64::try_from(since_epoch.as_nanos()).unwrap_or(u64::MAX)
 }
@@ -286,9 +286,9 @@ mod tests {
     use std::time::Duration;
 
     use super::*;
-    use crate::clearance_msgs::PairDistance;
-    use crate::mailbox;
-    use crate::waiting::wait_at_most;
+    use crate::messages::clearance_msgs::PairDistance;
+    use crate::threading::mailbox;
+    use crate::threading::timed_wait::wait_at_most;
     use clearance_monitor::{Expiry, Reason, Status};
 
     fn evaluation() -> Evaluation {

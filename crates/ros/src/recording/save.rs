@@ -8,9 +8,9 @@ use std::path::Path;
 use mcap::Attachment;
 use mcap::records::MessageHeader;
 
-use super::mcap_file::{Entry, RawMessage, ReadError, RecordingFile};
-use super::step::RecordStep;
-use super::writer::mcap_writer;
+use crate::recording::mcap_file::{Entry, RawMessage, ReadError, RecordingFile};
+use crate::recording::recorder::mcap_writer;
+use crate::recording::step::RecordStep;
 
 /// Copies a recording up to its answer number `last` (counted from 1). Of the earlier answers it keeps the last `kept`, and those
 /// that the loader used. Everything else is copied completely.

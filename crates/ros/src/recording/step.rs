@@ -7,9 +7,12 @@ use clearance_monitor::{LeftOut, Now, Time};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value as Json};
 
-use crate::monitor_loop::WorldUpdate;
-use crate::parameter_value::{self, Value};
-use crate::parameters::{DECLARATIONS, Parameters, UNKNOWN_OR_WARN};
+use crate::monitor_events::world_update::WorldUpdate;
+use crate::parameters::assignment::assign;
+use crate::parameters::declarations::DECLARATIONS;
+use crate::parameters::parameter_set::{Parameters, UNKNOWN_OR_WARN};
+use crate::parameters::parameter_value;
+use crate::parameters::parameter_value::Value;
 
 /// An event that changed the node's inputs or outputs. Its messages are stored right before it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -219,7 +222,7 @@ pub fn parameters_from_json(json: &Map<String, Json>) -> Result<Parameters, Stri
         // a text stays a text, whatever its meaning in YAML
         let text = value.as_str().map(|text| Value::Text(text.to_owned()));
         let value = text.unwrap_or_else(|| parameter_value::from_node(value));
-        parameters.assign(name, &value)?;
+        assign(&mut parameters, name, &value)?;
     }
     if !json.contains_key("exact_distance_share") {
         // versions without this parameter computed exact distances
@@ -228,7 +231,7 @@ pub fn parameters_from_json(json: &Map<String, Json>) -> Result<Parameters, Stri
     // versions without these parameters had warnings in these cases
     for name in ["blind_cloud", "rejected_obstacle", "lost_messages", "mimic_contradiction"] {
         if !json.contains_key(name) {
-            parameters.assign(name, &Value::Text(UNKNOWN_OR_WARN[1].to_owned()))?;
+            assign(&mut parameters, name, &Value::Text(UNKNOWN_OR_WARN[1].to_owned()))?;
         }
     }
     parameters.check_together()?;

@@ -7,9 +7,9 @@ use std::task::{Context, Poll};
 
 use smol::io::{AsyncRead, AsyncWrite};
 
-use super::server::respond;
-use super::site::Site;
-use super::slot::Slot;
+use crate::view::http_service::Site;
+use crate::view::latest_evaluation::Slot;
+use crate::view::server::respond;
 
 /// The response of a view without a robot to the bytes of a browser.
 #[must_use]

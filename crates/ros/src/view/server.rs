@@ -16,11 +16,11 @@ use smol::net::{TcpListener, TcpStream};
 use smol::{LocalExecutor, Timer};
 use smol_hyper::rt::{FuturesIo, SmolTimer};
 
-use super::ViewAddress;
-use super::site::{Site, VIEWERS};
-use super::slot::Slot;
-use super::watched_stream::WatchedStream;
-use crate::Observer;
+use crate::monitor_events::current_evaluation::Observer;
+use crate::view::address::ViewAddress;
+use crate::view::http_service::{Site, VIEWERS};
+use crate::view::latest_evaluation::Slot;
+use crate::view::watched_stream::WatchedStream;
 
 /// Largest number of connections at once; a page needs two beside its updates.
 const CONNECTIONS: usize = 4 * VIEWERS;

@@ -1,0 +1,319 @@
+//! Replay of a recording: runs the same loader and the same monitor on the recorded events, in the recorded order.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use clearance_monitor::{Evaluation, JointStateHistory, Monitor, Now, Time};
+use clearance_robot::{MeshFiles, RobotModel};
+use clearance_scene::MeshModel;
+use serde_json::{Map, Value as Json};
+
+use crate::loading::loader::{Loader, Surroundings};
+use crate::loading::loader_inputs::Pass;
+use crate::monitor_events::monitor_event::Event;
+use crate::monitor_events::world_update::WorldUpdate;
+use crate::parameters::parameter_set::Parameters;
+use crate::recording::mcap_file::{Entry, ReadError, RecordingFile};
+use crate::recording::step::{
+    Clocks, CloudStep, Late, OrderStep, RecordStep, RecordedMonitorEvent, parameters_from_json,
+};
+use crate::replay::difference::Done;
+use crate::replay::difference::difference;
+use crate::replay::step_messages::{StepMessages, read_order};
+use crate::scene::cloud_inbox::CloudMessage;
+use crate::scene::scene_update_context::{SceneUpdateContext, places_of};
+use crate::scene::transform_messages::note_transforms;
+
+/// Robot and meshes that the command line makes from an archive.
+pub struct Prepared {
+    pub robot: Option<RobotModel>,
+    pub mesh_files: MeshFiles,
+    pub surroundings: Surroundings,
+    pub mesh_model: MeshModel,
+}
+
+impl std::fmt::Debug for Prepared {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Prepared").field("robot", &self.robot).finish_non_exhaustive()
+    }
+}
+
+/// Result of a replay.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
+pub struct Outcome {
+    /// Number of answers that are equal to the recorded ones.
+    pub same: u64,
+    /// Those among them that lacked pairs at their deadline. For these, only the status FREE and the speed scale are compared.
+    pub late: u64,
+    /// The first answer that differs; the replay stops there.
+    pub difference: Option<Difference>,
+    /// Number of steps that the recorder lost. The replay stops there, since their content is unknown.
+    pub lost: Option<u64>,
+    /// Whether the file ends before its footer.
+    pub cut_off: bool,
+    /// Version of the program that recorded it.
+    pub version: String,
+}
+
+/// An answer that differs from the recorded one.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct Difference {
+    /// Number of the answer, counted from 1.
+    pub answer: u64,
+    /// Time of the answer (ns since 1970).
+    pub time: u64,
+    /// Name of the first field that differs.
+    pub field: String,
+    pub recorded: String,
+    pub replayed: String,
+}
+
+/// Replays a recording, up to the first answer that differs.
+pub fn replay(path: &Path, prepared: Prepared) -> Result<Outcome, ReadError> {
+    let mut file = RecordingFile::open(path)?;
+    let mut prepared = Some(prepared);
+    let mut run: Option<Run> = None;
+    let mut outcome = Outcome::default();
+    while let Some(entry) = file.next()? {
+        let Entry::RecordStep { step, messages, itself } = entry else { continue };
+        match (*step, &mut run) {
+            (RecordStep::Started { parameters, version, .. }, None) => {
+                let parameters = parameters_from_json(&parameters).map_err(|why| file.refuse(why))?;
+                let prepared = prepared.take().ok_or_else(|| file.refuse("begins twice"))?;
+                run = Some(Run::new(prepared, &parameters).map_err(|why| file.refuse(why))?);
+                outcome.version = version;
+            }
+            (RecordStep::Lost { steps }, _) => {
+                outcome.lost = Some(steps);
+                return Ok(outcome);
+            }
+            (RecordStep::Ended { .. }, _) => return Ok(outcome),
+            (_, None) => return Err(file.refuse("does not begin with the start of a node")),
+            (step, Some(run)) => {
+                let mut messages = StepMessages::new(messages);
+                let time = itself.log_time;
+                let done = run.follow(step, &mut messages).map_err(|why| file.refuse(why))?;
+                match done {
+                    Done::Nothing => {}
+                    Done::Same(late) => {
+                        outcome.same += 1;
+                        outcome.late += u64::from(late == Late::Pairs);
+                    }
+                    Done::Differs { field, recorded, replayed } => {
+                        let answer = outcome.same + 1;
+                        outcome.difference = Some(Difference { answer, time, field, recorded, replayed });
+                        return Ok(outcome);
+                    }
+                }
+            }
+        }
+    }
+    outcome.cut_off = file.is_cut_off();
+    Ok(outcome)
+}
+
+/// The node without its network: monitor, loader and transforms.
+struct Run {
+    monitor: Monitor,
+    loader: Loader,
+    /// Events that the loader sent and the monitor has not processed yet.
+    told: VecDeque<Event>,
+    transforms: clearance_scene::TransformTree,
+    evaluation: Option<Evaluation>,
+    joint_state_history: JointStateHistory,
+}
+
+impl Run {
+    fn new(prepared: Prepared, parameters: &Parameters) -> Result<Self, String> {
+        let Prepared { robot, mesh_files, surroundings, mesh_model } = prepared;
+        let mut monitor = Monitor::new(parameters.monitor_settings(), || Duration::ZERO);
+        let mut loader = Loader::new((mesh_files, surroundings, mesh_model));
+        if let Some(robot) = robot {
+            let update_context =
+                SceneUpdateContext::first(parameters, Now { ros: None, steady: Duration::ZERO });
+            monitor.set_checker(loader.take_given(robot, &update_context)?);
+        }
+        let transforms = clearance_scene::TransformTree::default();
+        Ok(Self {
+            monitor,
+            loader,
+            told: VecDeque::new(),
+            transforms,
+            evaluation: None,
+            joint_state_history: JointStateHistory::default(),
+        })
+    }
+
+    fn follow(&mut self, step: RecordStep, messages: &mut StepMessages) -> Result<Done, String> {
+        match step {
+            RecordStep::Pass { now, parameters, orders, clouds } => {
+                let pass = self.pass(now, &parameters, (orders, clouds), messages)?;
+                self.loader.carry_out(pass, |event| self.told.push_back(event));
+            }
+            RecordStep::Told(tidings) => return Ok(self.heed(&tidings)),
+            RecordStep::Parameters(parameters) => {
+                self.monitor.set_settings(parameters_from_json(&parameters)?.monitor_settings());
+            }
+            RecordStep::Transforms { now, fixed } => {
+                let now = now.map(Time::from_nanoseconds);
+                drop(note_transforms(&mut self.transforms, messages.next("a transform")?, now, fixed));
+            }
+            RecordStep::Enabled(enabled) => self.monitor.set_enabled(enabled),
+            RecordStep::Looked => self.monitor.note_transforms(&self.transforms),
+            RecordStep::Heard { now, source } => {
+                self.monitor.receive(messages.joint_state(&source)?, now.into());
+            }
+            RecordStep::JointState { now, source, late } => {
+                self.monitor.leave_out(late.into());
+                let evaluation = self.monitor.on_joint_state(messages.joint_state(&source)?, now.into());
+                self.monitor.prepare();
+                return self.compare(evaluation, late, messages);
+            }
+            RecordStep::Heartbeat { now, late } => {
+                self.monitor.leave_out(late.into());
+                let evaluation = self.monitor.on_heartbeat(now.into());
+                return self.compare(evaluation, late, messages);
+            }
+            RecordStep::Started { .. } => return Err("begins twice".to_owned()),
+            RecordStep::Mesh { .. }
+            | RecordStep::Clock
+            | RecordStep::Lost { .. }
+            | RecordStep::Ended { .. } => {}
+        }
+        Ok(Done::Nothing)
+    }
+
+    fn pass(
+        &self,
+        now: Clocks,
+        parameters: &Map<String, Json>,
+        (orders, clouds): (Vec<OrderStep>, Vec<CloudStep>),
+        messages: &mut StepMessages,
+    ) -> Result<Pass, String> {
+        let orders = orders.into_iter().map(|order| read_order(order, messages)).collect::<Result<_, _>>()?;
+        let mut read = BTreeMap::new();
+        for CloudStep { topic, came } in clouds {
+            let cloud = Arc::new(messages.next("a cloud")?);
+            read.insert(topic, CloudMessage { cloud, came: came.into(), since: Instant::now() });
+        }
+        let update_context = SceneUpdateContext {
+            now: now.into(),
+            parameters: parameters_from_json(parameters)?,
+            transforms: self.transforms.clone(),
+            evaluation: self.evaluation.clone(),
+            places: places_of(&read, &self.joint_state_history),
+        };
+        Ok(Pass { update_context, orders, clouds: read })
+    }
+
+    /// Has the monitor process the loader's next event, which must be equal to the recorded one.
+    fn heed(&mut self, recorded: &RecordedMonitorEvent) -> Done {
+        let differs = |replayed: String| Done::Differs {
+            field: "what the loader made of its orders".to_owned(),
+            recorded: format!("{recorded:?}"),
+            replayed,
+        };
+        if *recorded == RecordedMonitorEvent::Described {
+            self.monitor.note_description();
+            return Done::Nothing;
+        }
+        if let RecordedMonitorEvent::Memory { used, limit } = *recorded {
+            self.monitor.note_memory(used, limit);
+            return Done::Nothing;
+        }
+        if let RecordedMonitorEvent::WorldUpdate(
+            update @ (WorldUpdate::Received { .. } | WorldUpdate::Withdrawn),
+        ) = *recorded
+        {
+            update.tell(&mut self.monitor);
+            return Done::Nothing;
+        }
+        self.heed_untold(recorded);
+        match (recorded, self.told.pop_front()) {
+            (RecordedMonitorEvent::Checker, Some(Event::Checker(revision))) => {
+                self.monitor.set_checker(revision);
+            }
+            (RecordedMonitorEvent::ModelSwap, Some(Event::ModelSwap)) => self.monitor.note_model_swap(),
+            (RecordedMonitorEvent::Heeded, Some(Event::Heeded(descriptions))) => {
+                self.monitor.note_heeded(descriptions);
+            }
+            // the text contains folder names of the recording machine, so it is not compared
+            (RecordedMonitorEvent::ModelFault(fault), Some(Event::ModelFault(_))) => {
+                self.monitor.note_model_fault(fault.clone());
+            }
+            (RecordedMonitorEvent::WorldUpdate(told), Some(Event::WorldUpdate(update)))
+                if *told == update =>
+            {
+                update.tell(&mut self.monitor);
+            }
+            (RecordedMonitorEvent::World, Some(Event::World(_, faults, incomplete))) => {
+                self.monitor.note_world_faults(faults, incomplete);
+            }
+            (_, Some(Event::ModelFault(fault))) => return differs(format!("ModelFault: {fault}")),
+            (_, Some(Event::Checker(_))) => return differs("Checker".to_owned()),
+            (_, Some(Event::ModelSwap)) => return differs("ModelSwap".to_owned()),
+            (_, Some(Event::World(..))) => return differs("World".to_owned()),
+            (_, Some(Event::Heeded(_))) => return differs("Heeded".to_owned()),
+            (_, Some(Event::WorldUpdate(update))) => return differs(format!("{update:?}")),
+            // the loader never sends these
+            (
+                _,
+                Some(
+                    Event::Parameters(_)
+                    | Event::Enabled(..)
+                    | Event::Say(_)
+                    | Event::Described
+                    | Event::Memory { .. }
+                    | Event::Stop,
+                )
+                | None,
+            ) => {
+                return differs("nothing".to_owned());
+            }
+        }
+        Done::Nothing
+    }
+
+    /// Applies events that recordings of older versions do not contain.
+    fn heed_untold(&mut self, recorded: &RecordedMonitorEvent) {
+        loop {
+            match self.told.front() {
+                Some(Event::Heeded(descriptions)) if *recorded != RecordedMonitorEvent::Heeded => {
+                    self.monitor.note_heeded(*descriptions);
+                }
+                Some(Event::WorldUpdate(update))
+                    if !matches!(recorded, RecordedMonitorEvent::WorldUpdate(_)) =>
+                {
+                    update.tell(&mut self.monitor);
+                }
+                _ => return,
+            }
+            self.told.pop_front();
+        }
+    }
+
+    fn compare(
+        &mut self,
+        evaluation: Evaluation,
+        late: Late,
+        messages: &mut StepMessages,
+    ) -> Result<Done, String> {
+        let difference = difference(&evaluation, late, messages)?;
+        self.joint_state_history.note(&evaluation);
+        self.evaluation = Some(evaluation);
+        Ok(difference.unwrap_or(Done::Same(late)))
+    }
+}
+
+/// Path of a command-line argument as it is stored in a recording.
+#[must_use]
+pub fn recorded_path(path: &Path) -> PathBuf {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = folder.canonicalize().or_else(|_| std::path::absolute(folder));
+    match (folder, path.file_name()) {
+        (Ok(folder), Some(name)) => folder.join(name),
+        _ => path.to_owned(),
+    }
+}

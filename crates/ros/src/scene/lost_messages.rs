@@ -1,0 +1,128 @@
+//! Scene messages that were lost on the network, so that their content is unknown.
+
+use std::collections::BTreeMap;
+
+use clearance_monitor::Reason;
+use clearance_scene::SceneUpdate;
+
+use crate::recording::step::SceneDoor;
+
+type Counts = BTreeMap<&'static str, u64>;
+
+/// Number of lost messages per topic, until a later update replaces everything that they may have changed.
+#[derive(Debug, Default)]
+pub struct LostMessages {
+    now: Counts,
+    /// Counts for the scene that is in use; `since` counts the messages that were lost after it.
+    in_force: Counts,
+    since: Counts,
+}
+
+impl LostMessages {
+    pub fn note(&mut self, topic: &'static str, count: u64) {
+        if count > 0 {
+            add(&mut self.now, topic, count);
+            add(&mut self.since, topic, count);
+        }
+    }
+
+    /// Clears the counts of the topics whose content this update replaces completely.
+    pub fn heed(&mut self, update: &SceneUpdate) {
+        match update {
+            // such an update contains no attached objects, collision matrices or paddings
+            SceneUpdate::World(_) => self.heed_world(),
+            whole if whole.is_whole_of_robot() => self.now.clear(),
+            // such an update does not change attached objects
+            SceneUpdate::Scene(scene) if !scene.is_diff => self.heed_world(),
+            _ => {}
+        }
+    }
+
+    /// All obstacles were replaced.
+    fn heed_world(&mut self) {
+        let of_world = [SceneDoor::CollisionObject, SceneDoor::PlanningSceneWorld].map(SceneDoor::name);
+        self.now.retain(|topic, _| !of_world.contains(topic));
+    }
+
+    /// The latest updates are now in use.
+    pub fn note_in_use(&mut self) {
+        self.in_force = self.now.clone();
+        self.since.clear();
+    }
+
+    /// The latest updates were not taken into use: restores the previous counts.
+    pub fn go_back(&mut self) {
+        self.now = self.in_force.clone();
+        for (topic, count) in &self.since {
+            add(&mut self.now, topic, *count);
+        }
+    }
+
+    /// Why the world is incomplete, if messages were lost.
+    #[must_use]
+    pub fn reason(&self) -> Option<Reason> {
+        let topics: Vec<String> =
+            self.now.iter().map(|(topic, count)| format!("{count} of {topic}")).collect();
+        (!topics.is_empty()).then_some(Reason::LostMessages { topics })
+    }
+
+    /// One warning per topic with lost messages.
+    pub fn told(&self) -> impl Iterator<Item = String> {
+        self.now.iter().map(|(topic, count)| {
+            format!("{topic}: {count} messages were lost: what they changed is missing here until a whole scene comes")
+        })
+    }
+}
+
+fn add(counts: &mut Counts, topic: &'static str, count: u64) {
+    let known = counts.entry(topic).or_default();
+    *known = known.saturating_add(count);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    use clearance_scene::SceneChange;
+
+    fn told(lost: &LostMessages) -> Vec<String> {
+        lost.told().map(|text| text.split(" messages").next().unwrap_or_default().to_owned()).collect()
+    }
+
+    fn scene(is_diff: bool) -> SceneUpdate {
+        SceneUpdate::Scene(Box::new(SceneChange { is_diff, ..SceneChange::default() }))
+    }
+
+    #[test]
+    fn they_are_counted_by_topic_until_what_they_said_is_told_anew() {
+        let mut lost = LostMessages::default();
+        let [object, attached] =
+            [SceneDoor::CollisionObject, SceneDoor::AttachedCollisionObject].map(SceneDoor::name);
+        for (topic, count) in [(object, 2), ("a", 0), (object, u64::MAX), (attached, 1)] {
+            lost.note(topic, count);
+        }
+        let of_objects = format!("collision_object: {}", u64::MAX);
+        assert_eq!(told(&lost), ["attached_collision_object: 1", &of_objects]);
+        lost.heed(&scene(true));
+        assert_eq!(told(&lost).len(), 2);
+        lost.heed(&SceneUpdate::World(Box::default()));
+        assert_eq!(told(&lost), ["attached_collision_object: 1"]);
+        lost.heed(&scene(false));
+        assert!(told(&lost).is_empty());
+    }
+
+    #[test]
+    fn a_scene_that_did_not_come_into_force_told_nothing() {
+        let mut lost = LostMessages::default();
+        lost.note("a", 2);
+        lost.note_in_use();
+        lost.note("b", 1);
+        lost.heed(&scene(false));
+        lost.go_back();
+        assert_eq!(told(&lost), ["a: 2", "b: 1"]);
+        lost.heed(&scene(false));
+        lost.note_in_use();
+        lost.go_back();
+        assert!(told(&lost).is_empty());
+    }
+}

@@ -1,0 +1,234 @@
+//! `~/check_trajectory` as an action: goals share the request queue of the services, and publish feedback.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use clearance_checker::{UndecidedReason, Watch};
+use futures_lite::future;
+use smol::{LocalExecutor, Timer};
+
+use crate::clock::RosClock;
+use crate::dds::Stamp;
+use crate::dds::action_server::{ActionServer, GoalId, GoalInfo, Standing};
+use crate::dds::middleware::Middleware;
+use crate::dds::middleware_error::MiddlewareError;
+use crate::dds::server::RequestId;
+use crate::dds::type_name::TypeName;
+use crate::messages::clearance_srvs::{
+    CheckTrajectoryFeedback, CheckTrajectoryRequest, CheckTrajectoryResponse, MotionFindings,
+};
+use crate::names::Names;
+use crate::services::action_goals::{Canceled, Goals, ResultRequest};
+
+/// Period of the feedback.
+const PERIOD: Duration = Duration::from_millis(50);
+
+/// Queued goal.
+pub struct Goal {
+    pub id: GoalId,
+    pub request: CheckTrajectoryRequest,
+    pub watch: Watch,
+}
+
+/// Data for the feedback of a goal that is being checked.
+pub struct Begun {
+    pub id: GoalId,
+    pub watch: Watch,
+    /// Time (s) at the end of each segment; empty if the trajectory has no times.
+    ends: Vec<f64>,
+    segments: usize,
+}
+
+pub struct TrajectoryAction {
+    server: ActionServer<CheckTrajectoryRequest, CheckTrajectoryResponse, CheckTrajectoryFeedback>,
+    goals: Mutex<Goals<RequestId, CheckTrajectoryResponse>>,
+    clock: Arc<RosClock>,
+}
+
+impl TrajectoryAction {
+    pub fn offer(
+        middleware: &Middleware,
+        names: &Names,
+        clock: Arc<RosClock>,
+    ) -> Result<Self, MiddlewareError> {
+        let name = names.resolve("~/check_trajectory")?;
+        let server = middleware.action_server(&name, TypeName::new("clearance_msgs", "CheckTrajectory"))?;
+        Ok(Self { server, goals: Mutex::default(), clock })
+    }
+
+    fn goals(&self) -> MutexGuard<'_, Goals<RequestId, CheckTrajectoryResponse>> {
+        // the goals are valid between any two statements, so a poisoned lock is safe to use
+        self.goals.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Handles requests without end; `enqueue` returns whether the queue had space for a goal.
+    pub async fn serve<'a>(&'a self, sending: &LocalExecutor<'a>, enqueue: impl Fn(Goal) -> bool) {
+        let goals = async {
+            loop {
+                let (ticket, id, request) = self.server.next_goal().await;
+                let (accepted, stamp) = self.accept(id, request, &enqueue);
+                sending.spawn(self.server.answer_goal(ticket, accepted, stamp)).detach();
+            }
+        };
+        let cancellations = async {
+            loop {
+                let (ticket, wanted) = self.server.next_cancellation().await;
+                self.cancel(ticket, &wanted, sending);
+            }
+        };
+        let results = async {
+            loop {
+                let (ticket, id) = self.server.next_result_request().await;
+                self.goals().forget(self.clock.steady());
+                let asked = self.goals().ask(id, ticket);
+                let (ticket, status, result) = match asked {
+                    ResultRequest::Ended(ticket, status, result) => (ticket, status, result),
+                    ResultRequest::Later => continue,
+                    ResultRequest::Unknown(ticket) => {
+                        (ticket, Standing::Unknown, CheckTrajectoryResponse::default())
+                    }
+                };
+                sending.spawn(self.server.answer_result(ticket, status, result)).detach();
+            }
+        };
+        future::zip(future::zip(goals, cancellations), results).await;
+    }
+
+    fn accept(
+        &self,
+        id: GoalId,
+        request: CheckTrajectoryRequest,
+        enqueue: impl Fn(Goal) -> bool,
+    ) -> (bool, Stamp) {
+        let now = self.clock.now().unwrap_or_default();
+        let stamp = Stamp::from_nanos(now.nanoseconds());
+        let watch = Watch::default();
+        if !self.goals().accept(id, stamp, watch.clone()) {
+            log::debug!("a goal of check_trajectory is rejected: its identifier is that of another");
+            return (false, stamp);
+        }
+        let accepted = enqueue(Goal { id, request, watch });
+        if accepted {
+            self.tell_standings();
+        } else {
+            log::debug!("a goal of check_trajectory is rejected: too many requests are waiting already");
+            self.goals().reject(id);
+        }
+        (accepted, stamp)
+    }
+
+    fn cancel<'a>(&'a self, ticket: RequestId, wanted: &GoalInfo, sending: &LocalExecutor<'a>) {
+        let Canceled { code, canceling, not_begun } = self.goals().cancel(wanted);
+        sending.spawn(self.server.answer_cancellation(ticket, code, canceling)).detach();
+        self.tell_standings();
+        for id in not_begun {
+            self.end(id, &canceled(), sending);
+        }
+    }
+
+    /// Publishes feedback about a check periodically, until it ends.
+    pub fn follow<'a>(&'a self, begun: Begun, sending: &LocalExecutor<'a>) {
+        self.goals().begin(begun.id);
+        self.tell_standings();
+        let follow = async move {
+            let mut told = None;
+            while self.goals().is_open(begun.id) {
+                let free = begun.watch.segments_free();
+                if told.replace(free) != Some(free) {
+                    self.server.tell_progress(begun.id, begun.feedback(free));
+                }
+                Timer::after(PERIOD).await;
+            }
+        };
+        sending.spawn(follow).detach();
+    }
+
+    /// Ends a goal with its result.
+    pub fn end<'a>(&'a self, id: GoalId, response: &CheckTrajectoryResponse, sending: &LocalExecutor<'a>) {
+        let motion = &response.motion;
+        let status = if motion.verdict == MotionFindings::ERROR {
+            Standing::Aborted
+        } else if motion.reason_code == UndecidedReason::Canceled.code() {
+            Standing::Canceled
+        } else {
+            Standing::Succeeded
+        };
+        let waiting = self.goals().end(id, status, response.clone(), self.clock.steady());
+        // a goal that was canceled before it started has ended already
+        let Some(waiting) = waiting else { return };
+        self.tell_standings();
+        for ticket in waiting {
+            sending.spawn(self.server.answer_result(ticket, status, response.clone())).detach();
+        }
+    }
+
+    fn tell_standings(&self) {
+        let standings = self.goals().standings();
+        self.server.tell_standings(standings);
+    }
+}
+
+/// Result of a trajectory that was canceled before its check started.
+fn canceled() -> CheckTrajectoryResponse {
+    let motion = MotionFindings {
+        verdict: MotionFindings::UNDECIDED,
+        message: "canceled before it was looked at".to_owned(),
+        reason_code: UndecidedReason::Canceled.code().to_owned(),
+        t_contact: 1.0,
+        distance_upper: f64::INFINITY,
+        ..MotionFindings::default()
+    };
+    CheckTrajectoryResponse::unchecked(motion)
+}
+
+impl Begun {
+    pub fn of(goal: &Goal) -> Self {
+        let points = &goal.request.trajectory.points;
+        let seconds = |(sec, nanosec): (i32, u32)| f64::from(sec) + 1e-9 * f64::from(nanosec);
+        let times = points.iter().map(|p| seconds((p.time_from_start.sec, p.time_from_start.nanosec)));
+        let timed = points.iter().any(|p| p.time_from_start.sec != 0 || p.time_from_start.nanosec != 0);
+        let ends = if timed { times.collect() } else { Vec::new() };
+        Self { id: goal.id, watch: goal.watch.clone(), ends, segments: points.len().saturating_sub(1) }
+    }
+
+    fn feedback(&self, free: usize) -> CheckTrajectoryFeedback {
+        let count = |number: usize| u32::try_from(number).unwrap_or(u32::MAX);
+        let share = f64::from(count(free)) / f64::from(count(self.segments.max(1)));
+        CheckTrajectoryFeedback {
+            segments_free: count(free),
+            segments: count(self.segments),
+            t_free: share,
+            time_free: self.ends.get(free).copied().unwrap_or(f64::NAN),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use ros2_interfaces_jazzy_serde::builtin_interfaces::msg::Duration as SpanMessage;
+    use ros2_interfaces_jazzy_serde::trajectory_msgs::msg::JointTrajectoryPoint;
+
+    use super::*;
+
+    fn begun(seconds: &[i32]) -> Begun {
+        let mut request = CheckTrajectoryRequest::default();
+        request.trajectory.points = (seconds.iter())
+            .map(|&sec| JointTrajectoryPoint {
+                time_from_start: SpanMessage { sec, nanosec: 0 },
+                ..JointTrajectoryPoint::default()
+            })
+            .collect();
+        Begun::of(&Goal { id: GoalId::ZERO, request, watch: Watch::default() })
+    }
+
+    #[test]
+    fn progress_is_told_in_segments_and_in_time() {
+        let told = begun(&[0, 2, 3, 7, 9]).feedback(2);
+        assert_eq!((told.segments_free, told.segments), (2, 4));
+        assert_eq!((told.t_free, told.time_free), (0.5, 3.0));
+        let told = begun(&[0, 0, 0]).feedback(2);
+        assert!(told.t_free == 1.0 && told.time_free.is_nan());
+        let told = begun(&[]).feedback(0);
+        assert!(told.t_free == 0.0 && told.segments == 0);
+    }
+}

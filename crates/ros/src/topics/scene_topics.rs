@@ -1,0 +1,253 @@
+//! Subscriptions of the world topics. Messages become orders of the loader; transforms are stored in the tree directly.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use futures_lite::{FutureExt, future};
+use ros2_interfaces_jazzy_serde::moveit_msgs::msg::{
+    AttachedCollisionObject, CollisionObject, PlanningScene, PlanningSceneWorld,
+};
+use ros2_interfaces_jazzy_serde::octomap_msgs::msg::Octomap;
+use ros2_interfaces_jazzy_serde::sensor_msgs::msg::PointCloud2;
+use ros2_interfaces_jazzy_serde::tf2_msgs::msg::TFMessage;
+use smol::channel::Receiver;
+
+use crate::dds::Message;
+use crate::dds::decode_error_log::DecodeErrorLog;
+use crate::dds::middleware::Middleware;
+use crate::dds::middleware_error::MiddlewareError;
+use crate::dds::quality::Quality;
+use crate::dds::sequence_gaps::SequenceGaps;
+use crate::dds::subscription::{Origin, Subscription};
+use crate::dds::type_name::TypeName;
+use crate::names::Names;
+use crate::recording::recorder_handle::RecordedEvent;
+use crate::recording::step::SceneDoor;
+use crate::scene::cloud_inbox::CloudMessage;
+use crate::scene::loader_command::Order;
+use crate::scene::scene_command::SceneOrder;
+use crate::scene::scene_command_sender::SceneCommandSender;
+use crate::scene::shared_state::Shared;
+use crate::scene::transform_messages::note_transforms;
+use crate::topics::scene_requester::{RequestContext, SceneRequester};
+
+/// The two octomap topics.
+const OCTOMAP_DOORS: [SceneDoor; 2] = [SceneDoor::OctomapBinary, SceneDoor::OctomapFull];
+
+/// All subscriptions about the world.
+pub struct SceneTopics {
+    middleware: Middleware,
+    names: Names,
+    scenes: Subscription<PlanningScene>,
+    worlds: Subscription<PlanningSceneWorld>,
+    objects: Subscription<CollisionObject>,
+    attached: Subscription<AttachedCollisionObject>,
+    /// Each octomap topic has two subscriptions, one for each kind of publisher.
+    octomaps: [[Subscription<Octomap>; 2]; 2],
+    tf: Subscription<TFMessage>,
+    tf_static: Subscription<TFMessage>,
+    pub sender: SceneCommandSender,
+    /// Receives a notice when a parameter changed.
+    changes: Receiver<()>,
+}
+
+/// Detects duplicates on a topic with two subscriptions, which must not count twice.
+#[derive(Default)]
+struct Twins {
+    last: Option<(usize, Octomap, Instant)>,
+}
+
+impl SceneTopics {
+    pub fn open(
+        middleware: &Middleware,
+        names: &Names,
+        sender: SceneCommandSender,
+        changes: Receiver<()>,
+    ) -> Result<Self, MiddlewareError> {
+        let moveit = |kind| TypeName::new("moveit_msgs", kind);
+        let octomap = |name: &str| -> Result<_, MiddlewareError> {
+            let (name, kind) = (names.resolve(name)?, TypeName::new("octomap_msgs", "Octomap"));
+            Ok([
+                middleware.subscription(&name, kind, Quality::ReliableBulk)?,
+                middleware.subscription(&name, kind, Quality::LatchedBulk)?,
+            ])
+        };
+        let tf = TypeName::new("tf2_msgs", "TFMessage");
+        let reliable = Quality::Reliable;
+        Ok(Self {
+            scenes: middleware.subscription(
+                &names.resolve("planning_scene")?,
+                moveit("PlanningScene"),
+                reliable,
+            )?,
+            worlds: middleware.subscription(
+                &names.resolve("planning_scene_world")?,
+                moveit("PlanningSceneWorld"),
+                reliable,
+            )?,
+            objects: middleware.subscription(
+                &names.resolve("collision_object")?,
+                moveit("CollisionObject"),
+                reliable,
+            )?,
+            attached: middleware.subscription(
+                &names.resolve("attached_collision_object")?,
+                moveit("AttachedCollisionObject"),
+                reliable,
+            )?,
+            octomaps: [octomap("octomap_binary")?, octomap("octomap_full")?],
+            tf: middleware.subscription(&names.resolve("tf")?, tf, Quality::BestEffort)?,
+            tf_static: middleware.subscription(&names.resolve("tf_static")?, tf, Quality::Kept)?,
+            middleware: middleware.clone(),
+            names: names.clone(),
+            sender,
+            changes,
+        })
+    }
+
+    /// Receives messages. Never returns.
+    pub async fn receive(&self) {
+        let twins: [Mutex<Twins>; 2] = Default::default();
+        let sender = &self.sender;
+        let objects = self.receive_topic(SceneDoor::CollisionObject, &self.objects, |m, lost| {
+            Some(sender.after(sender.object(m), lost))
+        });
+        let attached = self.receive_topic(SceneDoor::AttachedCollisionObject, &self.attached, |m, lost| {
+            Some(sender.after(sender.attached(m), lost))
+        });
+        let worlds =
+            self.receive_topic(SceneDoor::PlanningSceneWorld, &self.worlds, |m, _| Some(sender.world(m)));
+        let scenes = self.receive_topic(SceneDoor::PlanningScene, &self.scenes, |m, lost| {
+            Some(sender.after(sender.scene(SceneDoor::PlanningScene, m), lost))
+        });
+        let octomap = |topic: usize, twin: usize| {
+            let last = &twins[topic];
+            self.receive_topic(OCTOMAP_DOORS[topic], &self.octomaps[topic][twin], move |m, _| {
+                let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
+                last.is_new(twin, &m).then(|| sender.octomap(OCTOMAP_DOORS[topic], m))
+            })
+        };
+        let scenes = future::zip(future::zip(objects, attached), future::zip(worlds, scenes));
+        let octomaps =
+            future::zip(future::zip(octomap(0, 0), octomap(0, 1)), future::zip(octomap(1, 0), octomap(1, 1)));
+        let transforms = future::zip(self.follow(&self.tf, false), self.follow(&self.tf_static, true));
+        let requests = RequestContext { middleware: &self.middleware, names: &self.names, sender };
+        let others = future::zip(self.watch(), SceneRequester::default().run(requests));
+        future::zip(future::zip(scenes, octomaps), future::zip(transforms, others)).await;
+    }
+
+    /// Converts messages to orders. `read` receives the number of messages that were lost right before each.
+    async fn receive_topic<M: Message + 'static>(
+        &self,
+        by: SceneDoor,
+        topic: &Subscription<M>,
+        read: impl Fn(M, u64) -> Option<SceneOrder>,
+    ) {
+        let mut arrivals = SequenceGaps::default();
+        loop {
+            let Ok((message, Origin { publisher, number, received })) = topic.next_or_unreadable().await
+            else {
+                self.sender.note_update(Instant::now());
+                if !self.sender.send(Order::Scene(Box::new(self.sender.unreadable(by)))).await {
+                    return;
+                }
+                continue;
+            };
+            if self.middleware.is_own(publisher) {
+                // this node's own scene, if both topics have the same name
+                continue;
+            }
+            let lost = number.map_or(0, |number| arrivals.missing_before(publisher, number));
+            self.sender.note_update(received);
+            let Some(order) = read(message, lost) else {
+                self.sender.note_update_withdrawn();
+                continue;
+            };
+            if !self.sender.send(Order::Scene(Box::new(order))).await {
+                return;
+            }
+        }
+    }
+
+    async fn follow(&self, topic: &Subscription<TFMessage>, fixed: bool) {
+        let complaints = DecodeErrorLog::default();
+        loop {
+            let (message, _) = topic.next().await;
+            let (fault, is_elsewhere) = self.heed(message, fixed);
+            if let Some(fault) = fault {
+                complaints.warn(|| fault);
+            }
+            if is_elsewhere && !self.sender.send(Order::Frames).await {
+                return;
+            }
+        }
+    }
+
+    /// Stores transforms. Returns what is wrong with them, and whether obstacles have to be moved now.
+    fn heed(&self, message: TFMessage, fixed: bool) -> (Option<String>, bool) {
+        let Shared { transforms, grounds, clock, tape, .. } = &self.sender.shared;
+        let now = clock.now();
+        let mut tree = transforms.lock().unwrap_or_else(PoisonError::into_inner);
+        // the recording has to contain it before any result that depends on this tree
+        tape.note(|| RecordedEvent::Transforms { message: message.clone(), now, fixed });
+        let fault = note_transforms(&mut tree, message, now, fixed);
+        (fault, grounds.lock().unwrap_or_else(PoisonError::into_inner).are_elsewhere(&tree))
+    }
+
+    /// Subscribes to the clouds that the parameters name. Never returns.
+    async fn watch(&self) {
+        let mut watched: HashMap<String, Subscription<PointCloud2>> = HashMap::new();
+        loop {
+            let topics = self.sender.shared.store.get().point_cloud_topics;
+            watched.retain(|topic, _| topics.contains(topic));
+            for topic in
+                topics.iter().filter(|topic| !watched.contains_key(*topic)).cloned().collect::<Vec<_>>()
+            {
+                match self.subscribe(&topic) {
+                    Ok(subscription) => drop(watched.insert(topic, subscription)),
+                    Err(error) => log::error!("point_cloud_topics: {error}"),
+                }
+            }
+            let change = async {
+                if self.changes.recv().await.is_err() {
+                    future::pending::<()>().await;
+                }
+            };
+            let clouds = watched.iter().map(|(topic, clouds)| self.clouds(topic, clouds).boxed_local());
+            let clouds =
+                clouds.fold(future::pending().boxed_local(), |all, one| future::or(all, one).boxed_local());
+            future::or(change, clouds).await;
+        }
+    }
+
+    fn subscribe(&self, topic: &str) -> Result<Subscription<PointCloud2>, MiddlewareError> {
+        let kind = TypeName::new("sensor_msgs", "PointCloud2");
+        self.middleware.subscription(&self.names.resolve(topic)?, kind, Quality::Bulk)
+    }
+
+    async fn clouds(&self, topic: &str, clouds: &Subscription<PointCloud2>) {
+        loop {
+            let (cloud, origin) = clouds.next().await;
+            let (came, since) = (self.sender.shared.clock.read(), origin.received);
+            let message = CloudMessage { cloud: Arc::new(cloud), came, since };
+            self.sender.shared.clouds.put(topic, message);
+            if !self.sender.send(Order::Clouds).await {
+                return;
+            }
+        }
+    }
+}
+
+impl Twins {
+    /// Whether a message is not the other subscription's copy of the previous one.
+    fn is_new(&mut self, way: usize, message: &Octomap) -> bool {
+        const SOON: Duration = Duration::from_secs(2);
+        let is_copy = (self.last.take())
+            .is_some_and(|(other, before, at)| other != way && at.elapsed() < SOON && before == *message);
+        if !is_copy {
+            self.last = Some((way, message.clone(), Instant::now()));
+        }
+        !is_copy
+    }
+}
