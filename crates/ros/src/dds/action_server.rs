@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 use crate::dds::decode_error_log::DecodeErrorLog;
 use crate::dds::lock::lock;
 use crate::dds::peers::Peers;
-use crate::dds::response_sender::Answering;
+use crate::dds::response_sender::ResponseSender;
 use crate::dds::server::RequestId;
 use crate::dds::{Message, wakeup};
 use crate::names::FullName;
@@ -28,7 +28,7 @@ pub use ros2_client::action::GoalId;
 pub use ros2_client::action_msgs::{CancelGoalResponseEnum as CancelCode, GoalInfo, GoalStatus};
 
 /// Status of a goal.
-pub type Standing = GoalStatusEnum;
+pub type GoalStatusCode = GoalStatusEnum;
 
 /// Server of one action.
 pub struct ActionServer<Goal, Outcome, Progress>
@@ -42,8 +42,8 @@ where
     name: FullName,
     peers: Arc<Peers>,
     /// Sends the results, which may be longer than a datagram.
-    results: Answering,
-    complaints: DecodeErrorLog,
+    results: ResponseSender,
+    decode_errors: DecodeErrorLog,
     priority: ThreadPriority,
 }
 
@@ -66,7 +66,7 @@ macro_rules! next_request {
                 Ok((id, request)) => break (RequestId(id), request),
                 Err(error) => {
                     $self
-                        .complaints
+                        .decode_errors
                         .warn(|| format!("a request to {} could not be read: {error}", $self.name));
                 }
             }
@@ -86,13 +86,14 @@ where
         peers: Arc<Peers>,
         priority: ThreadPriority,
     ) -> Self {
-        let results = Answering::new(name.clone(), &format!("{name}/_action/get_result"), Arc::clone(&peers));
+        let results =
+            ResponseSender::new(name.clone(), &format!("{name}/_action/get_result"), Arc::clone(&peers));
         Self {
             inner: Mutex::new(inner),
             name,
             peers,
             results,
-            complaints: DecodeErrorLog::default(),
+            decode_errors: DecodeErrorLog::default(),
             priority,
         }
     }
@@ -117,7 +118,7 @@ where
             match read {
                 Ok(Cancellation { goal_info }) => return (id, goal_info),
                 Err(error) => {
-                    self.complaints
+                    self.decode_errors
                         .warn(|| format!("a cancellation of {} could not be read: {error}", self.name));
                 }
             }
@@ -129,13 +130,13 @@ where
         (id, goal_id)
     }
 
-    pub async fn answer_goal(&self, RequestId(id): RequestId, accepted: bool, stamp: Stamp) {
+    pub async fn respond_to_goal(&self, RequestId(id): RequestId, accepted: bool, stamp: Stamp) {
         self.await_reader(&id).await;
         let response = SendGoalResponse { accepted, stamp };
         self.check(self.call(|inner| inner.send_goal_response(id, response)));
     }
 
-    pub async fn answer_cancellation(
+    pub async fn respond_to_cancellation(
         &self,
         RequestId(id): RequestId,
         return_code: CancelCode,
@@ -146,19 +147,19 @@ where
         self.check(self.call(|inner| inner.send_cancel_response(id, response)));
     }
 
-    pub async fn answer_result(&self, RequestId(id): RequestId, status: Standing, result: Outcome) {
+    pub async fn respond_to_result(&self, RequestId(id): RequestId, status: GoalStatusCode, result: Outcome) {
         let write = |id, response| self.call(|inner| inner.send_result(id, response));
         self.results.send(id, GetResultResponse { status, result }, write).await;
     }
 
-    pub fn tell_progress(&self, goal_id: GoalId, feedback: Progress) {
+    pub fn publish_feedback(&self, goal_id: GoalId, feedback: Progress) {
         let message = FeedbackMessage { goal_id, feedback };
         let sent = self.call(|inner| inner.feedback_publisher().publish(message));
         self.check(sent);
     }
 
     /// Publishes the status of all known goals.
-    pub fn tell_standings(&self, status_list: Vec<GoalStatus>) {
+    pub fn publish_statuses(&self, status_list: Vec<GoalStatus>) {
         self.check(self.call(|inner| inner.send_goal_statuses(GoalStatusArray { status_list })));
     }
 

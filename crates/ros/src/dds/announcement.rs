@@ -8,13 +8,13 @@ use std::time::{Duration, Instant};
 use rustdds::{DomainParticipant, DomainParticipantBuilder, RTPSEntity as _};
 
 use crate::dds::discovery_probe;
-use crate::dds::middleware_error::{MiddlewareError, refused};
+use crate::dds::middleware_error::{MiddlewareError, error_with};
 use crate::dds::receive_thread_watch::watch_panics;
 use crate::environment::{Environment, Reach};
 use crate::threading::thread_priority::ThreadPriority;
 
 /// Delay between the announcement of the participant and the announcement of its endpoints.
-const INTRODUCTION: Duration = Duration::from_millis(200);
+const DISCOVERY_DELAY: Duration = Duration::from_millis(200);
 
 /// An announced DDS participant without endpoints.
 ///
@@ -44,9 +44,9 @@ impl Announcement {
             participant = participant.with_only_networks([Ipv4Addr::LOCALHOST]);
         }
         let participant = (priority.inherited_by(|| without_signals(|| participant.build())))
-            .map_err(refused("cannot start threads of realtime priority"))?
-            .map_err(refused("cannot join the ROS network"))?;
-        discovery_probe::go_ahead(participant.guid().to_bytes(), environment.domain);
+            .map_err(error_with("cannot start threads of realtime priority"))?
+            .map_err(error_with("cannot join the ROS network"))?;
+        discovery_probe::start_probe(participant.guid().to_bytes(), environment.domain);
         Ok(Self { environment, priority, participant, since: Instant::now() })
     }
 
@@ -62,8 +62,8 @@ impl Announcement {
     }
 
     /// Returns the participant once peers have had time to discover it.
-    pub(super) fn heard(self) -> DomainParticipant {
-        thread::sleep(INTRODUCTION.saturating_sub(self.since.elapsed()));
+    pub(super) fn discovered(self) -> DomainParticipant {
+        thread::sleep(DISCOVERY_DELAY.saturating_sub(self.since.elapsed()));
         self.participant
     }
 }

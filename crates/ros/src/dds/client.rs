@@ -25,18 +25,18 @@ impl<Request: Message + 'static, Response: Message + 'static> Client<Request, Re
         Self { inner, name, priority }
     }
 
-    /// Sends a request and waits at most `patience` for the response. The error describes why there is none. A server that has not
+    /// Sends a request and waits at most `timeout` for the response. The error describes why there is none. A server that has not
     /// discovered this client yet may not receive the request: the caller has to send it again.
-    pub async fn call(&self, request: Request, patience: Duration) -> Result<Response, String> {
-        let answer = async {
+    pub async fn call(&self, request: Request, timeout: Duration) -> Result<Response, String> {
+        let response = async {
             wakeup::wait(self.priority, self.inner.async_call_service(request))
                 .await
                 .map_err(|error| format!("{} was called in vain: {error}", self.name))
         };
-        let silence = async {
-            Timer::after(patience).await;
-            Err(format!("{} did not answer within {patience:?}", self.name))
+        let timeout = async {
+            Timer::after(timeout).await;
+            Err(format!("{} did not answer within {timeout:?}", self.name))
         };
-        future::or(answer, silence).await
+        future::or(response, timeout).await
     }
 }

@@ -36,8 +36,8 @@ mod tests {
 
     #[test]
     fn a_flood_is_told_once_in_a_while() {
-        let (complaints, start) = (DecodeErrorLog::default(), Instant::now());
-        let due = |milliseconds| complaints.is_due(start + Duration::from_millis(milliseconds));
+        let (decode_errors, start) = (DecodeErrorLog::default(), Instant::now());
+        let due = |milliseconds| decode_errors.is_due(start + Duration::from_millis(milliseconds));
         assert_eq!([0, 1, 999, 1001, 1002, 2500].map(due), [true, false, false, true, false, true]);
     }
 }

@@ -29,27 +29,27 @@ const PATIENCE: Duration = Duration::from_millis(60);
 const LONGEST: usize = 4096;
 
 /// Entities of discovery, by the last four bytes of their identifiers (DDSI-RTPS 2.5, table 9.2).
-const ANYBODY: [u8; 4] = [0; 4];
+const ANY_READER: [u8; 4] = [0; 4];
 const PARTICIPANT: [u8; 4] = [0, 0, 1, 0xc1];
 const ANNOUNCER: [u8; 4] = [0, 1, 0, 0xc2];
 
 /// Sends a discovery probe for `own`, a participant of that domain that was made just now. Does not wait for the probe to end.
-pub fn go_ahead(own: Entity, domain: u16) {
-    let explore = move || {
-        if let Err(error) = explore(&own, &discovery_addresses(domain), PATIENCE) {
+pub fn start_probe(own: Entity, domain: u16) {
+    let run_probe = move || {
+        if let Err(error) = run_probe(&own, &discovery_addresses(domain), PATIENCE) {
             log::debug!("others are met a second later: {error}");
         }
     };
     // without a thread for the probe, local participants are discovered a second later
-    let _ = thread::Builder::new().name("discovery_probe".to_owned()).spawn(explore);
+    let _ = thread::Builder::new().name("discovery_probe".to_owned()).spawn(run_probe);
 }
 
-fn explore(own: &Entity, everybody: &[SocketAddr], patience: Duration) -> io::Result<()> {
+fn run_probe(own: &Entity, addresses: &[SocketAddr], timeout: Duration) -> io::Result<()> {
     let socket = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0))?;
-    let announcement = announcement(&scout_of(own), socket.local_addr()?.port());
-    let send = |message: &[u8]| everybody.iter().try_for_each(|to| socket.send_to(message, to).map(|_| ()));
+    let announcement = announcement(&probe_id(own), socket.local_addr()?.port());
+    let send = |message: &[u8]| addresses.iter().try_for_each(|to| socket.send_to(message, to).map(|_| ()));
     send(&announcement)?;
-    let end = Instant::now() + patience;
+    let end = Instant::now() + timeout;
     let mut buffer = [0; LONGEST];
     loop {
         let left = end.saturating_duration_since(Instant::now());
@@ -58,7 +58,7 @@ fn explore(own: &Entity, everybody: &[SocketAddr], patience: Duration) -> io::Re
         }
         socket.set_read_timeout(Some(left))?;
         match socket.recv(&mut buffer) {
-            Ok(length) if is_introduction(&buffer[..length]) => send(&buffer[..length])?,
+            Ok(length) if is_announcement(&buffer[..length]) => send(&buffer[..length])?,
             Ok(_) => {}
             Err(error) if matches!(error.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut) => {}
             Err(error) => return Err(error),
@@ -75,7 +75,7 @@ fn discovery_addresses(domain: u16) -> Vec<SocketAddr> {
 }
 
 /// Identifier of the probe, which differs from those of all `RustDDS` participants: these begin with its vendor and are random.
-fn scout_of(own: &Entity) -> Entity {
+fn probe_id(own: &Entity) -> Entity {
     let mut discovery_probe = *own;
     for byte in &mut discovery_probe[2..12] {
         *byte = !*byte;
@@ -111,7 +111,7 @@ fn announcement(discovery_probe: &Entity, port: u16) -> Vec<u8> {
     let parameters: Vec<u8> = parameters.collect();
     let body = [
         BEFORE_DATA.as_slice(),
-        &ANYBODY,
+        &ANY_READER,
         &ANNOUNCER,
         &sequence_number(1),
         &LITTLE_END_FIRST,
@@ -132,7 +132,7 @@ fn locator(port: u16) -> [u8; 24] {
 }
 
 /// Whether a message is the announcement of a Fast DDS participant.
-fn is_introduction(message: &[u8]) -> bool {
+fn is_announcement(message: &[u8]) -> bool {
     message.len() > 20
         && message.starts_with(b"RTPS")
         && message[8..10] == FAST_DDS
@@ -147,14 +147,14 @@ mod tests {
 
     #[test]
     fn an_announcement_is_what_discovery_sends() {
-        let discovery_probe = scout_of(&OWN);
+        let discovery_probe = probe_id(&OWN);
         assert_eq!(discovery_probe[..3], [1, 0x12, !7]);
         let message = announcement(&discovery_probe, 0x1234);
         assert_eq!(message[..8], *b"RTPS\x02\x04\x01\x12");
         let data = &message[36..];
         assert_eq!(data[..2], [0x15, 0x05]);
         assert_eq!(usize::from(u16::from_le_bytes([data[2], data[3]])), data.len() - 4);
-        assert_eq!(data[4..24], [[0, 0, 16, 0], ANYBODY, ANNOUNCER, [0; 4], [1, 0, 0, 0]].concat());
+        assert_eq!(data[4..24], [[0, 0, 16, 0], ANY_READER, ANNOUNCER, [0; 4], [1, 0, 0, 0]].concat());
         // each parameter contains its length, up to the sentinel
         let (mut list, mut ids) = (&data[28..], Vec::new());
         while let [id, 0, length, 0, rest @ ..] = list {
@@ -166,24 +166,24 @@ mod tests {
     }
 
     #[test]
-    fn what_others_say_of_themselves_is_passed_on() {
-        let [everybody, other] = [(); 2].map(|()| UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap());
-        let addresses = [everybody.local_addr().unwrap()];
+    fn announcements_of_peers_are_forwarded() {
+        let [participant, peer] = [(); 2].map(|()| UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap());
+        let addresses = [participant.local_addr().unwrap()];
         // the thread is not joined
-        thread::spawn(move || explore(&OWN, &addresses, Duration::from_secs(600)));
-        let mut heard = [0; LONGEST];
-        everybody.set_read_timeout(Some(Duration::from_secs(10))).unwrap();
-        let (length, discovery_probe) = everybody.recv_from(&mut heard).unwrap();
-        assert!(!is_introduction(&heard[..length]), "of no Fast DDS participant");
-        let introduction = [b"RTPS\x02\x02\x01\x0f\x01\x0f".as_slice(), &[9; 24], &ANNOUNCER].concat();
-        other.send_to(b"noise", discovery_probe).unwrap();
-        other.send_to(&introduction, discovery_probe).unwrap();
-        let length = everybody.recv(&mut heard).unwrap();
-        assert_eq!(heard[..length], introduction);
+        thread::spawn(move || run_probe(&OWN, &addresses, Duration::from_secs(600)));
+        let mut received = [0; LONGEST];
+        participant.set_read_timeout(Some(Duration::from_secs(10))).unwrap();
+        let (length, discovery_probe) = participant.recv_from(&mut received).unwrap();
+        assert!(!is_announcement(&received[..length]), "of no Fast DDS participant");
+        let announcement = [b"RTPS\x02\x02\x01\x0f\x01\x0f".as_slice(), &[9; 24], &ANNOUNCER].concat();
+        peer.send_to(b"noise", discovery_probe).unwrap();
+        peer.send_to(&announcement, discovery_probe).unwrap();
+        let length = participant.recv(&mut received).unwrap();
+        assert_eq!(received[..length], announcement);
     }
 
     #[test]
-    fn a_scout_stays_on_this_machine() {
+    fn a_probe_stays_on_this_machine() {
         let ports = discovery_addresses(9);
         assert!(ports.iter().all(|address| address.ip().is_loopback()));
         assert_eq!((ports[0].port(), ports.len()), (9660, usize::from(PARTICIPANTS)));

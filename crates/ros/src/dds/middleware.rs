@@ -20,7 +20,7 @@ use crate::dds::decode_error_log::DecodeErrorLog;
 use crate::dds::lock::lock;
 use crate::dds::log_line::LogLine;
 use crate::dds::middleware_error::MiddlewareError;
-use crate::dds::middleware_error::refused;
+use crate::dds::middleware_error::error_with;
 use crate::dds::peers::Peers;
 use crate::dds::publisher::Publisher;
 use crate::dds::quality::Quality;
@@ -45,16 +45,16 @@ impl Middleware {
     /// Joins the network under a node name.
     pub fn join(announcement: Announcement, namespace: &str, node: &str) -> Result<Self, MiddlewareError> {
         let (reach, priority) = (announcement.environment().reach, announcement.priority());
-        let participant = announcement.heard();
+        let participant = announcement.discovered();
         let _lent = priority.lend();
-        let context =
-            Context::from_domain_participant(participant).map_err(refused("cannot join the ROS network"))?;
+        let context = Context::from_domain_participant(participant)
+            .map_err(error_with("cannot join the ROS network"))?;
         let name = NodeName::new(namespace, node)
-            .map_err(refused(format!("'{namespace}' and '{node}' make no node name")))?;
+            .map_err(error_with(format!("'{namespace}' and '{node}' make no node name")))?;
         // the library's own parameter services support no descriptions or ranges; see `parameter_services`
         let options = NodeOptions::new().start_parameter_services(false);
         let peers = Arc::new(Peers::new(reach, namespace, node));
-        let node = (context.new_node(name, options)).map_err(refused("cannot create the ROS node"))?;
+        let node = (context.new_node(name, options)).map_err(error_with("cannot create the ROS node"))?;
         Ok(Self { node: Arc::new(Mutex::new(node)), context, peers, priority })
     }
 
@@ -81,7 +81,7 @@ impl Middleware {
         let profile = quality.profile();
         if !matches!(quality, Quality::Bulk | Quality::ReliableBulk | Quality::LatchedBulk) {
             let topic = node.create_topic(&name_of(name)?, kind.of_message(), &profile);
-            return topic.map_err(refused(why()));
+            return topic.map_err(error_with(why()));
         }
         // the quality of service of the client library has no such limits
         let limits = ResourceLimits {
@@ -94,7 +94,7 @@ impl Middleware {
         let (topic, type_name) = (format!("rt{name}"), kind.of_message().dds_msg_type());
         (self.context.domain_participant())
             .create_topic(topic, type_name, &policies, TopicKind::NoKey)
-            .map_err(refused(why()))
+            .map_err(error_with(why()))
     }
 
     /// Creates a publisher of messages of `kind`, such as `std_msgs/Bool`, under a full name.
@@ -110,7 +110,7 @@ impl Middleware {
         let topic = self.topic(&node, name, kind, quality)?;
         let inner = node
             .create_publisher(&topic, Some(profile))
-            .map_err(refused(format!("cannot publish {name}")))?;
+            .map_err(error_with(format!("cannot publish {name}")))?;
         self.peers.note(inner.guid(), name, &kind.of_message().dds_msg_type());
         Ok(Publisher { inner, name: name.clone(), priority: self.priority })
     }
@@ -128,7 +128,7 @@ impl Middleware {
         let topic = self.topic(&node, name, kind, quality)?;
         let inner = node
             .create_subscription(&topic, Some(profile))
-            .map_err(refused(format!("cannot subscribe to {name}")))?;
+            .map_err(error_with(format!("cannot subscribe to {name}")))?;
         self.peers.note(inner.guid(), name, &kind.of_message().dds_msg_type());
         if !matches!(quality, Quality::BestEffort | Quality::Bulk) {
             self.peers.note_reliably_read(format!("rt{name}"));
@@ -136,8 +136,8 @@ impl Middleware {
         Ok(Subscription {
             inner,
             name: name.clone(),
-            complaints: DecodeErrorLog::default(),
-            arrivals: Mutex::default(),
+            decode_errors: DecodeErrorLog::default(),
+            sequence_gaps: Mutex::default(),
             priority: self.priority,
         })
     }
@@ -162,7 +162,7 @@ impl Middleware {
                 Quality::Reliable.profile(),
                 Quality::Reliable.profile(),
             )
-            .map_err(refused(format!("cannot serve {name}")))?;
+            .map_err(error_with(format!("cannot serve {name}")))?;
         self.peers.note_reliably_read(format!("rq{name}Request"));
         Ok(Server::new(inner, name.clone(), Arc::clone(&self.peers), self.priority))
     }
@@ -186,7 +186,7 @@ impl Middleware {
                 Quality::Reliable.profile(),
                 Quality::Reliable.profile(),
             )
-            .map_err(refused(format!("cannot ask {name}")))?;
+            .map_err(error_with(format!("cannot ask {name}")))?;
         self.peers.note_reliably_read(format!("rr{name}Reply"));
         Ok(Client::new(inner, name.clone(), self.priority))
     }
@@ -213,7 +213,7 @@ impl Middleware {
         let _lent = self.priority.lend();
         let inner = lock(&self.node)
             .create_action_server(ServiceMapping::Enhanced, &name_of(name)?, &kind, qualities)
-            .map_err(refused(format!("cannot serve {name}")))?;
+            .map_err(error_with(format!("cannot serve {name}")))?;
         for service in ["send_goal", "cancel_goal", "get_result"] {
             self.peers.note_reliably_read(format!("rq{name}/_action/{service}Request"));
         }
@@ -259,11 +259,11 @@ impl Middleware {
     }
 
     /// Handles discovery of other nodes, and logs which of them can never exchange messages with this node, and why. Never returns.
-    pub async fn meet_peers(&self) {
-        self.peers.meet(&self.context.domain_participant(), self.priority).await;
+    pub async fn watch_peers(&self) {
+        self.peers.watch(&self.context.domain_participant(), self.priority).await;
     }
 }
 
 fn name_of(name: &FullName) -> Result<Name, MiddlewareError> {
-    Name::parse(name.as_str()).map_err(refused(format!("'{name}' is no ROS name")))
+    Name::parse(name.as_str()).map_err(error_with(format!("'{name}' is no ROS name")))
 }

@@ -11,7 +11,7 @@ pub struct MiddlewareError {
     why: String,
 }
 
-pub(super) fn refused<E: std::fmt::Display>(what: impl Into<String>) -> impl FnOnce(E) -> MiddlewareError {
+pub(super) fn error_with<E: std::fmt::Display>(what: impl Into<String>) -> impl FnOnce(E) -> MiddlewareError {
     move |why| MiddlewareError { what: what.into(), why: why.to_string() }
 }
 

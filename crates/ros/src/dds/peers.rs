@@ -11,14 +11,14 @@ use smol::Timer;
 
 use crate::dds::first_request::FirstRequests;
 use crate::dds::lock::lock;
-use crate::dds::rtps::Wire;
+use crate::dds::rtps::RtpsSocket;
 use crate::dds::wakeup;
 use crate::environment::Reach;
 use crate::names::FullName;
 use crate::threading::thread_priority::ThreadPriority;
 
 /// Largest number of logged mismatches, so that a hostile network cannot use up the memory.
-const COMPLAINTS: usize = 1000;
+const MOST_WARNINGS: usize = 1000;
 
 /// Largest number of addresses of a reader that messages are sent to. Otherwise a participant that announces thousands could make
 /// this node flood other machines.
@@ -32,14 +32,14 @@ pub struct Peers {
     /// DDS topics that this node reads reliably.
     reliably_read: Mutex<HashSet<String>>,
     /// Readers of other nodes that are matched with a writer of this node.
-    hearers: Mutex<HashMap<GUID, Hearer>>,
+    matched_readers: Mutex<HashMap<GUID, MatchedReader>>,
     first_requests: Mutex<FirstRequests>,
-    wire: Option<Wire>,
+    socket: Option<RtpsSocket>,
 }
 
 /// Reader of another node that is matched with a writer of this node.
 #[derive(Clone)]
-pub struct Hearer {
+pub struct MatchedReader {
     pub reader: GUID,
     pub writer: GUID,
     pub addresses: Vec<SocketAddr>,
@@ -47,7 +47,7 @@ pub struct Hearer {
     topic: String,
 }
 
-impl Hearer {
+impl MatchedReader {
     /// Whether this reader receives the responses for a client. The requests of Fast DDS name this reader; those of others name a
     /// writer of the same participant.
     pub fn is_of(&self, client: GUID) -> bool {
@@ -71,9 +71,9 @@ impl Peers {
             node: format!("{}/{node}", namespace.trim_end_matches('/')),
             endpoints: Mutex::default(),
             reliably_read: Mutex::default(),
-            hearers: Mutex::default(),
+            matched_readers: Mutex::default(),
             first_requests: Mutex::default(),
-            wire: Wire::open(reach),
+            socket: RtpsSocket::open(reach),
         }
     }
 
@@ -98,7 +98,7 @@ impl Peers {
             return;
         }
         for _ in 0..PERIODS {
-            if lock(&self.hearers).contains_key(&client) {
+            if lock(&self.matched_readers).contains_key(&client) {
                 return;
             }
             Timer::after(PERIOD).await;
@@ -107,36 +107,41 @@ impl Peers {
     }
 
     /// Readers of a DDS topic of this node.
-    pub fn hearers(&self, topic: &str) -> Vec<Hearer> {
-        lock(&self.hearers).values().filter(|hearer| hearer.topic == topic).cloned().collect()
+    pub fn matched_readers(&self, topic: &str) -> Vec<MatchedReader> {
+        lock(&self.matched_readers)
+            .values()
+            .filter(|reader_of_peer| reader_of_peer.topic == topic)
+            .cloned()
+            .collect()
     }
 
     /// Whether any of these readers can be reached beside the DDS library.
-    pub fn reaches(&self, hearers: &[&Hearer]) -> bool {
-        self.wire.is_some() && hearers.iter().any(|hearer| !hearer.addresses.is_empty())
+    pub fn reaches(&self, matched_readers: &[&MatchedReader]) -> bool {
+        self.socket.is_some()
+            && matched_readers.iter().any(|reader_of_peer| !reader_of_peer.addresses.is_empty())
     }
 
     /// Sends a message beside the DDS library, without retransmission.
     pub fn send(&self, message: &[u8], addresses: &[SocketAddr]) {
-        if let Some(wire) = &self.wire {
-            wire.send(message, addresses);
+        if let Some(socket) = &self.socket {
+            socket.send(message, addresses);
         }
     }
 
     /// Handles discovery events. Never returns.
-    pub async fn meet(&self, participant: &DomainParticipant, priority: ThreadPriority) {
+    pub async fn watch(&self, participant: &DomainParticipant, priority: ThreadPriority) {
         let listener = participant.status_listener();
         let mut events = listener.as_async_status_stream();
-        let mut told = HashSet::new();
+        let mut logged = HashSet::new();
         while let Some(event) = self.next_event(wakeup::wait(priority, events.next())).await {
             self.note_event(participant, &event);
             self.send_first_requests();
             // DDS itself reports neither of the two
-            if let Some(complaint) = self.mismatch(&event).or_else(|| self.namesake(&event))
-                && told.len() < COMPLAINTS
-                && told.insert(complaint.clone())
+            if let Some(warning) = self.mismatch(&event).or_else(|| self.namesake(&event))
+                && logged.len() < MOST_WARNINGS
+                && logged.insert(warning.clone())
             {
-                log::warn!("{complaint}");
+                log::warn!("{warning}");
             }
         }
     }
@@ -167,15 +172,15 @@ impl Peers {
     fn note_event(&self, participant: &DomainParticipant, event: &DomainParticipantStatusEvent) {
         match *event {
             DomainParticipantStatusEvent::RemoteReaderMatched { local_writer, remote_reader } => {
-                self.note_hearer(participant, local_writer, remote_reader);
+                self.note_matched_reader(participant, local_writer, remote_reader);
             }
             DomainParticipantStatusEvent::ReaderLost { guid, .. } => {
-                lock(&self.hearers).remove(&guid);
+                lock(&self.matched_readers).remove(&guid);
             }
             DomainParticipantStatusEvent::WriterLost { guid, .. } => lock(&self.first_requests).lost(guid),
             // the library reports no separate event for the readers of a lost participant
             DomainParticipantStatusEvent::ParticipantLost { id, .. } => {
-                lock(&self.hearers).retain(|reader, _| reader.prefix != id);
+                lock(&self.matched_readers).retain(|reader, _| reader.prefix != id);
             }
             DomainParticipantStatusEvent::RemoteWriterMatched { local_reader, remote_writer } => {
                 self.schedule_first_requests(participant, local_reader, remote_writer);
@@ -184,16 +189,16 @@ impl Peers {
         }
     }
 
-    fn note_hearer(&self, participant: &DomainParticipant, writer: GUID, reader: GUID) {
+    fn note_matched_reader(&self, participant: &DomainParticipant, writer: GUID, reader: GUID) {
         let known = participant.discovered_readers();
         let peer = known.iter().find(|r| r.reader_proxy.remote_reader_guid == reader);
-        let hearer = Hearer {
+        let reader_of_peer = MatchedReader {
             reader,
             writer,
             addresses: peer.map(|r| addresses(&r.reader_proxy.unicast_locator_list)).unwrap_or_default(),
             topic: peer.map(|r| r.subscription_topic_data.topic_name().clone()).unwrap_or_default(),
         };
-        lock(&self.hearers).insert(reader, hearer);
+        lock(&self.matched_readers).insert(reader, reader_of_peer);
     }
 
     fn schedule_first_requests(&self, participant: &DomainParticipant, reader: GUID, writer: GUID) {
@@ -295,7 +300,7 @@ fn in_words(qos: &QosPolicies) -> String {
         Some(_) => "transient local",
     };
     let limit = |what: &str, duration: rustdds::Duration| {
-        #[expect(clippy::cast_precision_loss, reason = "milliseconds are told")]
+        #[expect(clippy::cast_precision_loss, reason = "milliseconds are logged")]
         let seconds = duration.to_nanoseconds() as f64 * 1e-9;
         let is_finite = duration != rustdds::Duration::INFINITE;
         if is_finite { format!(", a {what} of {seconds:.3} s") } else { String::new() }
@@ -344,12 +349,12 @@ mod tests {
         const WRITER: u8 = 0x03;
         let addresses = vec![SocketAddr::from(([127, 0, 0, 1], 7411))];
         let (reader, writer) = (entity(5, READER), entity(1, WRITER));
-        let hearer = Hearer { reader, writer, addresses, topic: String::new() };
-        assert!(hearer.is_of(reader) && hearer.is_of(entity(5, WRITER)));
-        assert!(!hearer.is_of(entity(6, READER)) && !hearer.is_of(entity(6, WRITER)));
-        assert!(hearer.is_on_loopback());
+        let reader_of_peer = MatchedReader { reader, writer, addresses, topic: String::new() };
+        assert!(reader_of_peer.is_of(reader) && reader_of_peer.is_of(entity(5, WRITER)));
+        assert!(!reader_of_peer.is_of(entity(6, READER)) && !reader_of_peer.is_of(entity(6, WRITER)));
+        assert!(reader_of_peer.is_on_loopback());
         let across = SocketAddr::from(([192, 0, 2, 1], 7411));
-        assert!(!Hearer { addresses: vec![across], ..hearer.clone() }.is_on_loopback());
-        assert!(!Hearer { addresses: Vec::new(), ..hearer }.is_on_loopback());
+        assert!(!MatchedReader { addresses: vec![across], ..reader_of_peer.clone() }.is_on_loopback());
+        assert!(!MatchedReader { addresses: Vec::new(), ..reader_of_peer }.is_on_loopback());
     }
 }

@@ -9,21 +9,21 @@ const FRAGMENT: u16 = 1024;
 const DATA_FRAG: (u8, u8) = (0x16, 2);
 
 /// Serialized response of a service.
-pub struct Answer<'a> {
+pub struct LongResponse<'a> {
     /// Writer of the response, and the sequence number of the response among its samples.
     pub writer: Entity,
     pub number: i64,
     /// Writer of the request, and the sequence number of the request.
-    pub asked: (Entity, i64),
+    pub request: (Entity, i64),
     pub bytes: &'a [u8],
 }
 
-impl Answer<'_> {
+impl LongResponse<'_> {
     /// The RTPS messages that carry the response to a reader.
     pub fn fragments(&self, reader: Entity) -> impl Iterator<Item = Vec<u8>> {
         let head = self.head(&reader);
-        let question = self.question();
-        let size = u32::try_from(self.bytes.len()).expect("no answer has four gigabytes");
+        let request_identity = self.request_identity();
+        let size = u32::try_from(self.bytes.len()).expect("no response has four gigabytes");
         (1_u32..).zip(self.bytes.chunks(usize::from(FRAGMENT))).map(move |(index, part)| {
             let [count, length] = [1, FRAGMENT].map(u16::to_le_bytes);
             let body = [
@@ -32,7 +32,7 @@ impl Answer<'_> {
                 &count,
                 &length,
                 &size.to_le_bytes(),
-                &question,
+                &request_identity,
                 part,
             ]
             .concat();
@@ -50,11 +50,11 @@ impl Answer<'_> {
 
     /// Identity of the request, as parameters of every fragment. It is repeated under the identifier of the standard (DDS-RPC,
     /// 7.8.2) and under the identifier that Fast DDS used before it. Then follows the end of the list.
-    fn question(&self) -> Vec<u8> {
+    fn request_identity(&self) -> Vec<u8> {
         const IDENTIFIERS: [u16; 2] = [0x0083, 0x800f];
         const LENGTH: u16 = 24;
         const SENTINEL: [u8; 4] = [1, 0, 0, 0];
-        let (entity, number) = self.asked;
+        let (entity, number) = self.request;
         let named = IDENTIFIERS.map(|identifier| {
             let header = [identifier, LENGTH].map(u16::to_le_bytes);
             [header.as_flattened(), entity.as_slice(), &sequence_number(number)].concat()
@@ -70,10 +70,10 @@ mod tests {
     #[test]
     fn fragments_carry_all_of_the_answer_and_name_its_question() {
         let bytes: Vec<u8> = (0..2500_u32).map(|i| i.to_le_bytes()[0]).collect();
-        let answer = Answer { writer: [7; 16], number: 5, asked: ([9; 16], 3), bytes: &bytes };
-        let fragments: Vec<Vec<u8>> = answer.fragments([9; 16]).collect();
+        let response = LongResponse { writer: [7; 16], number: 5, request: ([9; 16], 3), bytes: &bytes };
+        let fragments: Vec<Vec<u8>> = response.fragments([9; 16]).collect();
         assert_eq!(fragments.len(), 3);
-        let question = [[9; 16].as_slice(), &[0, 0, 0, 0, 3, 0, 0, 0]].concat();
+        let request_identity = [[9; 16].as_slice(), &[0, 0, 0, 0, 3, 0, 0, 0]].concat();
         let mut carried = Vec::new();
         for (index, fragment) in (1..).zip(&fragments) {
             assert!(fragment.len() < 1200);
@@ -86,9 +86,9 @@ mod tests {
             // number of the fragment, number of fragments in the message, their length; total length
             assert_eq!(submessage[24..36], [index, 0, 0, 0, 1, 0, 0, 4, 0xc4, 9, 0, 0]);
             assert_eq!(submessage[36..40], [0x83, 0, 24, 0]);
-            assert_eq!(submessage[40..64], question);
+            assert_eq!(submessage[40..64], request_identity);
             assert_eq!(submessage[64..68], [0x0f, 0x80, 24, 0]);
-            assert_eq!(submessage[68..92], question);
+            assert_eq!(submessage[68..92], request_identity);
             assert_eq!(submessage[92..96], [1, 0, 0, 0]);
             carried.extend_from_slice(&submessage[96..]);
         }

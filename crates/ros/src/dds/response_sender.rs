@@ -17,8 +17,8 @@ use smol::lock::Mutex;
 
 use crate::dds::cdr;
 use crate::dds::decode_error_log::DecodeErrorLog;
-use crate::dds::peers::{Hearer, Peers};
-use crate::dds::response_fragments::Answer;
+use crate::dds::peers::{MatchedReader, Peers};
+use crate::dds::response_fragments::LongResponse;
 use crate::names::FullName;
 
 /// Largest response (bytes) that the library sends in one datagram on any common network.
@@ -40,20 +40,20 @@ const PAUSE: Duration = Duration::from_millis(1);
 const PASSES: usize = 3;
 
 /// Bytes that a receiver can buffer while it does not read.
-const ROOM: usize = 80_000;
+const RECEIVE_BUFFER: usize = 80_000;
 
 /// Pause between two passes of a longer response. A receiver that was busy may have time again after it.
-const RESPITE: Duration = Duration::from_millis(20);
+const PASS_PAUSE: Duration = Duration::from_millis(20);
 
 /// Sends the responses of one service.
-pub struct Answering {
+pub struct ResponseSender {
     name: FullName,
     /// DDS topic of the responses.
     topic: String,
     peers: Arc<Peers>,
     /// The lock lets only one response be sent at a time.
     numbers: Mutex<Numbers>,
-    complaints: DecodeErrorLog,
+    decode_errors: DecodeErrorLog,
 }
 
 /// Sequence numbers of a writer's samples.
@@ -62,10 +62,10 @@ struct Numbers {
     /// Number of samples that the library has written.
     written: i64,
     /// Whether fragments have used the next sequence number and the library has not used it yet.
-    is_taken: bool,
+    is_reserved: bool,
 }
 
-impl Answering {
+impl ResponseSender {
     /// For the service with this full name, before any response was sent.
     pub fn new(name: FullName, service: &str, peers: Arc<Peers>) -> Self {
         Self {
@@ -73,7 +73,7 @@ impl Answering {
             name,
             peers,
             numbers: Mutex::default(),
-            complaints: DecodeErrorLog::default(),
+            decode_errors: DecodeErrorLog::default(),
         }
     }
 
@@ -92,7 +92,7 @@ impl Answering {
         self.peers.await_reader(client, &self.name).await;
         let mut numbers = self.numbers.lock().await;
         if let Err(why) = self.send_next(id, response, &mut numbers, write).await {
-            self.complaints.warn(|| format!("an answer of {} was dropped: {why}", self.name));
+            self.decode_errors.warn(|| format!("an answer of {} was dropped: {why}", self.name));
         }
     }
 
@@ -107,14 +107,15 @@ impl Answering {
         Response: Message,
         Fault: fmt::Display,
     {
-        let stand_in = || write(RmwRequestId::default(), cdr::blank()?).map_err(|fault| fault.to_string());
-        if numbers.is_taken {
+        let send_empty = || write(RmwRequestId::default(), cdr::blank()?).map_err(|fault| fault.to_string());
+        if numbers.is_reserved {
             // a client that has the fragments would discard any other sample with that sequence number
-            numbers.give_back(stand_in).await?;
+            numbers.release_number(send_empty).await?;
         }
         let size = cdr::size_of(&response);
-        let hearers = self.peers.hearers(&self.topic);
-        let short = if hearers.iter().all(Hearer::is_on_loopback) { SHORT_ON_LOOPBACK } else { SHORT };
+        let matched_readers = self.peers.matched_readers(&self.topic);
+        let short =
+            if matched_readers.iter().all(MatchedReader::is_on_loopback) { SHORT_ON_LOOPBACK } else { SHORT };
         if size <= short {
             write(id, response).map_err(|fault| fault.to_string())?;
             numbers.written += 1;
@@ -129,34 +130,43 @@ impl Answering {
         // fragments may be sent only if the empty response that follows them can be made
         cdr::blank::<Response>()?;
         let client = GUID::from(id.writer_gid);
-        let own: Vec<&Hearer> = hearers.iter().filter(|hearer| hearer.is_of(client)).collect();
+        let own: Vec<&MatchedReader> =
+            matched_readers.iter().filter(|reader_of_peer| reader_of_peer.is_of(client)).collect();
         if !self.peers.reaches(&own) {
             return Err(format!("it has {size} bytes, and there is no way to send so many to its client"));
         }
         self.send_fragments(&own, id, numbers.written + 1, &bytes).await;
-        numbers.is_taken = true;
-        if let Err(why) = numbers.give_back(stand_in).await {
+        numbers.is_reserved = true;
+        if let Err(why) = numbers.release_number(send_empty).await {
             // the response is sent; the next response tries again
-            self.complaints.warn(|| format!("{} waits for clients that do not keep up: {why}", self.name));
+            self.decode_errors.warn(|| format!("{} waits for clients that do not keep up: {why}", self.name));
         }
         Ok(())
     }
 
-    async fn send_fragments(&self, hearers: &[&Hearer], id: RmwRequestId, number: i64, bytes: &[u8]) {
-        let asked = (GUID::from(id.writer_gid).to_bytes(), id.sequence_number);
+    async fn send_fragments(
+        &self,
+        matched_readers: &[&MatchedReader],
+        id: RmwRequestId,
+        number: i64,
+        bytes: &[u8],
+    ) {
+        let request = (GUID::from(id.writer_gid).to_bytes(), id.sequence_number);
         let mut since_pause = 0;
-        for (pass, hearer) in (0..PASSES).flat_map(|pass| hearers.iter().map(move |hearer| (pass, hearer))) {
-            if pass > 0 && bytes.len() > ROOM {
-                Timer::after(RESPITE).await;
+        for (pass, reader_of_peer) in (0..PASSES)
+            .flat_map(|pass| matched_readers.iter().map(move |reader_of_peer| (pass, reader_of_peer)))
+        {
+            if pass > 0 && bytes.len() > RECEIVE_BUFFER {
+                Timer::after(PASS_PAUSE).await;
             }
-            let answer = Answer { writer: hearer.writer.to_bytes(), number, asked, bytes };
-            for fragment in answer.fragments(hearer.reader.to_bytes()) {
+            let response = LongResponse { writer: reader_of_peer.writer.to_bytes(), number, request, bytes };
+            for fragment in response.fragments(reader_of_peer.reader.to_bytes()) {
                 if since_pause >= BURST {
                     Timer::after(PAUSE).await;
                     since_pause = 0;
                 }
-                self.peers.send(&fragment, &hearer.addresses);
-                since_pause += hearer.addresses.len();
+                self.peers.send(&fragment, &reader_of_peer.addresses);
+                since_pause += reader_of_peer.addresses.len();
             }
         }
     }
@@ -165,18 +175,18 @@ impl Answering {
 impl Numbers {
     /// Has the library use the sequence number that the fragments took, with an empty response. While its send window is full it
     /// accepts no sample, so this retries.
-    async fn give_back(&mut self, stand_in: impl Fn() -> Result<(), String>) -> Result<(), String> {
+    async fn release_number(&mut self, send_empty: impl Fn() -> Result<(), String>) -> Result<(), String> {
         const TRIES: usize = 100;
-        let mut written = stand_in();
+        let mut written = send_empty();
         for _ in 1..TRIES {
             if written.is_ok() {
                 break;
             }
             Timer::after(PAUSE).await;
-            written = stand_in();
+            written = send_empty();
         }
         written?;
-        *self = Self { written: self.written + 1, is_taken: false };
+        *self = Self { written: self.written + 1, is_reserved: false };
         Ok(())
     }
 }

@@ -8,9 +8,9 @@ use crate::environment::Reach;
 pub type Entity = [u8; 16];
 
 /// Socket that sends RTPS messages.
-pub struct Wire(UdpSocket);
+pub struct RtpsSocket(UdpSocket);
 
-impl Wire {
+impl RtpsSocket {
     /// Opens the socket; `None` when that fails.
     pub fn open(reach: Reach) -> Option<Self> {
         let address = match reach {

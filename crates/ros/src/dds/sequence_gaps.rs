@@ -43,9 +43,9 @@ mod tests {
 
     #[test]
     fn gaps_are_counted_for_each_publisher() {
-        let mut arrivals = SequenceGaps::default();
+        let mut sequence_gaps = SequenceGaps::default();
         let mut missing = |source, numbers: &[i64]| {
-            numbers.iter().map(|&n| arrivals.missing_before(publisher(source), n)).collect::<Vec<_>>()
+            numbers.iter().map(|&n| sequence_gaps.missing_before(publisher(source), n)).collect::<Vec<_>>()
         };
         assert_eq!(missing(1, &[700, 701, 705, 704, 706, 706, 708]), [0, 0, 3, 0, 0, 0, 1]);
         assert_eq!(missing(2, &[1, 3, i64::MIN, i64::MAX]), [0, 1, 0, i64::MAX as u64 - 4]);
@@ -54,9 +54,9 @@ mod tests {
 
     #[test]
     fn what_is_overtaken_is_known_for_each_publisher() {
-        let mut arrivals = SequenceGaps::default();
+        let mut sequence_gaps = SequenceGaps::default();
         let mut overtaken = |source, numbers: &[i64]| {
-            numbers.iter().map(|&n| arrivals.is_overtaken(publisher(source), n)).collect::<Vec<_>>()
+            numbers.iter().map(|&n| sequence_gaps.is_overtaken(publisher(source), n)).collect::<Vec<_>>()
         };
         assert_eq!(overtaken(1, &[7, 8, 10, 9, 10, 11]), [false, false, false, true, true, false]);
         assert_eq!(overtaken(2, &[i64::MAX, i64::MIN]), [false, true]);
@@ -65,10 +65,10 @@ mod tests {
 
     #[test]
     fn publishers_without_end_take_no_memory_without_end() {
-        let mut arrivals = SequenceGaps::default();
+        let mut sequence_gaps = SequenceGaps::default();
         for number in 0..=u8::MAX {
-            assert_eq!(arrivals.missing_before(publisher(number), 5), 0);
-            assert!(arrivals.0.len() <= MOST);
+            assert_eq!(sequence_gaps.missing_before(publisher(number), 5), 0);
+            assert!(sequence_gaps.0.len() <= MOST);
         }
     }
 }

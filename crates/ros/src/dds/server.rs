@@ -7,7 +7,7 @@ use ros2_client::RmwRequestId;
 
 use crate::dds::decode_error_log::DecodeErrorLog;
 use crate::dds::peers::Peers;
-use crate::dds::response_sender::Answering;
+use crate::dds::response_sender::ResponseSender;
 use crate::dds::{Message, wakeup};
 use crate::names::FullName;
 use crate::threading::thread_priority::ThreadPriority;
@@ -16,8 +16,8 @@ use crate::threading::thread_priority::ThreadPriority;
 pub struct Server<Request: Message, Response: Message> {
     inner: ros2_client::Server<Request, Response>,
     name: FullName,
-    answering: Answering,
-    unread: DecodeErrorLog,
+    response_sender: ResponseSender,
+    decode_errors: DecodeErrorLog,
     priority: ThreadPriority,
 }
 
@@ -31,8 +31,8 @@ impl<Request: Message + 'static, Response: Message + 'static> Server<Request, Re
         peers: Arc<Peers>,
         priority: ThreadPriority,
     ) -> Self {
-        let answering = Answering::new(name.clone(), name.as_str(), peers);
-        Self { inner, name, answering, unread: DecodeErrorLog::default(), priority }
+        let response_sender = ResponseSender::new(name.clone(), name.as_str(), peers);
+        Self { inner, name, response_sender, decode_errors: DecodeErrorLog::default(), priority }
     }
 
     /// Waits for the next request. A request that cannot be decoded is logged and skipped.
@@ -43,18 +43,19 @@ impl<Request: Message + 'static, Response: Message + 'static> Server<Request, Re
             match wakeup::wait(self.priority, self.inner.async_receive_request()).await {
                 Ok((id, request)) => return (RequestId(id), request),
                 Err(error) => {
-                    self.unread.warn(|| format!("a request to {} could not be read: {error}", self.name));
+                    self.decode_errors
+                        .warn(|| format!("a request to {} could not be read: {error}", self.name));
                 }
             }
         }
     }
 
     /// Sends the response to a request, as soon as the client's reader is known.
-    pub async fn answer(&self, RequestId(id): RequestId, response: Response) {
+    pub async fn respond(&self, RequestId(id): RequestId, response: Response) {
         let write = |id, response| {
             let _lent = self.priority.lend();
             self.inner.send_response(id, response)
         };
-        self.answering.send(id, response, write).await;
+        self.response_sender.send(id, response, write).await;
     }
 }

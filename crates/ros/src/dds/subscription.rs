@@ -40,7 +40,7 @@ impl Origin {
 
 /// Error: a message was received that cannot be decoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Unreadable;
+pub struct Undecodable;
 
 /// Subscription to one topic: returns the messages of each publisher in the order in which they were sent.
 ///
@@ -49,8 +49,8 @@ pub struct Unreadable;
 pub struct Subscription<M> {
     pub(super) inner: ros2_client::Subscription<M>,
     pub(super) name: FullName,
-    pub(super) complaints: DecodeErrorLog,
-    pub(super) arrivals: Mutex<SequenceGaps>,
+    pub(super) decode_errors: DecodeErrorLog,
+    pub(super) sequence_gaps: Mutex<SequenceGaps>,
     pub(super) priority: ThreadPriority,
 }
 
@@ -58,14 +58,14 @@ impl<M: Message + 'static> Subscription<M> {
     /// Waits for the next message. A message that cannot be decoded is logged and skipped.
     pub async fn next(&self) -> (M, Origin) {
         loop {
-            if let Ok(received) = self.next_or_unreadable().await {
+            if let Ok(received) = self.next_or_undecodable().await {
                 return received;
             }
         }
     }
 
     /// Waits for the next message. A message that cannot be decoded is logged and returned as an error.
-    pub async fn next_or_unreadable(&self) -> Result<(M, Origin), Unreadable> {
+    pub async fn next_or_undecodable(&self) -> Result<(M, Origin), Undecodable> {
         loop {
             // a topic with continuous traffic must not starve the futures beside it, such as the shutdown request
             future::yield_now().await;
@@ -73,8 +73,8 @@ impl<M: Message + 'static> Subscription<M> {
                 Ok((_, info)) if self.is_overtaken(&info) => {}
                 Ok((message, info)) => return Ok((message, origin(&info))),
                 Err(error) => {
-                    self.complain(&error);
-                    return Err(Unreadable);
+                    self.log_decode_error(&error);
+                    return Err(Undecodable);
                 }
             }
         }
@@ -87,22 +87,22 @@ impl<M: Message + 'static> Subscription<M> {
             match self.inner.take() {
                 Ok(Some((_, info))) if self.is_overtaken(&info) => {}
                 Ok(taken) => return taken.map(|(message, info)| (message, origin(&info))),
-                Err(error) => self.complain(&error),
+                Err(error) => self.log_decode_error(&error),
             }
         }
     }
 
     fn is_overtaken(&self, info: &ros2_client::MessageInfo) -> bool {
         let (publisher, number) = (SourceId(info.publisher_gid().to_bytes16()), info.sequence_number());
-        let is_overtaken = lock(&self.arrivals).is_overtaken(publisher, number);
+        let is_overtaken = lock(&self.sequence_gaps).is_overtaken(publisher, number);
         if is_overtaken {
             log::debug!("message {number} on {} came after a newer one of its publisher", self.name);
         }
         is_overtaken
     }
 
-    fn complain(&self, error: &ros2_client::ReadError) {
-        self.complaints.warn(|| format!("a message on {} could not be read: {error}", self.name));
+    fn log_decode_error(&self, error: &ros2_client::ReadError) {
+        self.decode_errors.warn(|| format!("a message on {} could not be read: {error}", self.name));
     }
 }
 

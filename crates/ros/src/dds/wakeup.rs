@@ -13,13 +13,13 @@ use crate::threading::thread_priority::ThreadPriority;
 
 /// Waker that also records whether it was woken.
 struct Wakeup {
-    has_rung: AtomicBool,
+    is_woken: AtomicBool,
     waiting: Mutex<Option<Waker>>,
 }
 
 impl Wake for Wakeup {
     fn wake(self: Arc<Self>) {
-        self.has_rung.store(true, Ordering::Release);
+        self.is_woken.store(true, Ordering::Release);
         if let Some(waiting) = lock(&self.waiting).take() {
             waiting.wake();
         }
@@ -28,13 +28,13 @@ impl Wake for Wakeup {
 
 /// Waits for `work`. Its thread has the given priority during each poll.
 pub fn wait<F: Future>(priority: ThreadPriority, work: F) -> impl Future<Output = F::Output> {
-    let bell = Arc::new(Wakeup { has_rung: AtomicBool::new(true), waiting: Mutex::default() });
-    let waker = Waker::from(Arc::clone(&bell));
+    let wakeup = Arc::new(Wakeup { is_woken: AtomicBool::new(true), waiting: Mutex::default() });
+    let waker = Waker::from(Arc::clone(&wakeup));
     let mut work = Box::pin(work);
     poll_fn(move |context| {
         // order matters: a wake-up between the two statements makes this thread poll once more
-        *lock(&bell.waiting) = Some(context.waker().clone());
-        if !bell.has_rung.swap(false, Ordering::Acquire) {
+        *lock(&wakeup.waiting) = Some(context.waker().clone());
+        if !wakeup.is_woken.swap(false, Ordering::Acquire) {
             return Poll::Pending;
         }
         let _lent = priority.lend();

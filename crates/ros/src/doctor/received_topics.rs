@@ -137,7 +137,7 @@ pub fn receive_topics(
         let robot = future::zip(future::zip(hear_description, hear_semantic), follow_clock);
         let transforms = future::zip(hear_transforms(&moving, false), hear_transforms(&fixed, true));
         let topics = future::zip(hear_states, future::zip(robot, transforms));
-        future::zip(topics, future::zip(hear_complaints, middleware.meet_peers())).await;
+        future::zip(topics, future::zip(hear_complaints, middleware.watch_peers())).await;
     }));
     received.transforms = tree.into_inner();
     received.simulated_time = use_sim_time.then(|| clock.now()).flatten();

@@ -14,29 +14,29 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::loading::loader_inputs::{LoaderInputs, Pass};
 use crate::loading::logged_meshes::LoggedMeshes;
-use crate::monitor_events::monitor_event::Event;
+use crate::monitor_events::monitor_event::MonitorEvent;
 use crate::monitor_events::world_update::WorldUpdate;
 use crate::parameters::parameter_set::Parameters;
 use crate::scene::active_scene::CurrentRobot;
-use crate::scene::active_scene::{CurrentScene, SceneInForce};
+use crate::scene::active_scene::{ActiveScene, CurrentScene};
 use crate::scene::cloud_inbox::CloudMessage;
-use crate::scene::loader_command::Order;
+use crate::scene::loader_command::LoaderCommand;
+use crate::scene::loader_scene::LoaderScene;
 use crate::scene::scene_checker::{checker_of, solid_meshes, warnings_of};
-use crate::scene::scene_command::SceneOrder;
-use crate::scene::scene_keeper::SceneKeeper;
+use crate::scene::scene_command::SceneCommand;
 use crate::scene::scene_update_context::SceneUpdateContext;
-use crate::scene::shared_state::Shared;
+use crate::scene::shared_state::SharedState;
 use crate::threading::mailbox;
 use crate::topics::link_volumes::LinkVolumes;
-use crate::topics::monitored_scene::Monitored;
+use crate::topics::monitored_scene::MonitoredScene;
 
 /// Reads the obstacles around a robot from scene files. Their poses refer to the robot, so they are read again for each new robot.
 pub type Surroundings = Box<dyn Fn(&RobotModel) -> Result<Scene, String> + Send>;
 
 /// Waits until the monitor has published its evaluation of all earlier events; returns whether the monitor still exists.
-fn heeded(events: &mailbox::Sender<Event>) -> bool {
+fn heeded(events: &mailbox::Sender<MonitorEvent>) -> bool {
     let (said, is_said) = mailbox::bounded(1);
-    events.send(Event::Say(said)).is_ok() && future::block_on(is_said.receive()).is_some()
+    events.send(MonitorEvent::PublishNow(said)).is_ok() && future::block_on(is_said.receive()).is_some()
 }
 
 /// Builds checkers and hands them to the monitor.
@@ -53,7 +53,7 @@ pub struct Loader {
     description: Option<String>,
     semantic: Option<String>,
     robot: Option<Arc<RobotModel>>,
-    keeper: SceneKeeper,
+    keeper: LoaderScene,
     /// Point clouds that were received before a robot was loaded.
     clouds: BTreeMap<String, CloudMessage>,
     /// Number of received texts that differ from the previous text of their topic.
@@ -64,7 +64,7 @@ pub struct Loader {
     world_revision: u64,
     current: CurrentRobot,
     scene: CurrentScene,
-    monitored: Option<Monitored>,
+    monitored: Option<MonitoredScene>,
     volumes: Option<LinkVolumes>,
     /// Level of the bounding volume hierarchies to show, counted from their roots; `None` if they are not shown.
     shown_level: Option<usize>,
@@ -92,7 +92,7 @@ impl Loader {
             description: None,
             semantic: None,
             robot: None,
-            keeper: SceneKeeper::default(),
+            keeper: LoaderScene::default(),
             clouds: BTreeMap::new(),
             texts: 0,
             model_revision: 0,
@@ -116,7 +116,7 @@ impl Loader {
     }
 
     /// From now on, publishes every change of the scene.
-    pub fn tell_on(&mut self, monitored: Monitored, volumes: LinkVolumes) {
+    pub fn tell_on(&mut self, monitored: MonitoredScene, volumes: LinkVolumes) {
         (self.monitored, self.volumes) = (Some(monitored), Some(volumes));
         self.tell();
     }
@@ -144,18 +144,18 @@ impl Loader {
         self.take(robot, update_context)
     }
 
-    /// Carries out orders until all senders are gone.
+    /// Carries out commands until all senders are gone.
     pub fn follow(
         mut self,
-        orders: &Receiver<Order>,
-        events: &mailbox::Sender<Event>,
+        commands: &Receiver<LoaderCommand>,
+        events: &mailbox::Sender<MonitorEvent>,
         inputs: &LoaderInputs,
     ) {
         self.watch_frames(inputs);
-        while let Some(mut together) = self.await_orders(orders, inputs) {
+        while let Some(mut together) = self.await_commands(commands, inputs) {
             // URDF and SRDF often arrive together, and objects in large numbers: rebuild once for all of them
-            while let Ok(order) = orders.try_recv() {
-                together.push(order);
+            while let Ok(command) = commands.try_recv() {
+                together.push(command);
             }
             let mut is_heard = true;
             self.carry_out(inputs.begin(together), |event| {
@@ -174,15 +174,15 @@ impl Loader {
         }
     }
 
-    /// Carries out a group of orders and sends the resulting events to the monitor.
-    pub fn carry_out(&mut self, pass: Pass, mut tell: impl FnMut(Event)) {
-        let Pass { update_context, orders, clouds } = pass;
+    /// Carries out a group of commands and sends the resulting events to the monitor.
+    pub fn carry_out(&mut self, pass: Pass, mut tell: impl FnMut(MonitorEvent)) {
+        let Pass { update_context, commands, clouds } = pass;
         let texts = self.texts;
         self.keeper.ask(&update_context.parameters.planning_scene_service);
         let (mut is_new_robot, mut change) = (false, self.follow_frames(&update_context));
-        let updates = orders.iter().filter(|order| matches!(order, Order::Scene(_))).count();
-        for order in orders {
-            match self.note(order, &update_context) {
+        let updates = commands.iter().filter(|command| matches!(command, LoaderCommand::Scene(_))).count();
+        for command in commands {
+            match self.note(command, &update_context) {
                 Change::Robot => is_new_robot = true,
                 other => change = change.max(other),
             }
@@ -191,23 +191,27 @@ impl Loader {
         change = change.max(self.look_at_the_world(clouds, &update_context));
         let is_described = self.description.is_some() || self.given.is_some();
         if is_new_robot && is_described {
-            tell(Event::ModelSwap);
+            tell(MonitorEvent::ModelSwap);
         }
         let (built, refused) = self.build_anew(is_new_robot, change, &update_context);
         if self.texts > texts {
-            tell(Event::Heeded(self.texts));
+            tell(MonitorEvent::DescriptionsProcessed(self.texts));
         }
         if updates > 0 {
-            tell(Event::WorldUpdate(WorldUpdate::Completing(updates)));
+            tell(MonitorEvent::WorldUpdate(WorldUpdate::Completing(updates)));
         }
         if let Some(revision) = built {
-            tell(Event::Checker(revision));
+            tell(MonitorEvent::Checker(revision));
         }
         if let Some(fault) = refused {
-            tell(Event::ModelFault(fault));
+            tell(MonitorEvent::ModelFault(fault));
         }
         let incomplete = self.keeper.incomplete(&update_context.parameters);
-        tell(Event::World(self.keeper.note_in_use(), self.keeper.faults(), incomplete));
+        tell(MonitorEvent::World {
+            clouds: self.keeper.note_in_use(),
+            faults: self.keeper.faults(),
+            incomplete,
+        });
     }
 
     /// Rebuilds the changed parts and returns the error if something was rejected. A new robot includes all other changes.
@@ -235,24 +239,28 @@ impl Loader {
         (built, refused)
     }
 
-    /// Waits for the next order. Returns no order after a timeout, and `None` when no more orders can arrive.
-    fn await_orders(&mut self, orders: &Receiver<Order>, inputs: &LoaderInputs) -> Option<Vec<Order>> {
-        let Shared { transforms, grounds, store, clock, .. } = &inputs.shared;
+    /// Waits for the next command. Returns no command after a timeout, and `None` when no more commands can arrive.
+    fn await_commands(
+        &mut self,
+        commands: &Receiver<LoaderCommand>,
+        inputs: &LoaderInputs,
+    ) -> Option<Vec<LoaderCommand>> {
+        let SharedState { transforms, grounds, store, clock, .. } = &inputs.shared;
         // transforms that arrived during the last pass were compared with the earlier poses of the obstacles
         let tree = lock(transforms);
         if lock(grounds).are_elsewhere(&tree) {
-            return Some(vec![Order::Frames]);
+            return Some(vec![LoaderCommand::Frames]);
         }
         drop(tree);
         let due = self.keeper.time_to_drop(clock.read(), &store.get());
-        let order = smol::block_on(future::or(async { orders.recv().await.map(Some) }, async {
+        let command = smol::block_on(future::or(async { commands.recv().await.map(Some) }, async {
             match due {
                 Some(due) => drop(Timer::after(due).await),
                 None => future::pending().await,
             }
             Ok(None)
         }));
-        Some(order.ok()?.into_iter().collect())
+        Some(command.ok()?.into_iter().collect())
     }
 
     /// Moves the obstacles to the current poses of their frames.
@@ -286,16 +294,16 @@ impl Loader {
         if seen || dropped { Change::World } else { Change::Nothing }
     }
 
-    fn note(&mut self, order: Order, update_context: &SceneUpdateContext) -> Change {
-        let (known, text, topic) = match order {
-            Order::Parameters if self.prefixes == prefixes(&update_context.parameters) => {
+    fn note(&mut self, command: LoaderCommand, update_context: &SceneUpdateContext) -> Change {
+        let (known, text, topic) = match command {
+            LoaderCommand::Parameters if self.prefixes == prefixes(&update_context.parameters) => {
                 return Change::Settings;
             }
-            Order::Parameters => return Change::Robot,
-            Order::Clouds | Order::Display | Order::Frames => return Change::Nothing,
-            Order::Scene(order) => return self.note_scene(*order, update_context),
-            Order::Description(text) => (&mut self.description, text, DESCRIPTION),
-            Order::Semantic(text) => (&mut self.semantic, text, SEMANTIC),
+            LoaderCommand::Parameters => return Change::Robot,
+            LoaderCommand::Clouds | LoaderCommand::Display | LoaderCommand::Frames => return Change::Nothing,
+            LoaderCommand::Scene(command) => return self.note_scene(*command, update_context),
+            LoaderCommand::Description(text) => (&mut self.description, text, DESCRIPTION),
+            LoaderCommand::Semantic(text) => (&mut self.semantic, text, SEMANTIC),
         };
         if self.given.is_some() {
             log::info!("{topic} is not heeded: the robot was given on the command line");
@@ -309,12 +317,12 @@ impl Loader {
         Change::Robot
     }
 
-    fn note_scene(&mut self, order: SceneOrder, update_context: &SceneUpdateContext) -> Change {
+    fn note_scene(&mut self, command: SceneCommand, update_context: &SceneUpdateContext) -> Change {
         let Some(robot) = self.robot.clone() else {
-            self.keeper.wait(order);
+            self.keeper.wait(command);
             return Change::Nothing;
         };
-        let changed = guarded_scene(&mut self.keeper, |keeper| keeper.apply(order, &robot, update_context));
+        let changed = guarded_scene(&mut self.keeper, |keeper| keeper.apply(command, &robot, update_context));
         if changed { Change::World } else { Change::Nothing }
     }
 
@@ -385,10 +393,10 @@ impl Loader {
         }
         self.keeper.follow_frames(&robot, update_context);
         let mut awaited = Vec::new();
-        for order in self.keeper.awaited() {
-            awaited.push(order.source);
+        for command in self.keeper.awaited() {
+            awaited.push(command.source);
             let changed =
-                guarded_scene(&mut self.keeper, |keeper| keeper.apply(order, &robot, update_context));
+                guarded_scene(&mut self.keeper, |keeper| keeper.apply(command, &robot, update_context));
             world += u64::from(changed);
         }
         let revision = match self.build(&robot, (self.model_revision + 1, world), update_context) {
@@ -438,7 +446,7 @@ impl Loader {
             placed_at: Some(now.steady),
         });
         (self.model_revision, self.world_revision) = (model, world);
-        *lock(&self.scene) = Some(Arc::new(SceneInForce {
+        *lock(&self.scene) = Some(Arc::new(ActiveScene {
             revision: Arc::clone(&revision),
             scene: scene.clone(),
             octomap: self.keeper.octomap.clone(),
@@ -460,7 +468,7 @@ fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
 }
 
 /// Applies an untrusted scene message. A panic in it must not end the node.
-fn guarded_scene(keeper: &mut SceneKeeper, change: impl FnOnce(&mut SceneKeeper) -> bool) -> bool {
+fn guarded_scene(keeper: &mut LoaderScene, change: impl FnOnce(&mut LoaderScene) -> bool) -> bool {
     catch_unwind(AssertUnwindSafe(|| change(keeper))).unwrap_or_else(|_| {
         const FAULT: &str = "a change of the world failed inside the program; the world may lack it";
         log::error!("{FAULT}");

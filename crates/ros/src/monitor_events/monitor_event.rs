@@ -10,23 +10,27 @@ use crate::parameters::parameter_set::Parameters;
 use crate::threading::mailbox::Sender;
 
 /// Messages from the other threads to the monitor.
-pub enum Event {
+pub enum MonitorEvent {
     Checker(Arc<Revision>),
     /// A new robot description was received: its checker or its fault follows.
     ModelSwap,
     ModelFault(String),
-    /// A description was received that differs from the last one of its topic. `Heeded`: number of descriptions that the loader has
+    /// A description was received that differs from the last one of its topic. `DescriptionsProcessed`: number of descriptions that the loader has
     /// accepted or rejected.
-    Described,
-    Heeded(u64),
+    DescriptionReceived,
+    DescriptionsProcessed(u64),
     /// Progress of a scene message, from its reception until it is in use.
     WorldUpdate(WorldUpdate),
     /// Turns checking on or off; the sender is notified when this is done.
     Enabled(bool, Sender<()>),
     /// Request to publish an evaluation after all earlier events; the sender is notified when it is published.
-    Say(Sender<()>),
+    PublishNow(Sender<()>),
     /// Reports on the point clouds, rejected parts of the last scene updates, and the reason why the world is incomplete, if it is.
-    World(CloudReports, Vec<String>, Option<Reason>),
+    World {
+        clouds: CloudReports,
+        faults: Vec<String>,
+        incomplete: Option<Reason>,
+    },
     Parameters(Box<Parameters>),
     /// Memory used by the process (MiB) and its limit (MiB); the sender waits until the status is published.
     Memory {

@@ -18,7 +18,7 @@ pub enum WorldUpdate {
 }
 
 impl WorldUpdate {
-    pub fn tell(self, monitor: &mut Monitor) {
+    pub fn apply_to(self, monitor: &mut Monitor) {
         match self {
             Self::Received { steady } => monitor.note_world_update(Duration::from_nanos(steady)),
             Self::Withdrawn => monitor.note_world_update_withdrawn(),

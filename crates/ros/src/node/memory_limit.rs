@@ -8,7 +8,7 @@ use futures_lite::future;
 use smol::Timer;
 use sysinfo::{MemoryRefreshKind, Pid, ProcessRefreshKind, ProcessesToUpdate, RefreshKind, System};
 
-use crate::monitor_events::monitor_event::Event;
+use crate::monitor_events::monitor_event::MonitorEvent;
 use crate::node::termination::{OUT_OF_MEMORY, arm_watchdog, exit};
 use crate::parameters::parameter_store::ParameterStore;
 use crate::recording::recorder_handle::RecorderHandle;
@@ -40,14 +40,14 @@ pub type OutOfMemory = Arc<OnceLock<String>>;
 /// Monitors the resident memory of this process.
 pub struct MemoryWatch {
     store: ParameterStore,
-    events: mailbox::Sender<Event>,
+    events: mailbox::Sender<MonitorEvent>,
     components: Components,
     out_of_memory: OutOfMemory,
 }
 
 impl MemoryWatch {
     #[must_use]
-    pub fn new(store: ParameterStore, events: mailbox::Sender<Event>, components: Components) -> Self {
+    pub fn new(store: ParameterStore, events: mailbox::Sender<MonitorEvent>, components: Components) -> Self {
         Self { store, events, components, out_of_memory: OutOfMemory::default() }
     }
 
@@ -86,7 +86,7 @@ impl MemoryWatch {
         // log first, as the later steps may not be reached; on a separate thread, as the log may be a pipe that is not read
         let _ = thread::Builder::new().spawn(move || log::error!("{why}"));
         let (published, is_published) = mailbox::bounded(1);
-        if self.events.send(Event::Memory { used, limit, published }).is_ok() {
+        if self.events.send(MonitorEvent::Memory { used, limit, published }).is_ok() {
             let give_up = async {
                 Timer::after(TIME_TO_PUBLISH).await;
                 None
@@ -185,7 +185,7 @@ impl Process {
 /// Components of the node whose memory is measured.
 pub struct Components {
     pub scene: CurrentScene,
-    pub tape: RecorderHandle,
+    pub recording: RecorderHandle,
 }
 
 impl Components {
@@ -197,7 +197,7 @@ impl Components {
         let scene = self.scene.lock().unwrap_or_else(PoisonError::into_inner).clone();
         let hierarchies = scene.map_or(0, |scene| scene.revision.checker.hierarchy_size().0);
         let model_and_world = u64::try_from(hierarchies).unwrap_or(u64::MAX);
-        let recording = u64::try_from(self.tape.waiting_bytes()).unwrap_or(u64::MAX);
+        let recording = u64::try_from(self.recording.waiting_bytes()).unwrap_or(u64::MAX);
         let rest = used.saturating_sub(model_and_world).saturating_sub(recording);
         Usage { model_and_world, recording, rest }
     }

@@ -15,9 +15,9 @@ use crate::messages::joint_state::joint_state_input;
 use crate::monitor_events::cloud_report::CloudReports;
 use crate::monitor_events::current_evaluation::CurrentEvaluation;
 use crate::monitor_events::current_evaluation::Observer;
-use crate::monitor_events::monitor_event::Event;
+use crate::monitor_events::monitor_event::MonitorEvent;
 use crate::parameters::parameter_set::Parameters;
-use crate::recording::recorder_handle::{Judged, RecordedEvent, RecorderHandle};
+use crate::recording::recorder_handle::{RecordedEvaluation, RecordedEvent, RecorderHandle};
 use crate::recording::step::RecordedMonitorEvent;
 use crate::scene::shared_state::Transforms;
 use crate::threading::mailbox::Receiver;
@@ -41,12 +41,12 @@ pub struct MonitorLoop {
     pub joint_states: Subscription<JointState>,
     pub transforms: Transforms,
     pub own_motion: OwnMotion,
-    pub events: Receiver<Event>,
+    pub events: Receiver<MonitorEvent>,
     pub publishers: Publishers,
     pub current: CurrentEvaluation,
     pub joint_state_history: Arc<Mutex<JointStateHistory>>,
     pub observer: Option<Observer>,
-    pub tape: RecorderHandle,
+    pub recording: RecorderHandle,
     pub report: Report,
 }
 
@@ -60,7 +60,7 @@ pub struct OwnMotion {
 #[derive(Default)]
 pub struct Report {
     activity: Activity,
-    arrivals: SequenceGaps,
+    sequence_gaps: SequenceGaps,
     clouds: CloudReports,
     /// Status and reason code of the last log line.
     logged: Option<(&'static str, Option<&'static str>)>,
@@ -72,36 +72,36 @@ pub struct Report {
 }
 
 impl Report {
-    fn note_arrival(&mut self, origin: &Origin) {
+    fn note_sequence_number(&mut self, origin: &Origin) {
         if let Some(number) = origin.number {
-            self.activity.note_lost(self.arrivals.missing_before(origin.publisher, number));
+            self.activity.note_lost(self.sequence_gaps.missing_before(origin.publisher, number));
         }
     }
 }
 
 /// Cause for which the thread woke up.
 enum Wake {
-    Event(Event),
+    Event(MonitorEvent),
     JointState(JointState, Origin),
     Heartbeat,
 }
 
 impl MonitorLoop {
-    /// Runs until it receives `Event::Stop`.
+    /// Runs until it receives `MonitorEvent::Stop`.
     pub fn run(mut self) {
         loop {
             match self.wake() {
-                Wake::Event(Event::Stop) => return,
-                Wake::Event(event) => self.heed(event),
-                Wake::JointState(message, origin) => self.evaluate(message, origin),
-                Wake::Heartbeat => self.beat(),
+                Wake::Event(MonitorEvent::Stop) => return,
+                Wake::Event(event) => self.on_event(event),
+                Wake::JointState(message, origin) => self.on_joint_state(message, origin),
+                Wake::Heartbeat => self.on_heartbeat(),
             }
         }
     }
 
     fn wake(&self) -> Wake {
         let due = self.monitor.time_to_heartbeat(self.clock.read());
-        let event = async { Wake::Event(self.events.receive().await.unwrap_or(Event::Stop)) };
+        let event = async { Wake::Event(self.events.receive().await.unwrap_or(MonitorEvent::Stop)) };
         let joint_state = async {
             loop {
                 let (message, origin) = self.joint_states.next().await;
@@ -116,110 +116,114 @@ impl MonitorLoop {
                 _ => future::pending().await,
             }
         };
-        let news = future::or(event, future::or(own_joint_state, joint_state));
-        wait_at_most(due, news).unwrap_or(Wake::Heartbeat)
+        let input = future::or(event, future::or(own_joint_state, joint_state));
+        wait_at_most(due, input).unwrap_or(Wake::Heartbeat)
     }
 
-    fn heed(&mut self, event: Event) {
-        self.note(&event);
+    fn on_event(&mut self, event: MonitorEvent) {
+        self.record(&event);
         match event {
-            Event::Stop => {}
-            Event::Checker(revision) => self.monitor.set_checker(revision),
-            Event::ModelSwap => self.monitor.note_model_swap(),
-            Event::Described => self.monitor.note_description(),
-            Event::Heeded(descriptions) => self.monitor.note_heeded(descriptions),
-            Event::WorldUpdate(update) => update.tell(&mut self.monitor),
-            Event::Enabled(enabled, heeded) => {
+            MonitorEvent::Stop => {}
+            MonitorEvent::Checker(revision) => self.monitor.set_checker(revision),
+            MonitorEvent::ModelSwap => self.monitor.note_model_swap(),
+            MonitorEvent::DescriptionReceived => self.monitor.note_description(),
+            MonitorEvent::DescriptionsProcessed(descriptions) => self.monitor.note_heeded(descriptions),
+            MonitorEvent::WorldUpdate(update) => update.apply_to(&mut self.monitor),
+            MonitorEvent::Enabled(enabled, applied) => {
                 self.monitor.set_enabled(enabled);
-                self.beat();
+                self.on_heartbeat();
                 // the requester may be gone already
-                let _ = heeded.send(());
+                let _ = applied.send(());
             }
-            Event::Say(said) => {
-                self.beat();
-                let _ = said.send(());
-            }
-            Event::Memory { used, limit, published } => {
-                self.monitor.note_memory(used, limit);
-                self.beat();
+            MonitorEvent::PublishNow(published) => {
+                self.on_heartbeat();
                 let _ = published.send(());
             }
-            Event::ModelFault(fault) => {
+            MonitorEvent::Memory { used, limit, published } => {
+                self.monitor.note_memory(used, limit);
+                self.on_heartbeat();
+                let _ = published.send(());
+            }
+            MonitorEvent::ModelFault(fault) => {
                 self.report.is_due = true;
                 self.monitor.note_model_fault(fault);
             }
-            Event::World(clouds, faults, incomplete) => {
+            MonitorEvent::World { clouds, faults, incomplete } => {
                 self.report.clouds = clouds;
                 self.monitor.note_world_faults(faults, incomplete);
             }
-            Event::Parameters(parameters) => {
+            MonitorEvent::Parameters(parameters) => {
                 self.monitor.set_settings(parameters.monitor_settings());
                 self.parameters = *parameters;
             }
         }
     }
 
-    fn beat(&mut self) {
-        self.look_at_transforms();
+    fn on_heartbeat(&mut self) {
+        self.read_transforms();
         let now = self.clock.read();
         let evaluation = self.monitor.on_heartbeat(now);
         let (evaluation, _) = self.publish(evaluation, now, None);
         self.publish_diagnostics(&evaluation);
     }
 
-    fn look_at_transforms(&mut self) {
+    fn read_transforms(&mut self) {
         if !self.monitor.heeds_transforms() {
             return;
         }
         let tree = self.transforms.lock().unwrap_or_else(PoisonError::into_inner);
         // the recording stores this at its position among the transforms
-        self.tape.note(|| RecordedEvent::Looked);
+        self.recording.note(|| RecordedEvent::TransformsRead);
         self.monitor.note_transforms(&tree);
     }
 
     /// Records an event and its time.
-    fn note(&self, event: &Event) {
-        let told = match event {
+    fn record(&self, event: &MonitorEvent) {
+        let recorded = match event {
             // the published evaluation is recorded like any other
-            Event::Stop | Event::Say(_) => return,
-            Event::Checker(_) => RecordedMonitorEvent::Checker,
-            Event::ModelSwap => RecordedMonitorEvent::ModelSwap,
-            Event::Described => RecordedMonitorEvent::Described,
-            Event::Heeded(_) => RecordedMonitorEvent::Heeded,
-            Event::ModelFault(fault) => RecordedMonitorEvent::ModelFault(fault.clone()),
-            Event::World(..) => RecordedMonitorEvent::World,
-            Event::WorldUpdate(update) => RecordedMonitorEvent::WorldUpdate(*update),
-            Event::Memory { used, limit, .. } => RecordedMonitorEvent::Memory { used: *used, limit: *limit },
-            Event::Enabled(enabled, _) => return self.tape.note(|| RecordedEvent::Enabled(*enabled)),
-            Event::Parameters(parameters) => {
-                return self.tape.note(|| RecordedEvent::Parameters(parameters.clone()));
+            MonitorEvent::Stop | MonitorEvent::PublishNow(_) => return,
+            MonitorEvent::Checker(_) => RecordedMonitorEvent::Checker,
+            MonitorEvent::ModelSwap => RecordedMonitorEvent::ModelSwap,
+            MonitorEvent::DescriptionReceived => RecordedMonitorEvent::Described,
+            MonitorEvent::DescriptionsProcessed(_) => RecordedMonitorEvent::Heeded,
+            MonitorEvent::ModelFault(fault) => RecordedMonitorEvent::ModelFault(fault.clone()),
+            MonitorEvent::World { .. } => RecordedMonitorEvent::World,
+            MonitorEvent::WorldUpdate(update) => RecordedMonitorEvent::WorldUpdate(*update),
+            MonitorEvent::Memory { used, limit, .. } => {
+                RecordedMonitorEvent::Memory { used: *used, limit: *limit }
+            }
+            MonitorEvent::Enabled(enabled, _) => {
+                return self.recording.note(|| RecordedEvent::Enabled(*enabled));
+            }
+            MonitorEvent::Parameters(parameters) => {
+                return self.recording.note(|| RecordedEvent::Parameters(parameters.clone()));
             }
         };
-        self.tape.note(|| RecordedEvent::Told(told));
+        self.recording.note(|| RecordedEvent::MonitorEvent(recorded));
     }
 
-    fn evaluate(&mut self, mut message: JointState, mut origin: Origin) {
-        self.report.note_arrival(&origin);
+    fn on_joint_state(&mut self, mut message: JointState, mut origin: Origin) {
+        self.report.note_sequence_number(&origin);
         if origin.waited() > LONGEST_WAIT {
             while let Some(newer) = self.joint_states.try_next() {
                 if Some(newer.1.publisher) == self.own_motion.source {
                     continue;
                 }
-                self.report.note_arrival(&newer.1);
-                self.report.activity.note_passed_over();
+                self.report.note_sequence_number(&newer.1);
+                self.report.activity.note_skipped();
                 // the newer message may contain other joints
                 self.receive(message, origin.publisher);
                 (message, origin) = newer;
             }
         }
-        self.look_at_transforms();
-        let heard = self.tape.is_on().then(|| (message.clone(), origin.publisher));
+        self.read_transforms();
+        let received = self.recording.is_on().then(|| (message.clone(), origin.publisher));
         let input = joint_state_input(message, origin.publisher);
         let now = self.clock.read();
         let evaluation = self.monitor.on_joint_state(input, now);
-        let (evaluation, said_at) = self.publish(evaluation, now, heard);
-        let latency = said_at.saturating_duration_since(origin.received);
-        self.report.activity.note_judged(&evaluation, latency);
+        let (evaluation, published_at) = self.publish(evaluation, now, received);
+        let latency = published_at.saturating_duration_since(origin.received);
+        self.report.activity.note_evaluated(&evaluation, latency);
         self.publish_diagnostics(&evaluation);
         self.monitor.prepare();
     }
@@ -227,7 +231,11 @@ impl MonitorLoop {
     /// Stores a joint state that is not evaluated by itself.
     fn receive(&mut self, message: JointState, source: SourceId) {
         let now = self.clock.read();
-        self.tape.note(|| RecordedEvent::Heard { now, message: Box::new(message.clone()), source });
+        self.recording.note(|| RecordedEvent::JointStateReceived {
+            now,
+            message: Box::new(message.clone()),
+            source,
+        });
         self.monitor.receive(joint_state_input(message, source), now);
     }
 
@@ -238,27 +246,32 @@ impl MonitorLoop {
         &mut self,
         evaluation: Evaluation,
         now: Now,
-        heard: Option<(JointState, SourceId)>,
+        received: Option<(JointState, SourceId)>,
     ) -> (Evaluation, Instant) {
         let mut current = self.current.lock().unwrap_or_else(PoisonError::into_inner);
         *current = Some(evaluation.clone());
         self.joint_state_history.lock().unwrap_or_else(PoisonError::into_inner).note(&evaluation);
         // the recording stores the evaluation before everything that results from it
-        self.tape
-            .note(|| RecordedEvent::Judged(Box::new(Judged { now, heard, answer: (&evaluation).into() })));
+        self.recording.note(|| {
+            RecordedEvent::Evaluated(Box::new(RecordedEvaluation {
+                now,
+                joint_state: received,
+                result: (&evaluation).into(),
+            }))
+        });
         drop(current);
         let now = self.clock.read();
-        let evaluation = evaluation.aged(now).with_warning(self.tape.fault());
+        let evaluation = evaluation.aged(now).with_warning(self.recording.fault());
         self.log_change(&evaluation);
         if let Some(remark) = self.monitor.take_contact_remark() {
             log::warn!("{remark}");
         }
-        let said = self.publishers.publish(&evaluation, &self.parameters, now.steady);
-        self.report.activity.note_dropped(said.dropped);
+        let published = self.publishers.publish(&evaluation, &self.parameters, now.steady);
+        self.report.activity.note_dropped(published.dropped);
         if let Some(observe) = &mut self.observer {
             observe(&evaluation, &self.parameters.monitor_settings());
         }
-        (evaluation, said.state_at)
+        (evaluation, published.state_at)
     }
 
     /// Logs one line when the status or the reason for UNKNOWN changes. Frequent changes are rate-limited; then the final status is logged.
@@ -284,8 +297,8 @@ impl MonitorLoop {
         let status = evaluation.status.word();
         let since = |at: Duration| steady.saturating_sub(at);
         let report = &mut self.report;
-        let is_told = |(last, at)| last == status && since(at) < DIAGNOSTICS_PERIOD;
-        if !std::mem::take(&mut report.is_due) && report.last.is_some_and(is_told) {
+        let is_published = |(last, at)| last == status && since(at) < DIAGNOSTICS_PERIOD;
+        if !std::mem::take(&mut report.is_due) && report.last.is_some_and(is_published) {
             return;
         }
         let interval = report.last.map_or(steady, |(_, at)| since(at));
@@ -294,7 +307,7 @@ impl MonitorLoop {
         let fault = self.monitor.model_fault();
         let message =
             diagnostics(&self.node, now, evaluation, &report.activity, interval, fault, &report.clouds);
-        report.activity.begin_anew();
+        report.activity.start_period();
         let sent = self.publishers.publish_diagnostics(message);
         report.activity.note_dropped(u64::from(!sent));
     }

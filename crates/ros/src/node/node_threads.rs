@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 use futures_lite::{Future, future};
 use smol::channel::{Receiver, Sender};
 
-use crate::monitor_events::monitor_event::Event;
-use crate::scene::loader_command::Order;
+use crate::monitor_events::monitor_event::MonitorEvent;
+use crate::scene::loader_command::LoaderCommand;
 use crate::threading::mailbox;
 
 /// Time limit for all parts to end, after the first one has ended or the node was requested to end. A part that needs longer, such as the
@@ -31,8 +31,8 @@ impl Part {
 /// Requests the end of every part.
 #[derive(Clone)]
 pub struct End {
-    pub events: mailbox::Sender<Event>,
-    pub orders: Sender<Order>,
+    pub events: mailbox::Sender<MonitorEvent>,
+    pub commands: Sender<LoaderCommand>,
     /// Parts that wait for other things also wait until this channel is closed.
     pub stop: Sender<()>,
 }
@@ -40,8 +40,8 @@ pub struct End {
 impl End {
     pub fn tell(&self) {
         // an error means that this part has ended already
-        let _ = self.events.send(Event::Stop);
-        self.orders.close();
+        let _ = self.events.send(MonitorEvent::Stop);
+        self.commands.close();
         self.stop.close();
     }
 }
@@ -120,9 +120,9 @@ mod tests {
     #[test]
     fn a_part_that_does_not_end_holds_up_no_other() {
         let (events, _events_in) = mailbox::unbounded();
-        let (orders, _orders_in) = smol::channel::unbounded();
+        let (commands, _orders_in) = smol::channel::unbounded();
         let (stop, stopped) = smol::channel::bounded(1);
-        let end = End { events, orders, stop };
+        let end = End { events, commands, stop };
         let (release, released) = mpsc::channel::<()>();
         let parts = vec![
             Part::new("stuck", move || {
@@ -145,9 +145,9 @@ mod tests {
 
     fn run_with_a_failing_part() -> Result<(), String> {
         let (events, _events_in) = mailbox::unbounded();
-        let (orders, _orders_in) = smol::channel::unbounded();
+        let (commands, _orders_in) = smol::channel::unbounded();
         let (stop, stopped) = smol::channel::bounded(1);
-        let end = End { events, orders, stop };
+        let end = End { events, commands, stop };
         let parts = vec![
             // without the message of a panic on stderr
             Part::new("broken", || std::panic::resume_unwind(Box::new("as planned"))),

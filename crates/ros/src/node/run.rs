@@ -22,7 +22,7 @@ use crate::dds::type_name::TypeName;
 use crate::loading::loader::{Loader, Surroundings};
 use crate::loading::loader_inputs::LoaderInputs;
 use crate::monitor_events::current_evaluation::{CurrentEvaluation, Observer};
-use crate::monitor_events::monitor_event::Event;
+use crate::monitor_events::monitor_event::MonitorEvent;
 use crate::names::NODE_NAME;
 use crate::names::{FullName, Names};
 use crate::node::memory_limit::{Components, MemoryWatch, OutOfMemory};
@@ -37,11 +37,11 @@ use crate::parameters::parameter_files;
 use crate::parameters::parameter_set::Parameters;
 use crate::parameters::parameter_store::{OnChange, ParameterStore};
 use crate::recording::recorder::Recorder;
-use crate::recording::recorder_handle::{Given, RecorderHandle};
-use crate::scene::loader_command::Order;
+use crate::recording::recorder_handle::{CommandLineInputs, RecorderHandle};
+use crate::scene::loader_command::LoaderCommand;
 use crate::scene::scene_command_sender::SceneCommandSender;
 use crate::scene::scene_update_context::SceneUpdateContext;
-use crate::scene::shared_state::Shared;
+use crate::scene::shared_state::SharedState;
 use crate::services::enable_service::EnableService;
 use crate::services::motion_services::MotionServices;
 use crate::services::scene_services::SceneServices;
@@ -51,7 +51,7 @@ use crate::threading::thread_priority::ThreadPriority;
 use crate::topics::demo_motion::Motion;
 use crate::topics::evaluation_publishers::Publishers;
 use crate::topics::link_volumes::LinkVolumes;
-use crate::topics::monitored_scene::Monitored;
+use crate::topics::monitored_scene::MonitoredScene;
 use crate::topics::scene_topics::SceneTopics;
 use crate::topics::{demo_motion, marker_topic};
 
@@ -76,7 +76,7 @@ pub struct NodeOptions {
     /// Called once, after all input that can be rejected was read and the node has joined the network.
     pub on_start: Option<Box<dyn FnOnce() + Send>>,
     /// Input that a recording needs for its replay.
-    pub given: Given,
+    pub given: CommandLineInputs,
 }
 
 impl std::fmt::Debug for NodeOptions {
@@ -105,10 +105,10 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     let (parameters, priority) = (options.parameters, options.announcement.priority());
     let clock = Arc::new(RosClock::new(parameters.use_sim_time));
     let (events, events_in) = mailbox::unbounded();
-    let (orders, orders_in) = channel::unbounded();
+    let (commands, commands_in) = channel::unbounded();
     let [(changes, changes_in), (watch, watch_in)] = [channel::unbounded(), channel::unbounded()];
     let (stop, stopped) = channel::bounded(1);
-    let end = End { events: events.clone(), orders: orders.clone(), stop };
+    let end = End { events: events.clone(), commands: commands.clone(), stop };
     let on_change = on_change(parameters.clone(), Arc::clone(&clock), &end, [changes, watch]);
     let store = ParameterStore::new(parameters.clone(), on_change);
 
@@ -122,12 +122,13 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     }
     hand_signals_to(end.clone());
     let meshes = options.given.meshes.clone();
-    let (tape, recorder) = record(&parameters, &names, options.given)?;
-    let shared = Shared::new(loader.current_scene(), store.clone(), Arc::clone(&clock), tape.clone());
+    let (recording, recorder) = record(&parameters, &names, options.given)?;
+    let shared =
+        SharedState::new(loader.current_scene(), store.clone(), Arc::clone(&clock), recording.clone());
     let inputs = LoaderInputs { shared: shared.clone(), evaluation: Arc::clone(&current), meshes };
     inputs.note_meshes();
     let current_robot = loader.current_robot();
-    let components = Components { scene: loader.current_scene(), tape: tape.clone() };
+    let components = Components { scene: loader.current_scene(), recording: recording.clone() };
     let memory = MemoryWatch::new(store.clone(), events.clone(), components);
     let out_of_memory = memory.out_of_memory();
     let domain = options.announcement.environment().domain;
@@ -152,13 +153,13 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
         current: Arc::clone(&current),
         joint_state_history: Arc::clone(&shared.joint_state_history),
         observer: options.observer,
-        tape: tape.clone(),
+        recording: recording.clone(),
         report: Report::default(),
     };
-    loader.tell_on(Monitored::open(&middleware, &names)?, LinkVolumes::open(&middleware, &names)?);
+    loader.tell_on(MonitoredScene::open(&middleware, &names)?, LinkVolumes::open(&middleware, &names)?);
     let (scenes, validity_desk) =
         SceneServices::offer(&middleware, &names, Arc::clone(&current), shared.clone())?;
-    let sender = SceneCommandSender::new(shared, orders.clone(), events.clone());
+    let sender = SceneCommandSender::new(shared, commands.clone(), events.clone());
     let topics = SceneTopics::open(&middleware, &names, sender, watch_in)?;
     let (states, state_desk) =
         StateServices::offer(&middleware, &names, Arc::clone(&current), Arc::clone(&clock))?;
@@ -166,12 +167,12 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
         MotionServices::offer(&middleware, &names, current, Arc::clone(&clock), store.clone())?;
     let inputs_of_services = ServicesInputs {
         store,
-        tape,
+        recording,
         clock: Arc::clone(&clock),
         motions,
         states,
         enable: EnableService::offer(&middleware, &names, end.events.clone())?,
-        orders,
+        commands,
         description_events: (!is_given).then(|| end.events.clone()),
         changes: changes_in,
     };
@@ -179,7 +180,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     let mut parts = vec![
         Part::new("monitor", move || run_first(monitor_loop, priority)),
         Part::new("markers", move || marker_desk.work()),
-        Part::new("loader", move || loader.follow(&orders_in, &events, &inputs)),
+        Part::new("loader", move || loader.follow(&commands_in, &events, &inputs)),
     ];
     parts.extend(motion.map(|(motion, publisher)| {
         task("motion", &stopped, async move || {
@@ -267,13 +268,14 @@ fn with_publisher(
 fn record(
     parameters: &Parameters,
     names: &Names,
-    given: Given,
+    given: CommandLineInputs,
 ) -> Result<(RecorderHandle, Option<Recorder>), NodeError> {
     let Some(settings) = parameters.recording() else {
         return Ok((RecorderHandle::default(), None));
     };
-    let (tape, recorder) = Recorder::start(&settings, names, given, parameters).map_err(NodeError::Input)?;
-    Ok((tape, Some(recorder)))
+    let (recording, recorder) =
+        Recorder::start(&settings, names, given, parameters).map_err(NodeError::Input)?;
+    Ok((recording, Some(recorder)))
 }
 
 /// Parameters from the files and the `-p` arguments.
@@ -297,21 +299,21 @@ pub fn initial_parameters(arguments: &RosArguments) -> Result<Parameters, NodeEr
 fn on_change(
     initial: Parameters,
     clock: Arc<RosClock>,
-    End { events, orders, .. }: &End,
+    End { events, commands, .. }: &End,
     changes: [Sender<()>; 2],
 ) -> OnChange {
-    let (events, orders) = (events.clone(), orders.clone());
+    let (events, commands) = (events.clone(), commands.clone());
     let last = Mutex::new(initial);
     Box::new(move |parameters| {
         let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
         clock.use_sim_time(parameters.use_sim_time);
         // an error means that the receiver has ended
-        let _ = events.send(Event::Parameters(Box::new(parameters.clone())));
+        let _ = events.send(MonitorEvent::Parameters(Box::new(parameters.clone())));
         if what_is_built(&last) != what_is_built(parameters) {
-            let _ = orders.try_send(Order::Parameters);
+            let _ = commands.try_send(LoaderCommand::Parameters);
         }
         if last.link_volume_level != parameters.link_volume_level {
-            let _ = orders.try_send(Order::Display);
+            let _ = commands.try_send(LoaderCommand::Display);
         }
         for changes in &changes {
             let _ = changes.try_send(());

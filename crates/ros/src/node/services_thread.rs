@@ -13,12 +13,12 @@ use crate::dds::quality::Quality;
 use crate::dds::subscription::Subscription;
 use crate::dds::type_name::TypeName;
 use crate::logging;
-use crate::monitor_events::monitor_event::Event;
+use crate::monitor_events::monitor_event::MonitorEvent;
 use crate::names::{FullName, Names};
 use crate::node_error::NodeError;
 use crate::parameters::parameter_store::ParameterStore;
 use crate::recording::recorder_handle::RecorderHandle;
-use crate::scene::loader_command::Order;
+use crate::scene::loader_command::LoaderCommand;
 use crate::services::enable_service::EnableService;
 use crate::services::motion_services::MotionServices;
 use crate::services::parameter_services::ParameterServices;
@@ -34,14 +34,14 @@ const UNREADABLE: &str = "(the message could not be decoded: is its text UTF-8?)
 /// Parts of the node that the services thread uses.
 pub struct ServicesInputs {
     pub store: ParameterStore,
-    pub tape: RecorderHandle,
+    pub recording: RecorderHandle,
     pub clock: Arc<RosClock>,
     pub motions: MotionServices,
     pub states: StateServices,
     pub enable: EnableService,
-    pub orders: Sender<Order>,
+    pub commands: Sender<LoaderCommand>,
     /// Queue of the monitor for new descriptions; `None` if the robot was given on the command line.
-    pub description_events: Option<mailbox::Sender<Event>>,
+    pub description_events: Option<mailbox::Sender<MonitorEvent>>,
     /// Receives a notice when a parameter changed.
     pub changes: Receiver<()>,
 }
@@ -81,14 +81,15 @@ impl ServicesThread {
     pub async fn run(self) {
         let follow_clock = async {
             let Self { middleware, clock_topic, inputs, .. } = &self;
-            let ServicesInputs { clock, store, tape, changes, .. } = inputs;
-            let followed = simulation_clock::follow(middleware, clock_topic, clock, (store, tape), changes);
+            let ServicesInputs { clock, store, recording, changes, .. } = inputs;
+            let followed =
+                simulation_clock::follow(middleware, clock_topic, clock, (store, recording), changes);
             if let Err(error) = followed.await {
                 log::error!("simulated time can not be followed: {error}");
             }
         };
-        let descriptions = self.forward(&self.descriptions, Order::Description);
-        let semantics = self.forward(&self.semantics, Order::Semantic);
+        let descriptions = self.forward(&self.descriptions, LoaderCommand::Description);
+        let semantics = self.forward(&self.semantics, LoaderCommand::Semantic);
         let listen = future::zip(future::zip(descriptions, semantics), follow_clock);
         let tell = async {
             while let Some(line) = self.lines.receive().await {
@@ -102,25 +103,25 @@ impl ServicesThread {
         let checks = future::zip(self.inputs.motions.serve(), self.inputs.states.serve());
         let serve = future::zip(self.parameters.serve(), checks);
         let serve = future::zip(future::zip(serve, self.inputs.enable.serve()), tell);
-        let meet = Box::pin(self.middleware.meet_peers());
+        let meet = Box::pin(self.middleware.watch_peers());
         future::zip(future::zip(listen, serve), meet).await;
     }
 
-    /// Converts the descriptions on a topic to orders. The monitor is notified of a new one first, as the loader may be busy.
-    async fn forward(&self, topic: &Subscription<StringMessage>, order: fn(String) -> Order) {
+    /// Converts the descriptions on a topic to commands. The monitor is notified of a new one first, as the loader may be busy.
+    async fn forward(&self, topic: &Subscription<StringMessage>, command: fn(String) -> LoaderCommand) {
         let mut last = None;
         loop {
             // a message that cannot be decoded is rejected like any other invalid robot description
-            let received = topic.next_or_unreadable().await.map(|(StringMessage { data }, _)| data);
+            let received = topic.next_or_undecodable().await.map(|(StringMessage { data }, _)| data);
             let text = received.unwrap_or_else(|_| UNREADABLE.to_owned());
             if last.as_ref() != Some(&text) {
                 if let Some(events) = &self.inputs.description_events {
                     // an error means that the receiver has ended
-                    let _ = events.send(Event::Described);
+                    let _ = events.send(MonitorEvent::DescriptionReceived);
                 }
                 last = Some(text.clone());
             }
-            if self.inputs.orders.send(order(text)).await.is_err() {
+            if self.inputs.commands.send(command(text)).await.is_err() {
                 return;
             }
         }

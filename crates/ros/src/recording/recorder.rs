@@ -24,9 +24,10 @@ use crate::parameters::parameter_set::Parameters;
 use crate::parameters::recording_settings::RecordingSettings;
 use crate::recording::message_schemas::schema;
 use crate::recording::recorder_handle::{
-    Backlog, Given, Item, Judged, OriginalMessage, RecordedEvent, RecorderHandle, system_time,
+    Backlog, CommandLineInputs, Item, OriginalMessage, RecordedEvaluation, RecordedEvent, RecorderHandle,
+    system_time,
 };
-use crate::recording::step::{Clocks, CloudStep, OrderStep, RecordStep, parameters_to_json};
+use crate::recording::step::{Clocks, CloudStep, RecordStep, RecordedCommand, parameters_to_json};
 use crate::threading::mailbox;
 use crate::threading::mailbox::Receiver;
 use crate::threading::timed_wait::wait_at_most;
@@ -60,27 +61,27 @@ impl Recorder {
     pub fn start(
         settings: &RecordingSettings,
         names: &Names,
-        given: Given,
+        given: CommandLineInputs,
         parameters: &Parameters,
     ) -> Result<(RecorderHandle, Self), String> {
-        let refused =
+        let failed =
             |error: &dyn std::fmt::Display| format!("record_file: {}: {error}", settings.file.display());
-        let created = create(&settings.file).map_err(|error| refused(&error))?;
-        Self::write_to(created, settings, (names, given, parameters)).map_err(|error| refused(&error))
+        let created = create(&settings.file).map_err(|error| failed(&error))?;
+        Self::write_to(created, settings, (names, given, parameters)).map_err(|error| failed(&error))
     }
 
     /// Starts to write to a file that was created.
     pub fn write_to(
         (file, path): (File, PathBuf),
         settings: &RecordingSettings,
-        (names, given, parameters): (&Names, Given, &Parameters),
+        (names, given, parameters): (&Names, CommandLineInputs, &Parameters),
     ) -> Result<(RecorderHandle, Self), Box<dyn std::error::Error>> {
         let topics = Topics::new(names);
         let measured = file.try_clone()?;
         let mcap = mcap_writer(file)?;
         let (items, items_in) = mailbox::bounded(LONGEST_QUEUE);
         let backlog = Arc::new(Backlog::default());
-        let tape = RecorderHandle::to(items, Arc::clone(&backlog));
+        let recording = RecorderHandle::to(items, Arc::clone(&backlog));
         let ends = Arc::clone(&backlog);
         let mut writer = Writer { mcap, channels: BTreeMap::new(), topics, written: 0 };
         let started = RecordStep::Started {
@@ -96,9 +97,9 @@ impl Recorder {
             let begun = given.files.iter().try_for_each(|file| writer.attach(file, file));
             let begun = begun.and_then(|()| writer.step(&started, system_time()));
             let written = begun.and_then(|()| follow(&mut writer, &items_in, &backlog, &limits));
-            let refuse = |error: &str| format!("recording to {} ended: {error}", path.display());
+            let ended_by = |error: &str| format!("recording to {} ended: {error}", path.display());
             if let Err(error) = &written {
-                backlog.set_fault(Some(refuse(error)));
+                backlog.set_fault(Some(ended_by(error)));
             }
             // from here on the queue has no receiver: later events are discarded
             drop(items_in);
@@ -108,14 +109,14 @@ impl Recorder {
             match written.and_then(|why| finished.map(|()| why)) {
                 Ok(why) => log::info!("{} is complete: {why}", path.display()),
                 Err(error) => {
-                    let fault = refuse(&error);
+                    let fault = ended_by(&error);
                     log::error!("{fault}");
                     backlog.set_fault(Some(fault));
                 }
             }
         };
         let thread = std::thread::Builder::new().name("recorder".to_owned()).spawn(record);
-        Ok((tape, Self { thread: thread?, backlog: ends }))
+        Ok((recording, Self { thread: thread?, backlog: ends }))
     }
 
     #[cfg(test)]
@@ -283,10 +284,10 @@ impl Writer {
                 }
                 return Ok(());
             }
-            RecordedEvent::Pass { now, parameters, orders, clouds } => {
-                for (order, original) in &orders {
+            RecordedEvent::Pass { now, parameters, commands, clouds } => {
+                for (command, original) in &commands {
                     if let Some(original) = original {
-                        self.original(order, original, now, at)?;
+                        self.original(command, original, now, at)?;
                     }
                 }
                 for (topic, came, cloud) in &clouds {
@@ -303,18 +304,19 @@ impl Writer {
                 RecordStep::Pass {
                     now: now.into(),
                     parameters: parameters_to_json(&parameters),
-                    orders: orders.into_iter().map(|(order, _)| order).collect(),
+                    commands: commands.into_iter().map(|(command, _)| command).collect(),
                     clouds: clouds.collect(),
                 }
             }
-            RecordedEvent::Told(tidings) => RecordStep::Told(tidings),
+            RecordedEvent::MonitorEvent(event) => RecordStep::MonitorEvent(event),
             RecordedEvent::Parameters(parameters) => RecordStep::Parameters(parameters_to_json(&parameters)),
             RecordedEvent::Enabled(enabled) => RecordStep::Enabled(enabled),
-            RecordedEvent::Looked => RecordStep::Looked,
-            RecordedEvent::Heard { now, message, source } => {
-                RecordStep::Heard { now: now.into(), source: self.joint_state(&message, source, at)? }
-            }
-            RecordedEvent::Judged(judged) => self.judged(*judged, at)?,
+            RecordedEvent::TransformsRead => RecordStep::TransformsRead,
+            RecordedEvent::JointStateReceived { now, message, source } => RecordStep::JointStateReceived {
+                now: now.into(),
+                source: self.joint_state(&message, source, at)?,
+            },
+            RecordedEvent::Evaluated(evaluated) => self.evaluated(*evaluated, at)?,
             RecordedEvent::Transforms { message, now, fixed } => {
                 let topic = self.topics.named(if fixed { "tf_static" } else { "tf" });
                 self.message(&topic, "tf2_msgs/msg/TFMessage", &message, at)?;
@@ -328,11 +330,11 @@ impl Writer {
         self.step(&step, at)
     }
 
-    /// Writes the received joint state, if there was one, and the published answers.
-    fn judged(&mut self, judged: Judged, at: u64) -> Result<RecordStep, String> {
-        let Judged { now, heard, answer } = judged;
-        let (now, late) = (now.into(), answer.left_out.into());
-        let step = match heard {
+    /// Writes the received joint state, if there was one, and the published results.
+    fn evaluated(&mut self, evaluated: RecordedEvaluation, at: u64) -> Result<RecordStep, String> {
+        let RecordedEvaluation { now, joint_state, result } = evaluated;
+        let (now, late) = (now.into(), result.left_out.into());
+        let step = match joint_state {
             Some((message, source)) => {
                 RecordStep::JointState { now, source: self.joint_state(&message, source, at)?, late }
             }
@@ -341,10 +343,10 @@ impl Writer {
         let [state, is_free, distance, speed_scale] =
             ["~/state", "~/is_free", "~/distance", "~/speed_scale"].map(|name| self.topics.named(name));
         let kind = "clearance_msgs/msg/CollisionState";
-        self.message(&state, kind, &answer.state, at)?;
-        self.message(&is_free, "std_msgs/msg/Bool", &Bool { data: answer.is_free }, at)?;
-        self.message(&distance, "std_msgs/msg/Float64", &Float64 { data: answer.distance }, at)?;
-        self.message(&speed_scale, "std_msgs/msg/Float64", &Float64 { data: answer.speed_scale }, at)?;
+        self.message(&state, kind, &result.state, at)?;
+        self.message(&is_free, "std_msgs/msg/Bool", &Bool { data: result.is_free }, at)?;
+        self.message(&distance, "std_msgs/msg/Float64", &Float64 { data: result.distance }, at)?;
+        self.message(&speed_scale, "std_msgs/msg/Float64", &Float64 { data: result.speed_scale }, at)?;
         Ok(step)
     }
 
@@ -357,14 +359,14 @@ impl Writer {
 
     fn original(
         &mut self,
-        order: &OrderStep,
+        command: &RecordedCommand,
         original: &OriginalMessage,
         now: Now,
         at: u64,
     ) -> Result<(), String> {
-        let (topic, at) = match order {
-            OrderStep::Scene { by, came, .. } => (by.name(), before(at, now, (*came).into())),
-            OrderStep::Semantic => ("robot_description_semantic", at),
+        let (topic, at) = match command {
+            RecordedCommand::Scene { by, came, .. } => (by.name(), before(at, now, (*came).into())),
+            RecordedCommand::Semantic => ("robot_description_semantic", at),
             _ => ("robot_description", at),
         };
         let topic = self.topics.named(topic);

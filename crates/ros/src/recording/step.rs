@@ -22,19 +22,28 @@ pub enum RecordStep {
     Started { version: String, node: String, parameters: Map<String, Json>, given: Json },
     /// A mesh URI was resolved to a file, which is attached under its real path.
     Mesh { folder: Option<PathBuf>, uri: String, file: PathBuf },
-    /// The loader processed orders and clouds: one message each, in this order.
-    Pass { now: Clocks, parameters: Map<String, Json>, orders: Vec<OrderStep>, clouds: Vec<CloudStep> },
+    /// The loader processed commands and clouds: one message each, in this order.
+    Pass {
+        now: Clocks,
+        parameters: Map<String, Json>,
+        #[serde(rename = "orders")]
+        commands: Vec<RecordedCommand>,
+        clouds: Vec<CloudStep>,
+    },
     /// The monitor processed the loader's next event.
-    Told(RecordedMonitorEvent),
+    #[serde(rename = "told")]
+    MonitorEvent(RecordedMonitorEvent),
     /// The monitor's parameters changed.
     Parameters(Map<String, Json>),
     /// Checking was switched on or off.
     Enabled(bool),
     /// The monitor read the transforms.
-    Looked,
+    #[serde(rename = "looked")]
+    TransformsRead,
     /// A joint state was received and not evaluated, because the next one followed at once. Its message precedes this step.
     /// `source` identifies its publisher, in hexadecimal digits.
-    Heard { now: Clocks, source: String },
+    #[serde(rename = "heard")]
+    JointStateReceived { now: Clocks, source: String },
     /// A joint state was evaluated. Its message precedes this step, followed by the answers.
     JointState {
         now: Clocks,
@@ -94,10 +103,10 @@ pub struct Clocks {
     pub steady: u64,
 }
 
-/// One order to the loader.
+/// One command to the loader.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum OrderStep {
+pub enum RecordedCommand {
     Description,
     Semantic,
     Parameters,
@@ -109,11 +118,11 @@ pub enum OrderStep {
     ClearOctomap,
     /// A message about the world that could not be decoded.
     Unreadable {
-        by: SceneDoor,
+        by: SceneSource,
     },
     /// A message about the world.
     Scene {
-        by: SceneDoor,
+        by: SceneSource,
         /// Time of reception.
         came: Clocks,
         unknown_is_occupied: bool,
@@ -126,7 +135,7 @@ pub enum OrderStep {
 /// Topic or service on which a message about the world was received.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum SceneDoor {
+pub enum SceneSource {
     PlanningScene,
     ApplyPlanningScene,
     /// Service of another node, called by this node.
@@ -146,7 +155,7 @@ pub struct CloudStep {
     pub came: Clocks,
 }
 
-impl SceneDoor {
+impl SceneSource {
     /// Relative name of the topic or service.
     #[must_use]
     pub fn name(self) -> &'static str {

@@ -39,7 +39,7 @@ impl Archive {
             }
         }
         let (version, given) =
-            started.ok_or_else(|| file.refuse("holds no beginning of a recording by clearance"))?;
+            started.ok_or_else(|| file.error("holds no beginning of a recording by clearance"))?;
         let mut meshes = RecordedMeshes::default();
         for found in uses {
             let name = found.file.display().to_string();

@@ -12,7 +12,7 @@ use crate::recording::step::Late;
 use crate::replay::step_messages::StepMessages;
 
 /// Result of one step.
-pub(super) enum Done {
+pub(super) enum StepResult {
     Nothing,
     Same(Late),
     Differs { field: String, recorded: String, replayed: String },
@@ -23,10 +23,10 @@ pub(super) fn difference(
     evaluation: &Evaluation,
     late: Late,
     messages: &mut StepMessages,
-) -> Result<Option<Done>, String> {
+) -> Result<Option<StepResult>, String> {
     let differs = |field: &str, recorded: &Json, replayed: &Json| {
         let (recorded, replayed) = (recorded.to_string(), replayed.to_string());
-        (recorded != replayed).then(|| Done::Differs { field: field.to_owned(), recorded, replayed })
+        (recorded != replayed).then(|| StepResult::Differs { field: field.to_owned(), recorded, replayed })
     };
     let raw = messages.raw("an answer")?;
     let names = fields(&raw.schema);

@@ -12,18 +12,18 @@ use serde_json::{Map, Value as Json};
 
 use crate::loading::loader::{Loader, Surroundings};
 use crate::loading::loader_inputs::Pass;
-use crate::monitor_events::monitor_event::Event;
+use crate::monitor_events::monitor_event::MonitorEvent;
 use crate::monitor_events::world_update::WorldUpdate;
 use crate::parameters::parameter_set::Parameters;
 use crate::recording::mcap_file::{Entry, ReadError, RecordingFile};
 use crate::recording::step::{
-    Clocks, CloudStep, Late, OrderStep, RecordStep, RecordedMonitorEvent, parameters_from_json,
+    Clocks, CloudStep, Late, RecordStep, RecordedCommand, RecordedMonitorEvent, parameters_from_json,
 };
-use crate::replay::difference::Done;
+use crate::replay::difference::StepResult;
 use crate::replay::difference::difference;
-use crate::replay::step_messages::{StepMessages, read_order};
+use crate::replay::step_messages::{StepMessages, read_command};
 use crate::scene::cloud_inbox::CloudMessage;
-use crate::scene::scene_update_context::{SceneUpdateContext, places_of};
+use crate::scene::scene_update_context::{SceneUpdateContext, robots_at_stamps};
 use crate::scene::transform_messages::note_transforms;
 
 /// Robot and meshes that the command line makes from an archive.
@@ -74,15 +74,15 @@ pub struct Difference {
 pub fn replay(path: &Path, prepared: Prepared) -> Result<Outcome, ReadError> {
     let mut file = RecordingFile::open(path)?;
     let mut prepared = Some(prepared);
-    let mut run: Option<Run> = None;
+    let mut run: Option<Replay> = None;
     let mut outcome = Outcome::default();
     while let Some(entry) = file.next()? {
         let Entry::RecordStep { step, messages, itself } = entry else { continue };
         match (*step, &mut run) {
             (RecordStep::Started { parameters, version, .. }, None) => {
-                let parameters = parameters_from_json(&parameters).map_err(|why| file.refuse(why))?;
-                let prepared = prepared.take().ok_or_else(|| file.refuse("begins twice"))?;
-                run = Some(Run::new(prepared, &parameters).map_err(|why| file.refuse(why))?);
+                let parameters = parameters_from_json(&parameters).map_err(|why| file.error(why))?;
+                let prepared = prepared.take().ok_or_else(|| file.error("begins twice"))?;
+                run = Some(Replay::new(prepared, &parameters).map_err(|why| file.error(why))?);
                 outcome.version = version;
             }
             (RecordStep::Lost { steps }, _) => {
@@ -90,18 +90,18 @@ pub fn replay(path: &Path, prepared: Prepared) -> Result<Outcome, ReadError> {
                 return Ok(outcome);
             }
             (RecordStep::Ended { .. }, _) => return Ok(outcome),
-            (_, None) => return Err(file.refuse("does not begin with the start of a node")),
+            (_, None) => return Err(file.error("does not begin with the start of a node")),
             (step, Some(run)) => {
                 let mut messages = StepMessages::new(messages);
                 let time = itself.log_time;
-                let done = run.follow(step, &mut messages).map_err(|why| file.refuse(why))?;
+                let done = run.follow(step, &mut messages).map_err(|why| file.error(why))?;
                 match done {
-                    Done::Nothing => {}
-                    Done::Same(late) => {
+                    StepResult::Nothing => {}
+                    StepResult::Same(late) => {
                         outcome.same += 1;
                         outcome.late += u64::from(late == Late::Pairs);
                     }
-                    Done::Differs { field, recorded, replayed } => {
+                    StepResult::Differs { field, recorded, replayed } => {
                         let answer = outcome.same + 1;
                         outcome.difference = Some(Difference { answer, time, field, recorded, replayed });
                         return Ok(outcome);
@@ -115,17 +115,17 @@ pub fn replay(path: &Path, prepared: Prepared) -> Result<Outcome, ReadError> {
 }
 
 /// The node without its network: monitor, loader and transforms.
-struct Run {
+struct Replay {
     monitor: Monitor,
     loader: Loader,
     /// Events that the loader sent and the monitor has not processed yet.
-    told: VecDeque<Event>,
+    loader_events: VecDeque<MonitorEvent>,
     transforms: clearance_scene::TransformTree,
     evaluation: Option<Evaluation>,
     joint_state_history: JointStateHistory,
 }
 
-impl Run {
+impl Replay {
     fn new(prepared: Prepared, parameters: &Parameters) -> Result<Self, String> {
         let Prepared { robot, mesh_files, surroundings, mesh_model } = prepared;
         let mut monitor = Monitor::new(parameters.monitor_settings(), || Duration::ZERO);
@@ -139,20 +139,20 @@ impl Run {
         Ok(Self {
             monitor,
             loader,
-            told: VecDeque::new(),
+            loader_events: VecDeque::new(),
             transforms,
             evaluation: None,
             joint_state_history: JointStateHistory::default(),
         })
     }
 
-    fn follow(&mut self, step: RecordStep, messages: &mut StepMessages) -> Result<Done, String> {
+    fn follow(&mut self, step: RecordStep, messages: &mut StepMessages) -> Result<StepResult, String> {
         match step {
-            RecordStep::Pass { now, parameters, orders, clouds } => {
-                let pass = self.pass(now, &parameters, (orders, clouds), messages)?;
-                self.loader.carry_out(pass, |event| self.told.push_back(event));
+            RecordStep::Pass { now, parameters, commands, clouds } => {
+                let pass = self.pass(now, &parameters, (commands, clouds), messages)?;
+                self.loader.carry_out(pass, |event| self.loader_events.push_back(event));
             }
-            RecordStep::Told(tidings) => return Ok(self.heed(&tidings)),
+            RecordStep::MonitorEvent(event) => return Ok(self.process_event(&event)),
             RecordStep::Parameters(parameters) => {
                 self.monitor.set_settings(parameters_from_json(&parameters)?.monitor_settings());
             }
@@ -161,8 +161,8 @@ impl Run {
                 drop(note_transforms(&mut self.transforms, messages.next("a transform")?, now, fixed));
             }
             RecordStep::Enabled(enabled) => self.monitor.set_enabled(enabled),
-            RecordStep::Looked => self.monitor.note_transforms(&self.transforms),
-            RecordStep::Heard { now, source } => {
+            RecordStep::TransformsRead => self.monitor.note_transforms(&self.transforms),
+            RecordStep::JointStateReceived { now, source } => {
                 self.monitor.receive(messages.joint_state(&source)?, now.into());
             }
             RecordStep::JointState { now, source, late } => {
@@ -182,17 +182,18 @@ impl Run {
             | RecordStep::Lost { .. }
             | RecordStep::Ended { .. } => {}
         }
-        Ok(Done::Nothing)
+        Ok(StepResult::Nothing)
     }
 
     fn pass(
         &self,
         now: Clocks,
         parameters: &Map<String, Json>,
-        (orders, clouds): (Vec<OrderStep>, Vec<CloudStep>),
+        (commands, clouds): (Vec<RecordedCommand>, Vec<CloudStep>),
         messages: &mut StepMessages,
     ) -> Result<Pass, String> {
-        let orders = orders.into_iter().map(|order| read_order(order, messages)).collect::<Result<_, _>>()?;
+        let commands =
+            commands.into_iter().map(|command| read_command(command, messages)).collect::<Result<_, _>>()?;
         let mut read = BTreeMap::new();
         for CloudStep { topic, came } in clouds {
             let cloud = Arc::new(messages.next("a cloud")?);
@@ -203,94 +204,98 @@ impl Run {
             parameters: parameters_from_json(parameters)?,
             transforms: self.transforms.clone(),
             evaluation: self.evaluation.clone(),
-            places: places_of(&read, &self.joint_state_history),
+            places: robots_at_stamps(&read, &self.joint_state_history),
         };
-        Ok(Pass { update_context, orders, clouds: read })
+        Ok(Pass { update_context, commands, clouds: read })
     }
 
     /// Has the monitor process the loader's next event, which must be equal to the recorded one.
-    fn heed(&mut self, recorded: &RecordedMonitorEvent) -> Done {
-        let differs = |replayed: String| Done::Differs {
-            field: "what the loader made of its orders".to_owned(),
+    fn process_event(&mut self, recorded: &RecordedMonitorEvent) -> StepResult {
+        let differs = |replayed: String| StepResult::Differs {
+            field: "what the loader made of its commands".to_owned(),
             recorded: format!("{recorded:?}"),
             replayed,
         };
         if *recorded == RecordedMonitorEvent::Described {
             self.monitor.note_description();
-            return Done::Nothing;
+            return StepResult::Nothing;
         }
         if let RecordedMonitorEvent::Memory { used, limit } = *recorded {
             self.monitor.note_memory(used, limit);
-            return Done::Nothing;
+            return StepResult::Nothing;
         }
         if let RecordedMonitorEvent::WorldUpdate(
             update @ (WorldUpdate::Received { .. } | WorldUpdate::Withdrawn),
         ) = *recorded
         {
-            update.tell(&mut self.monitor);
-            return Done::Nothing;
+            update.apply_to(&mut self.monitor);
+            return StepResult::Nothing;
         }
-        self.heed_untold(recorded);
-        match (recorded, self.told.pop_front()) {
-            (RecordedMonitorEvent::Checker, Some(Event::Checker(revision))) => {
+        self.process_unrecorded_events(recorded);
+        match (recorded, self.loader_events.pop_front()) {
+            (RecordedMonitorEvent::Checker, Some(MonitorEvent::Checker(revision))) => {
                 self.monitor.set_checker(revision);
             }
-            (RecordedMonitorEvent::ModelSwap, Some(Event::ModelSwap)) => self.monitor.note_model_swap(),
-            (RecordedMonitorEvent::Heeded, Some(Event::Heeded(descriptions))) => {
+            (RecordedMonitorEvent::ModelSwap, Some(MonitorEvent::ModelSwap)) => {
+                self.monitor.note_model_swap()
+            }
+            (RecordedMonitorEvent::Heeded, Some(MonitorEvent::DescriptionsProcessed(descriptions))) => {
                 self.monitor.note_heeded(descriptions);
             }
             // the text contains folder names of the recording machine, so it is not compared
-            (RecordedMonitorEvent::ModelFault(fault), Some(Event::ModelFault(_))) => {
+            (RecordedMonitorEvent::ModelFault(fault), Some(MonitorEvent::ModelFault(_))) => {
                 self.monitor.note_model_fault(fault.clone());
             }
-            (RecordedMonitorEvent::WorldUpdate(told), Some(Event::WorldUpdate(update)))
-                if *told == update =>
+            (RecordedMonitorEvent::WorldUpdate(recorded), Some(MonitorEvent::WorldUpdate(update)))
+                if *recorded == update =>
             {
-                update.tell(&mut self.monitor);
+                update.apply_to(&mut self.monitor);
             }
-            (RecordedMonitorEvent::World, Some(Event::World(_, faults, incomplete))) => {
+            (RecordedMonitorEvent::World, Some(MonitorEvent::World { faults, incomplete, .. })) => {
                 self.monitor.note_world_faults(faults, incomplete);
             }
-            (_, Some(Event::ModelFault(fault))) => return differs(format!("ModelFault: {fault}")),
-            (_, Some(Event::Checker(_))) => return differs("Checker".to_owned()),
-            (_, Some(Event::ModelSwap)) => return differs("ModelSwap".to_owned()),
-            (_, Some(Event::World(..))) => return differs("World".to_owned()),
-            (_, Some(Event::Heeded(_))) => return differs("Heeded".to_owned()),
-            (_, Some(Event::WorldUpdate(update))) => return differs(format!("{update:?}")),
+            (_, Some(MonitorEvent::ModelFault(fault))) => return differs(format!("ModelFault: {fault}")),
+            (_, Some(MonitorEvent::Checker(_))) => return differs("Checker".to_owned()),
+            (_, Some(MonitorEvent::ModelSwap)) => return differs("ModelSwap".to_owned()),
+            (_, Some(MonitorEvent::World { .. })) => return differs("World".to_owned()),
+            (_, Some(MonitorEvent::DescriptionsProcessed(_))) => return differs("Heeded".to_owned()),
+            (_, Some(MonitorEvent::WorldUpdate(update))) => return differs(format!("{update:?}")),
             // the loader never sends these
             (
                 _,
                 Some(
-                    Event::Parameters(_)
-                    | Event::Enabled(..)
-                    | Event::Say(_)
-                    | Event::Described
-                    | Event::Memory { .. }
-                    | Event::Stop,
+                    MonitorEvent::Parameters(_)
+                    | MonitorEvent::Enabled(..)
+                    | MonitorEvent::PublishNow(_)
+                    | MonitorEvent::DescriptionReceived
+                    | MonitorEvent::Memory { .. }
+                    | MonitorEvent::Stop,
                 )
                 | None,
             ) => {
                 return differs("nothing".to_owned());
             }
         }
-        Done::Nothing
+        StepResult::Nothing
     }
 
     /// Applies events that recordings of older versions do not contain.
-    fn heed_untold(&mut self, recorded: &RecordedMonitorEvent) {
+    fn process_unrecorded_events(&mut self, recorded: &RecordedMonitorEvent) {
         loop {
-            match self.told.front() {
-                Some(Event::Heeded(descriptions)) if *recorded != RecordedMonitorEvent::Heeded => {
+            match self.loader_events.front() {
+                Some(MonitorEvent::DescriptionsProcessed(descriptions))
+                    if *recorded != RecordedMonitorEvent::Heeded =>
+                {
                     self.monitor.note_heeded(*descriptions);
                 }
-                Some(Event::WorldUpdate(update))
+                Some(MonitorEvent::WorldUpdate(update))
                     if !matches!(recorded, RecordedMonitorEvent::WorldUpdate(_)) =>
                 {
-                    update.tell(&mut self.monitor);
+                    update.apply_to(&mut self.monitor);
                 }
                 _ => return,
             }
-            self.told.pop_front();
+            self.loader_events.pop_front();
         }
     }
 
@@ -299,11 +304,11 @@ impl Run {
         evaluation: Evaluation,
         late: Late,
         messages: &mut StepMessages,
-    ) -> Result<Done, String> {
+    ) -> Result<StepResult, String> {
         let difference = difference(&evaluation, late, messages)?;
         self.joint_state_history.note(&evaluation);
         self.evaluation = Some(evaluation);
-        Ok(difference.unwrap_or(Done::Same(late)))
+        Ok(difference.unwrap_or(StepResult::Same(late)))
     }
 }
 

@@ -1,4 +1,4 @@
-//! Messages of a recorded step, and the orders that are read from them.
+//! Messages of a recorded step, and the commands that are read from them.
 
 use clearance_monitor::{JointStateInput, SourceId};
 use ros2_interfaces_jazzy_serde::sensor_msgs::msg::JointState;
@@ -7,12 +7,13 @@ use ros2_interfaces_jazzy_serde::std_msgs::msg::String as StringMessage;
 use crate::dds::cdr;
 use crate::messages::joint_state::joint_state_input;
 use crate::recording::mcap_file::RawMessage;
-use crate::recording::step::{Clocks, OrderStep, SceneDoor};
+use crate::recording::step::{Clocks, RecordedCommand, SceneSource};
 use crate::scene::command_conversion::{
-    attached_order, clear_octomap, object_order, octomap_order, scene_order, unreadable_order, world_order,
+    attached_command, clear_octomap, object_command, octomap_command, scene_command, undecodable_command,
+    world_command,
 };
-use crate::scene::loader_command::Order;
-use crate::scene::scene_command::SceneOrder;
+use crate::scene::loader_command::LoaderCommand;
+use crate::scene::scene_command::SceneCommand;
 
 /// The messages of a step, in their order.
 pub(super) struct StepMessages(std::vec::IntoIter<RawMessage>);
@@ -47,42 +48,45 @@ fn source_id(hexadecimal: &str) -> Result<SourceId, String> {
     (hexadecimal.len() == 32).then(|| SourceId(number.to_be_bytes())).ok_or_else(wrong)
 }
 
-/// Reads an order of the loader and its message.
-pub(super) fn read_order(order: OrderStep, messages: &mut StepMessages) -> Result<Order, String> {
+/// Reads a command of the loader and its message.
+pub(super) fn read_command(
+    command: RecordedCommand,
+    messages: &mut StepMessages,
+) -> Result<LoaderCommand, String> {
     let text =
         |messages: &mut StepMessages| messages.next::<StringMessage>("a description").map(|text| text.data);
-    Ok(match order {
-        OrderStep::Description => Order::Description(text(messages)?),
-        OrderStep::Semantic => Order::Semantic(text(messages)?),
-        OrderStep::Parameters => Order::Parameters,
-        OrderStep::Clouds => Order::Clouds,
-        OrderStep::Display => Order::Display,
-        OrderStep::Frames => Order::Frames,
-        OrderStep::ClearOctomap => Order::Scene(Box::new(clear_octomap())),
-        OrderStep::Unreadable { by } => Order::Scene(Box::new(unreadable_order(by))),
-        OrderStep::Scene { by, came, unknown_is_occupied, lost } => {
-            let order = read_scene_order(by, came, unknown_is_occupied, messages)?;
-            Order::Scene(Box::new(order.after(lost)))
+    Ok(match command {
+        RecordedCommand::Description => LoaderCommand::Description(text(messages)?),
+        RecordedCommand::Semantic => LoaderCommand::Semantic(text(messages)?),
+        RecordedCommand::Parameters => LoaderCommand::Parameters,
+        RecordedCommand::Clouds => LoaderCommand::Clouds,
+        RecordedCommand::Display => LoaderCommand::Display,
+        RecordedCommand::Frames => LoaderCommand::Frames,
+        RecordedCommand::ClearOctomap => LoaderCommand::Scene(Box::new(clear_octomap())),
+        RecordedCommand::Unreadable { by } => LoaderCommand::Scene(Box::new(undecodable_command(by))),
+        RecordedCommand::Scene { by, came, unknown_is_occupied, lost } => {
+            let command = read_scene_command(by, came, unknown_is_occupied, messages)?;
+            LoaderCommand::Scene(Box::new(command.after(lost)))
         }
     })
 }
 
-fn read_scene_order(
-    by: SceneDoor,
+fn read_scene_command(
+    by: SceneSource,
     came: Clocks,
     unknown: bool,
     messages: &mut StepMessages,
-) -> Result<SceneOrder, String> {
+) -> Result<SceneCommand, String> {
     let (name, came) = (by.name(), came.into());
     Ok(match by {
-        SceneDoor::CollisionObject => object_order(&messages.next(name)?),
-        SceneDoor::AttachedCollisionObject => attached_order(&messages.next(name)?),
-        SceneDoor::PlanningSceneWorld => world_order(messages.next(name)?, unknown, came),
-        SceneDoor::PlanningScene | SceneDoor::ApplyPlanningScene | SceneDoor::GetPlanningScene => {
-            scene_order(by, messages.next(name)?, unknown, came)
+        SceneSource::CollisionObject => object_command(&messages.next(name)?),
+        SceneSource::AttachedCollisionObject => attached_command(&messages.next(name)?),
+        SceneSource::PlanningSceneWorld => world_command(messages.next(name)?, unknown, came),
+        SceneSource::PlanningScene | SceneSource::ApplyPlanningScene | SceneSource::GetPlanningScene => {
+            scene_command(by, messages.next(name)?, unknown, came)
         }
-        SceneDoor::OctomapBinary | SceneDoor::OctomapFull => {
-            octomap_order(by, messages.next(name)?, unknown, came)
+        SceneSource::OctomapBinary | SceneSource::OctomapFull => {
+            octomap_command(by, messages.next(name)?, unknown, came)
         }
     })
 }

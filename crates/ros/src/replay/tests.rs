@@ -25,25 +25,25 @@ use crate::loading::loader::Loader;
 use crate::loading::loader_inputs::Pass;
 use crate::messages::joint_state::joint_state_input;
 use crate::messages::time_and_geometry::stamp_message;
-use crate::monitor_events::monitor_event::Event;
+use crate::monitor_events::monitor_event::MonitorEvent;
 use crate::names::Names;
 use crate::parameters::parameter_set::Parameters;
 use crate::parameters::recording_settings::RecordingSettings;
 use crate::recording::recorder::Recorder;
 use crate::recording::recorder_handle::{
-    Backlog, Given, Judged, OriginalMessage, RecordedEvent, RecorderHandle,
+    Backlog, CommandLineInputs, OriginalMessage, RecordedEvaluation, RecordedEvent, RecorderHandle,
 };
 use crate::recording::save::save_part;
 use crate::recording::step::{
-    OrderStep, RecordedMonitorEvent, SceneDoor, parameters_from_json, parameters_to_json,
+    RecordedCommand, RecordedMonitorEvent, SceneSource, parameters_from_json, parameters_to_json,
 };
 use crate::replay::archive::Archive;
 use crate::replay::replayer::replay;
 use crate::replay::replayer::{Outcome, Prepared, recorded_path};
 use crate::scene::cloud_inbox::CloudMessage;
-use crate::scene::command_conversion::object_order;
-use crate::scene::loader_command::Order;
-use crate::scene::scene_update_context::{SceneUpdateContext, places_of};
+use crate::scene::command_conversion::object_command;
+use crate::scene::loader_command::LoaderCommand;
+use crate::scene::scene_update_context::{SceneUpdateContext, robots_at_stamps};
 use crate::scene::transform_messages::note_transforms;
 
 /// A rod that turns about z, with a mesh as its tip.
@@ -59,7 +59,7 @@ const SOURCE: SourceId = SourceId([7; 16]);
 struct Cell {
     monitor: Monitor,
     loader: Loader,
-    tape: RecorderHandle,
+    recording: RecorderHandle,
     recorder: Recorder,
     meshes: MeshLog,
     parameters: Parameters,
@@ -94,14 +94,18 @@ impl Cell {
         let file = folder.join("record.mcap");
         let settings = RecordingSettings { file, max_size: 0.0, max_duration };
         let urdf = recorded_path(&folder.join("rod.urdf"));
-        let given = Given { arguments: json!({ "urdf": urdf }), files: vec![urdf], meshes: meshes.clone() };
+        let given = CommandLineInputs {
+            arguments: json!({ "urdf": urdf }),
+            files: vec![urdf],
+            meshes: meshes.clone(),
+        };
         let names = Names::new("clearance", &[]).unwrap();
-        let (tape, recorder) = Recorder::start(&settings, &names, given, &parameters).unwrap();
-        tape.note(|| RecordedEvent::Meshes(meshes.take()));
+        let (recording, recorder) = Recorder::start(&settings, &names, given, &parameters).unwrap();
+        recording.note(|| RecordedEvent::Meshes(meshes.take()));
         Self {
             monitor,
             loader,
-            tape,
+            recording,
             recorder,
             meshes,
             parameters,
@@ -121,40 +125,49 @@ impl Cell {
         let now = self.tick();
         let evaluation = self.monitor.on_joint_state(joint_state_input(joint_state(angle, now), SOURCE), now);
         self.monitor.prepare();
-        self.say(evaluation, now, Some(joint_state(angle, now)))
+        self.publish(evaluation, now, Some(joint_state(angle, now)))
     }
 
     /// Receives a joint state that is not evaluated, because the next one follows at once.
     fn pass_over(&mut self, angle: f64) {
         let now = self.tick();
         let message = joint_state(angle, now);
-        self.tape.note(|| RecordedEvent::Heard { now, message: Box::new(message.clone()), source: SOURCE });
+        self.recording.note(|| RecordedEvent::JointStateReceived {
+            now,
+            message: Box::new(message.clone()),
+            source: SOURCE,
+        });
         self.monitor.receive(joint_state_input(message, SOURCE), now);
     }
 
     fn enable(&mut self, enabled: bool) {
-        self.tape.note(|| RecordedEvent::Enabled(enabled));
+        self.recording.note(|| RecordedEvent::Enabled(enabled));
         self.monitor.set_enabled(enabled);
     }
 
     fn change(&mut self, change: impl FnOnce(&mut Parameters)) {
         change(&mut self.parameters);
-        self.tape.note(|| RecordedEvent::Parameters(Box::new(self.parameters.clone())));
+        self.recording.note(|| RecordedEvent::Parameters(Box::new(self.parameters.clone())));
         self.monitor.set_settings(self.parameters.monitor_settings());
     }
 
     fn wait(&mut self) -> Evaluation {
         let now = self.tick();
         let evaluation = self.monitor.on_heartbeat(now);
-        self.say(evaluation, now, None)
+        self.publish(evaluation, now, None)
     }
 
-    fn say(&mut self, evaluation: Evaluation, now: Now, heard: Option<JointState>) -> Evaluation {
+    fn publish(&mut self, evaluation: Evaluation, now: Now, joint_state: Option<JointState>) -> Evaluation {
         self.evaluation = Some(evaluation.clone());
         self.joint_state_history.note(&evaluation);
-        let heard = heard.map(|message| (message, SOURCE));
-        self.tape
-            .note(|| RecordedEvent::Judged(Box::new(Judged { now, heard, answer: (&evaluation).into() })));
+        let joint_state = joint_state.map(|message| (message, SOURCE));
+        self.recording.note(|| {
+            RecordedEvent::Evaluated(Box::new(RecordedEvaluation {
+                now,
+                joint_state,
+                result: (&evaluation).into(),
+            }))
+        });
         evaluation
     }
 
@@ -166,40 +179,44 @@ impl Cell {
         transform.transform.rotation.w = 1.0;
         transform.transform.translation.z = 0.05;
         let message = TFMessage { transforms: vec![transform] };
-        self.tape.note(|| RecordedEvent::Transforms { message: message.clone(), now: now.ros, fixed: true });
+        self.recording.note(|| RecordedEvent::Transforms {
+            message: message.clone(),
+            now: now.ros,
+            fixed: true,
+        });
         note_transforms(&mut self.transforms, message, now.ros, true);
     }
 
     fn ball(&mut self, x: f64) {
         let (came, message) = (self.tick(), ball(x));
         let original = OriginalMessage::Object(Box::new(message.clone()));
-        let step = OrderStep::Scene {
-            by: SceneDoor::CollisionObject,
+        let step = RecordedCommand::Scene {
+            by: SceneSource::CollisionObject,
             came: came.into(),
             unknown_is_occupied: false,
             lost: 0,
         };
-        let order = Order::Scene(Box::new(object_order(&message)));
-        self.carry_out(vec![(order, step, Some(original))], None);
+        let command = LoaderCommand::Scene(Box::new(object_command(&message)));
+        self.carry_out(vec![(command, step, Some(original))], None);
     }
 
     fn cloud(&mut self) {
-        self.carry_out(vec![(Order::Clouds, OrderStep::Clouds, None)], Some(cloud()));
+        self.carry_out(vec![(LoaderCommand::Clouds, RecordedCommand::Clouds, None)], Some(cloud()));
     }
 
     fn carry_out(
         &mut self,
-        orders: Vec<(Order, OrderStep, Option<OriginalMessage>)>,
+        commands: Vec<(LoaderCommand, RecordedCommand, Option<OriginalMessage>)>,
         cloud: Option<PointCloud2>,
     ) {
         let now = self.tick();
         let cloud = cloud.map(|cloud| ("points".to_owned(), now, Arc::new(cloud)));
-        let (orders, steps): (Vec<_>, Vec<_>) =
-            orders.into_iter().map(|(order, step, original)| (order, (step, original))).unzip();
-        self.tape.note(|| RecordedEvent::Pass {
+        let (commands, steps): (Vec<_>, Vec<_>) =
+            commands.into_iter().map(|(command, step, original)| (command, (step, original))).unzip();
+        self.recording.note(|| RecordedEvent::Pass {
             now,
             parameters: Box::new(self.parameters.clone()),
-            orders: steps,
+            commands: steps,
             clouds: cloud.iter().cloned().collect(),
         });
         let clouds: BTreeMap<_, _> = (cloud.into_iter())
@@ -210,26 +227,27 @@ impl Cell {
         let update_context = SceneUpdateContext {
             transforms: self.transforms.clone(),
             evaluation: self.evaluation.clone(),
-            places: places_of(&clouds, &self.joint_state_history),
+            places: robots_at_stamps(&clouds, &self.joint_state_history),
             ..SceneUpdateContext::first(&self.parameters, now)
         };
-        let pass = Pass { update_context, orders, clouds };
+        let pass = Pass { update_context, commands, clouds };
         let mut told = Vec::new();
         self.loader.carry_out(pass, |event| told.push(event));
-        self.tape.note(|| RecordedEvent::Meshes(self.meshes.take()));
+        self.recording.note(|| RecordedEvent::Meshes(self.meshes.take()));
         for event in told {
             match event {
-                Event::Checker(revision) => {
-                    self.tape.note(|| RecordedEvent::Told(RecordedMonitorEvent::Checker));
+                MonitorEvent::Checker(revision) => {
+                    self.recording.note(|| RecordedEvent::MonitorEvent(RecordedMonitorEvent::Checker));
                     self.monitor.set_checker(revision);
                 }
-                Event::World(_, faults, incomplete) => {
-                    self.tape.note(|| RecordedEvent::Told(RecordedMonitorEvent::World));
+                MonitorEvent::World { faults: faults, incomplete: incomplete, .. } => {
+                    self.recording.note(|| RecordedEvent::MonitorEvent(RecordedMonitorEvent::World));
                     self.monitor.note_world_faults(faults, incomplete);
                 }
-                Event::WorldUpdate(update) => {
-                    self.tape.note(|| RecordedEvent::Told(RecordedMonitorEvent::WorldUpdate(update)));
-                    update.tell(&mut self.monitor);
+                MonitorEvent::WorldUpdate(update) => {
+                    self.recording
+                        .note(|| RecordedEvent::MonitorEvent(RecordedMonitorEvent::WorldUpdate(update)));
+                    update.apply_to(&mut self.monitor);
                 }
                 _ => panic!("nothing else is expected"),
             }
@@ -237,7 +255,7 @@ impl Cell {
     }
 
     fn end(self) {
-        drop(self.tape);
+        drop(self.recording);
         self.recorder.finish();
     }
 }
@@ -383,7 +401,7 @@ fn what_was_passed_over_turned_off_slowed_or_late_is_so_again() {
         (p.slowdown_release_count, p.look_ahead_horizon) = (2, 1.0);
     });
     cell.turn(0.9);
-    // an older stamp than the one of the skipped joint state is out of order
+    // an older stamp than the one of the skipped joint state is out of command
     cell.pass_over(0.8);
     assert!(cell.turn(0.8).speed_scale > 0.0);
     cell.enable(false);
@@ -412,7 +430,7 @@ fn an_answer_that_is_not_the_recorded_one_is_told_and_its_part_shows_it_too() {
     // an evaluation of another joint state
     let now = cell.tick();
     let _ = cell.monitor.on_joint_state(joint_state_input(joint_state(2.0, now), SOURCE), now);
-    cell.say(other, now, Some(joint_state(2.0, now)));
+    cell.publish(other, now, Some(joint_state(2.0, now)));
     cell.turn(0.1);
     cell.end();
     let whole = folder.path().join("record.mcap");

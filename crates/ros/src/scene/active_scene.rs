@@ -10,7 +10,7 @@ use ros2_interfaces_jazzy_serde::octomap_msgs::msg::OctomapWithPose;
 use crate::parameters::parameter_set::Parameters;
 
 /// The revision in use, and the scene that it was built from.
-pub struct SceneInForce {
+pub struct ActiveScene {
     pub revision: Arc<Revision>,
     pub scene: Scene,
     pub octomap: Option<Arc<OctomapWithPose>>,
@@ -20,7 +20,7 @@ pub struct SceneInForce {
 }
 
 /// The scene in use, for the services that publish it.
-pub type CurrentScene = Arc<Mutex<Option<Arc<SceneInForce>>>>;
+pub type CurrentScene = Arc<Mutex<Option<Arc<ActiveScene>>>>;
 
 /// The current robot, for the thread that publishes a demonstration motion.
 pub type CurrentRobot = Arc<Mutex<Option<Arc<RobotModel>>>>;

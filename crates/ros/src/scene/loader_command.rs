@@ -1,9 +1,9 @@
 //! Orders to the loader.
 
-use crate::scene::scene_command::SceneOrder;
+use crate::scene::scene_command::SceneCommand;
 
 /// Change of the robot or of the world, for which the loader builds a new checker.
-pub enum Order {
+pub enum LoaderCommand {
     /// A URDF was received on `robot_description`.
     Description(String),
     /// An SRDF was received on `robot_description_semantic`.
@@ -13,7 +13,7 @@ pub enum Order {
     /// The displayed level of the link volumes changed.
     Display,
     /// A scene message was received.
-    Scene(Box<SceneOrder>),
+    Scene(Box<SceneCommand>),
     /// A new point cloud was received on a topic.
     Clouds,
     /// The robot has moved relative to the frames of obstacles.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use clearance_monitor::Reason;
 use clearance_scene::SceneUpdate;
 
-use crate::recording::step::SceneDoor;
+use crate::recording::step::SceneSource;
 
 type Counts = BTreeMap<&'static str, u64>;
 
@@ -40,7 +40,7 @@ impl LostMessages {
 
     /// All obstacles were replaced.
     fn heed_world(&mut self) {
-        let of_world = [SceneDoor::CollisionObject, SceneDoor::PlanningSceneWorld].map(SceneDoor::name);
+        let of_world = [SceneSource::CollisionObject, SceneSource::PlanningSceneWorld].map(SceneSource::name);
         self.now.retain(|topic, _| !of_world.contains(topic));
     }
 
@@ -97,7 +97,7 @@ mod tests {
     fn they_are_counted_by_topic_until_what_they_said_is_told_anew() {
         let mut lost = LostMessages::default();
         let [object, attached] =
-            [SceneDoor::CollisionObject, SceneDoor::AttachedCollisionObject].map(SceneDoor::name);
+            [SceneSource::CollisionObject, SceneSource::AttachedCollisionObject].map(SceneSource::name);
         for (topic, count) in [(object, 2), ("a", 0), (object, u64::MAX), (attached, 1)] {
             lost.note(topic, count);
         }

@@ -10,6 +10,7 @@ pub mod active_scene; // the robot and the scene in use
 pub mod cloud_inbox; // received point clouds that wait for the loader
 pub mod command_conversion; // scene messages to scene commands
 pub mod loader_command; // commands of the loader
+pub mod loader_scene; // the scene of the loader
 pub mod lost_messages; // scene messages that were lost
 pub mod missing_objects; // objects that were rejected
 pub mod octomap_messages; // octomap messages to scene changes
@@ -17,7 +18,6 @@ pub mod point_cloud_decoder; // decoder of `PointCloud2`
 pub mod scene_checker; // checker of a robot in a scene
 pub mod scene_command; // loader command for one scene message
 pub mod scene_command_sender; // sender of scene commands to the loader
-pub mod scene_keeper; // the scene of the loader
 pub mod scene_message_reader; // scene messages to scene changes
 pub mod scene_message_writer; // the scene to messages
 pub mod scene_update_context; // snapshot that updates are applied against

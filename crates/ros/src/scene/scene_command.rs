@@ -1,4 +1,4 @@
-//! Loader order for a scene message.
+//! Loader command for a scene message.
 
 use clearance_monitor::Observation;
 use clearance_scene::{SceneRejection, SceneUpdate};
@@ -6,18 +6,18 @@ use ros2_interfaces_jazzy_serde::octomap_msgs::msg::OctomapWithPose;
 use smol::channel::Sender;
 
 use crate::recording::recorder_handle::OriginalMessage;
-use crate::recording::step::{OrderStep, SceneDoor};
+use crate::recording::step::{RecordedCommand, SceneSource};
 
 /// Name of the service that clears the octomap.
 pub const CLEAR_OCTOMAP: &str = "clear_octomap";
 
 /// Change of the scene.
-pub struct SceneOrder {
+pub struct SceneCommand {
     /// Topic or service of the message.
     pub source: &'static str,
     pub update: Option<SceneUpdate>,
     /// Parts of the message that are invalid.
-    pub refusals: Vec<SceneRejection>,
+    pub rejections: Vec<SceneRejection>,
     /// Number of messages that were lost directly before this one.
     pub lost: u64,
     /// The received octomap, and its observation time.
@@ -25,16 +25,16 @@ pub struct SceneOrder {
     /// Notified when the change is in use; true if all of it was applied.
     pub done: Option<Sender<bool>>,
     /// The original message, if recording is on.
-    original: Option<(OrderStep, Option<OriginalMessage>)>,
+    original: Option<(RecordedCommand, Option<OriginalMessage>)>,
 }
 
-impl SceneOrder {
+impl SceneCommand {
     #[must_use]
     pub fn on(source: &'static str) -> Self {
         Self {
             source,
             update: None,
-            refusals: Vec::new(),
+            rejections: Vec::new(),
             lost: 0,
             octomap: None,
             done: None,
@@ -43,56 +43,56 @@ impl SceneOrder {
     }
 
     #[must_use]
-    pub fn to(self, update: SceneUpdate) -> Self {
+    pub fn with_update(self, update: SceneUpdate) -> Self {
         Self { update: Some(update), ..self }
     }
 
     #[must_use]
-    pub fn refused(self, refusals: Vec<SceneRejection>) -> Self {
-        Self { refusals, ..self }
+    pub fn with_rejections(self, rejections: Vec<SceneRejection>) -> Self {
+        Self { rejections, ..self }
     }
 
     /// Whether it contains data of objects, or robot settings that apply to them.
     #[must_use]
-    pub fn tells_of_objects(&self) -> bool {
-        !self.refusals.is_empty() || self.update.as_ref().is_none_or(SceneUpdate::tells_of_objects)
+    pub fn concerns_objects(&self) -> bool {
+        !self.rejections.is_empty() || self.update.as_ref().is_none_or(SceneUpdate::tells_of_objects)
     }
 
     /// Sets the number of messages that were lost before this one.
     #[must_use]
     pub fn after(mut self, lost: u64) -> Self {
-        if let Some((OrderStep::Scene { lost: told, .. }, _)) = &mut self.original {
+        if let Some((RecordedCommand::Scene { lost: told, .. }, _)) = &mut self.original {
             *told = lost;
         }
         Self { lost, ..self }
     }
 
     #[must_use]
-    pub fn with_octomap(self, octomap: OctomapWithPose, sight: Observation) -> Self {
+    pub fn with_octomap(self, octomap: OctomapWithPose, observation: Observation) -> Self {
         let holds_one = !octomap.octomap.id.is_empty();
-        Self { octomap: holds_one.then_some((octomap, sight)), ..self }
+        Self { octomap: holds_one.then_some((octomap, observation)), ..self }
     }
 
     /// Attaches the original message, if recording is on.
     #[must_use]
-    pub fn made_of(self, original: Option<(OrderStep, Option<OriginalMessage>)>) -> Self {
+    pub fn with_original(self, original: Option<(RecordedCommand, Option<OriginalMessage>)>) -> Self {
         Self { original, ..self }
     }
 
     /// Takes the original message.
-    pub fn take_original(&mut self) -> Option<(OrderStep, Option<OriginalMessage>)> {
+    pub fn take_original(&mut self) -> Option<(RecordedCommand, Option<OriginalMessage>)> {
         self.original.take()
     }
 
-    /// Whether a client waits for the response to this kind of order. In a replay the orders are the same, but there is no client.
+    /// Whether a client waits for the response to this kind of command. In a replay the commands are the same, but there is no client.
     #[must_use]
     pub fn is_waited_for(&self) -> bool {
-        const DOORS: [SceneDoor; 2] = [SceneDoor::ApplyPlanningScene, SceneDoor::GetPlanningScene];
+        const DOORS: [SceneSource; 2] = [SceneSource::ApplyPlanningScene, SceneSource::GetPlanningScene];
         self.source == CLEAR_OCTOMAP || DOORS.iter().any(|door| door.name() == self.source)
     }
 
     #[must_use]
-    pub fn answered_on(self, done: Sender<bool>) -> Self {
+    pub fn notifying(self, done: Sender<bool>) -> Self {
         Self { done: Some(done), ..self }
     }
 }

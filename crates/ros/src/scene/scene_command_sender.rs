@@ -11,23 +11,23 @@ use ros2_interfaces_jazzy_serde::moveit_msgs::msg::{
 use ros2_interfaces_jazzy_serde::octomap_msgs::msg::Octomap;
 use smol::channel::{self, Sender};
 
-use crate::monitor_events::monitor_event::Event;
+use crate::monitor_events::monitor_event::MonitorEvent;
 use crate::monitor_events::world_update::WorldUpdate;
 use crate::recording::recorder_handle::OriginalMessage;
-use crate::recording::step::{OrderStep, SceneDoor};
+use crate::recording::step::{RecordedCommand, SceneSource};
 use crate::scene::command_conversion::{
-    attached_order, object_order, octomap_order, scene_order, unreadable_order, world_order,
+    attached_command, object_command, octomap_command, scene_command, undecodable_command, world_command,
 };
-use crate::scene::loader_command::Order;
-use crate::scene::scene_command::SceneOrder;
-use crate::scene::shared_state::Shared;
+use crate::scene::loader_command::LoaderCommand;
+use crate::scene::scene_command::SceneCommand;
+use crate::scene::shared_state::SharedState;
 use crate::threading::mailbox;
 
 /// Sends the commands of one thread.
 pub struct SceneCommandSender {
-    pub shared: Shared,
-    orders: Sender<Order>,
-    events: mailbox::Sender<Event>,
+    pub shared: SharedState,
+    commands: Sender<LoaderCommand>,
+    events: mailbox::Sender<MonitorEvent>,
     /// Number of received messages about objects.
     object_changes: Cell<u64>,
     /// Whether messages about objects were lost since the last query.
@@ -36,8 +36,12 @@ pub struct SceneCommandSender {
 
 impl SceneCommandSender {
     #[must_use]
-    pub fn new(shared: Shared, orders: Sender<Order>, events: mailbox::Sender<Event>) -> Self {
-        Self { shared, orders, events, object_changes: Cell::default(), is_lost: Cell::default() }
+    pub fn new(
+        shared: SharedState,
+        commands: Sender<LoaderCommand>,
+        events: mailbox::Sender<MonitorEvent>,
+    ) -> Self {
+        Self { shared, commands, events, object_changes: Cell::default(), is_lost: Cell::default() }
     }
 
     /// Reports the reception of a scene message to the monitor, before the message is converted, since that takes long as well. One
@@ -54,7 +58,7 @@ impl SceneCommandSender {
 
     fn notify(&self, update: WorldUpdate) {
         // a monitor that has ended publishes nothing
-        let _ = self.events.send(Event::WorldUpdate(update));
+        let _ = self.events.send(MonitorEvent::WorldUpdate(update));
     }
 
     /// Whether a robot model is loaded, which a scene requires.
@@ -73,80 +77,81 @@ impl SceneCommandSender {
     }
 
     /// Sends a command; returns whether the loader still exists.
-    pub async fn send(&self, order: Order) -> bool {
-        self.orders.send(order).await.is_ok()
+    pub async fn send(&self, command: LoaderCommand) -> bool {
+        self.commands.send(command).await.is_ok()
     }
 
     /// Sends a command that the monitor was notified of, and waits until it is in force. Returns whether all of it was applied.
-    pub async fn apply(&self, order: SceneOrder) -> bool {
+    pub async fn apply(&self, command: SceneCommand) -> bool {
         let (done, is_done) = channel::bounded(1);
-        let order = Order::Scene(Box::new(order.answered_on(done)));
+        let command = LoaderCommand::Scene(Box::new(command.notifying(done)));
         // a loader that has ended processes no command
-        self.send(order).await && is_done.recv().await.unwrap_or(false)
+        self.send(command).await && is_done.recv().await.unwrap_or(false)
     }
 
     /// Command for a message, together with the message itself if a recorder runs.
-    fn order<M: Clone>(
+    fn command<M: Clone>(
         &self,
-        by: SceneDoor,
+        by: SceneSource,
         message: M,
         keep: impl FnOnce(M) -> OriginalMessage,
-        read: impl FnOnce(M, bool, Now) -> SceneOrder,
-    ) -> SceneOrder {
-        let Shared { store, clock, tape, .. } = &self.shared;
+        read: impl FnOnce(M, bool, Now) -> SceneCommand,
+    ) -> SceneCommand {
+        let SharedState { store, clock, recording, .. } = &self.shared;
         let (came, unknown_is_occupied) = (clock.read(), store.get().unknown_is_occupied());
-        let original = tape.is_on().then(|| {
-            let step = OrderStep::Scene { by, came: came.into(), unknown_is_occupied, lost: 0 };
+        let original = recording.is_on().then(|| {
+            let step = RecordedCommand::Scene { by, came: came.into(), unknown_is_occupied, lost: 0 };
             (step, Some(keep(message.clone())))
         });
-        let order = read(message, unknown_is_occupied, came).made_of(original);
-        if by != SceneDoor::GetPlanningScene && order.tells_of_objects() {
+        let command = read(message, unknown_is_occupied, came).with_original(original);
+        if by != SceneSource::GetPlanningScene && command.concerns_objects() {
             self.object_changes.set(self.object_changes.get() + 1);
         }
-        order
+        command
     }
 
     /// Sets the number of messages about objects that were lost right before this command.
     #[must_use]
-    pub fn after(&self, order: SceneOrder, lost: u64) -> SceneOrder {
+    pub fn after(&self, command: SceneCommand, lost: u64) -> SceneCommand {
         if lost > 0 {
             self.is_lost.set(true);
             self.object_changes.set(self.object_changes.get() + 1);
         }
-        order.after(lost)
+        command.after(lost)
     }
 
     /// Command for a message that could not be decoded. The scene of `move_group` is requested again.
-    pub fn unreadable(&self, by: SceneDoor) -> SceneOrder {
+    pub fn undecodable(&self, by: SceneSource) -> SceneCommand {
         self.is_lost.set(true);
         self.object_changes.set(self.object_changes.get() + 1);
-        let is_recorded = self.shared.tape.is_on();
-        unreadable_order(by).made_of(is_recorded.then_some((OrderStep::Unreadable { by }, None)))
+        let is_recorded = self.shared.recording.is_on();
+        undecodable_command(by)
+            .with_original(is_recorded.then_some((RecordedCommand::Unreadable { by }, None)))
     }
 
-    pub fn object(&self, message: CollisionObject) -> SceneOrder {
+    pub fn object(&self, message: CollisionObject) -> SceneCommand {
         let keep = |m| OriginalMessage::Object(Box::new(m));
-        self.order(SceneDoor::CollisionObject, message, keep, |m, _, _| object_order(&m))
+        self.command(SceneSource::CollisionObject, message, keep, |m, _, _| object_command(&m))
     }
 
-    pub fn attached(&self, message: AttachedCollisionObject) -> SceneOrder {
+    pub fn attached(&self, message: AttachedCollisionObject) -> SceneCommand {
         let keep = |m| OriginalMessage::Attached(Box::new(m));
-        self.order(SceneDoor::AttachedCollisionObject, message, keep, |m, _, _| attached_order(&m))
+        self.command(SceneSource::AttachedCollisionObject, message, keep, |m, _, _| attached_command(&m))
     }
 
-    pub fn world(&self, message: PlanningSceneWorld) -> SceneOrder {
+    pub fn world(&self, message: PlanningSceneWorld) -> SceneCommand {
         let keep = |m| OriginalMessage::World(Box::new(m));
-        self.order(SceneDoor::PlanningSceneWorld, message, keep, world_order)
+        self.command(SceneSource::PlanningSceneWorld, message, keep, world_command)
     }
 
     /// Command to apply a whole or partial scene.
-    pub fn scene(&self, by: SceneDoor, message: PlanningScene) -> SceneOrder {
-        let read = |m, unknown_is_occupied, came| scene_order(by, m, unknown_is_occupied, came);
-        self.order(by, message, |m| OriginalMessage::Scene(Box::new(m)), read)
+    pub fn scene(&self, by: SceneSource, message: PlanningScene) -> SceneCommand {
+        let read = |m, unknown_is_occupied, came| scene_command(by, m, unknown_is_occupied, came);
+        self.command(by, message, |m| OriginalMessage::Scene(Box::new(m)), read)
     }
 
-    pub fn octomap(&self, by: SceneDoor, message: Octomap) -> SceneOrder {
-        let read = |m, unknown_is_occupied, came| octomap_order(by, m, unknown_is_occupied, came);
-        self.order(by, message, |m| OriginalMessage::Octomap(Box::new(m)), read)
+    pub fn octomap(&self, by: SceneSource, message: Octomap) -> SceneCommand {
+        let read = |m, unknown_is_occupied, came| octomap_command(by, m, unknown_is_occupied, came);
+        self.command(by, message, |m| OriginalMessage::Octomap(Box::new(m)), read)
     }
 }

@@ -19,17 +19,17 @@ use crate::scene::transform_messages::pose;
 use crate::scene::transform_messages::transform_pose;
 
 /// Content of a message with several parts, and the parts that were rejected.
-pub struct Read<T> {
+pub struct Converted<T> {
     pub change: T,
-    pub refusals: Vec<SceneRejection>,
+    pub rejections: Vec<SceneRejection>,
 }
 
 /// Converts a `moveit_msgs/CollisionObject`.
 pub fn object_change(message: &CollisionObject) -> Result<ObjectChange, SceneRejection> {
-    let refuse = |why: String| SceneRejection::of(&message.id, why);
+    let reject = |why: String| SceneRejection::of(&message.id, why);
     let operation = Operation::from_number(message.operation.into()).ok_or_else(|| {
         let given = message.operation;
-        refuse(format!("operation is {given}, but must be ADD (0), REMOVE (1), APPEND (2) or MOVE (3)"))
+        reject(format!("operation is {given}, but must be ADD (0), REMOVE (1), APPEND (2) or MOVE (3)"))
     })?;
     let kind = [message.type_.db.clone(), message.type_.key.clone()];
     let mut change = ObjectChange { kind, ..ObjectChange::named(message.id.clone(), operation) };
@@ -38,15 +38,15 @@ pub fn object_change(message: &CollisionObject) -> Result<ObjectChange, SceneRej
     }
     change.frame.clone_from(&message.header.frame_id);
     if operation == Operation::Move {
-        let refuse = |why| refuse(why).of_pose();
-        change.pose_fo = pose(&message.pose, "pose").map_err(refuse)?;
-        change.shape_poses = shape_poses(message).map_err(refuse)?;
-        change.shapes = bare_shapes(message).map_err(refuse)?;
+        let reject = |why| reject(why).of_pose();
+        change.pose_fo = pose(&message.pose, "pose").map_err(reject)?;
+        change.shape_poses = shape_poses(message).map_err(reject)?;
+        change.shapes = bare_shapes(message).map_err(reject)?;
         return Ok(change);
     }
-    change.pose_fo = pose(&message.pose, "pose").map_err(refuse)?;
-    change.shapes = shapes(message).map_err(refuse)?;
-    change.subframes = subframes(message).map_err(refuse)?;
+    change.pose_fo = pose(&message.pose, "pose").map_err(reject)?;
+    change.shapes = shapes(message).map_err(reject)?;
+    change.subframes = subframes(message).map_err(reject)?;
     Ok(change)
 }
 
@@ -125,45 +125,45 @@ pub fn attached_change(message: &AttachedCollisionObject) -> Result<AttachedChan
 }
 
 /// Converts a `moveit_msgs/PlanningSceneWorld`.
-pub fn world_change(message: &PlanningSceneWorld, unknown_is_occupied: bool) -> Read<WorldChange> {
-    let (objects, mut refusals) = sorted(message.collision_objects.iter().map(object_change));
-    let octomap = octomap_with_pose(&message.octomap, unknown_is_occupied).unwrap_or_else(|refusal| {
-        refusals.push(refusal);
+pub fn world_change(message: &PlanningSceneWorld, unknown_is_occupied: bool) -> Converted<WorldChange> {
+    let (objects, mut rejections) = separated(message.collision_objects.iter().map(object_change));
+    let octomap = octomap_with_pose(&message.octomap, unknown_is_occupied).unwrap_or_else(|rejection| {
+        rejections.push(rejection);
         None
     });
-    Read { change: WorldChange { objects, octomap }, refusals }
+    Converted { change: WorldChange { objects, octomap }, rejections }
 }
 
 /// Separates valid parts from rejected ones.
 fn sorted<T>(results: impl Iterator<Item = Result<T, SceneRejection>>) -> (Vec<T>, Vec<SceneRejection>) {
-    let (mut right, mut refusals) = (Vec::new(), Vec::new());
+    let (mut right, mut rejections) = (Vec::new(), Vec::new());
     for result in results {
         match result {
             Ok(change) => right.push(change),
-            Err(refusal) => refusals.push(refusal),
+            Err(rejection) => rejections.push(rejection),
         }
     }
-    (right, refusals)
+    (right, rejections)
 }
 
 /// Converts the attached objects of a `moveit_msgs/RobotState`.
-pub fn robot_state_change(message: &RobotState) -> Read<RobotStateChange> {
-    let (attached, refusals) = sorted(message.attached_collision_objects.iter().map(attached_change));
+pub fn robot_state_change(message: &RobotState) -> Converted<RobotStateChange> {
+    let (attached, rejections) = separated(message.attached_collision_objects.iter().map(attached_change));
     let names_joints =
         !(message.joint_state.name.is_empty() && message.multi_dof_joint_state.joint_names.is_empty());
-    Read { change: RobotStateChange { is_diff: message.is_diff, names_joints, attached }, refusals }
+    Converted { change: RobotStateChange { is_diff: message.is_diff, names_joints, attached }, rejections }
 }
 
 /// Converts a `moveit_msgs/PlanningScene`. Colours do not affect collisions.
-pub fn scene_change(message: &PlanningScene, unknown_is_occupied: bool) -> Read<SceneChange> {
+pub fn scene_change(message: &PlanningScene, unknown_is_occupied: bool) -> Converted<SceneChange> {
     let world = world_change(&message.world, unknown_is_occupied);
     let robot_state = robot_state_change(&message.robot_state);
-    let (fixed_frames, mut refusals) = sorted(message.fixed_frame_transforms.iter().map(fixed_frame));
+    let (fixed_frames, mut rejections) = separated(message.fixed_frame_transforms.iter().map(fixed_frame));
     let unreadable = message.fixed_frame_transforms.iter().filter(|frame| fixed_frame(frame).is_err());
     let unreadable_frames =
         unreadable.flat_map(|f| [&f.child_frame_id, &f.header.frame_id]).cloned().collect();
-    refusals.extend(robot_state.refusals);
-    refusals.extend(world.refusals);
+    rejections.extend(robot_state.rejections);
+    rejections.extend(world.rejections);
     let change = SceneChange {
         robot_model_name: message.robot_model_name.clone(),
         is_diff: message.is_diff,
@@ -176,7 +176,7 @@ pub fn scene_change(message: &PlanningScene, unknown_is_occupied: bool) -> Read<
         world: world.change,
         keeps_octomap: false,
     };
-    Read { change, refusals }
+    Converted { change, rejections }
 }
 
 fn fixed_frame(message: &TransformStamped) -> Result<FixedFrame, SceneRejection> {

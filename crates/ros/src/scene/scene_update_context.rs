@@ -11,11 +11,14 @@ use crate::parameters::parameter_set::Parameters;
 use crate::scene::cloud_inbox::CloudMessage;
 
 /// Robot and its configuration at the stamp of each point cloud, by topic.
-pub type Places = BTreeMap<String, (Arc<RobotModel>, Configuration)>;
+pub type RobotsAtStamps = BTreeMap<String, (Arc<RobotModel>, Configuration)>;
 
 /// Configuration of the robot at the stamps of point clouds.
 #[must_use]
-pub fn places_of(clouds: &BTreeMap<String, CloudMessage>, joint_state_history: &JointStateHistory) -> Places {
+pub fn robots_at_stamps(
+    clouds: &BTreeMap<String, CloudMessage>,
+    joint_state_history: &JointStateHistory,
+) -> RobotsAtStamps {
     clouds
         .iter()
         .filter_map(|(topic, cloud)| Some((topic.clone(), joint_state_history.at(cloud.stamp())?)))
@@ -30,7 +33,7 @@ pub struct SceneUpdateContext {
     pub transforms: TransformTree,
     pub evaluation: Option<Evaluation>,
     /// Robot and its configuration at the stamp of each point cloud, by topic.
-    pub places: Places,
+    pub places: RobotsAtStamps,
 }
 
 impl SceneUpdateContext {
@@ -42,7 +45,7 @@ impl SceneUpdateContext {
             parameters: parameters.clone(),
             transforms: TransformTree::default(),
             evaluation: None,
-            places: Places::default(),
+            places: RobotsAtStamps::default(),
         }
     }
 

@@ -16,7 +16,7 @@ pub type Transforms = Arc<Mutex<TransformTree>>;
 
 /// Data shared with the loader.
 #[derive(Clone)]
-pub struct Shared {
+pub struct SharedState {
     pub scene: CurrentScene,
     pub transforms: Transforms,
     /// The frames in which the loader places obstacles.
@@ -26,16 +26,16 @@ pub struct Shared {
     pub joint_state_history: Arc<Mutex<JointStateHistory>>,
     pub store: ParameterStore,
     pub clock: Arc<RosClock>,
-    pub tape: RecorderHandle,
+    pub recording: RecorderHandle,
 }
 
-impl Shared {
+impl SharedState {
     #[must_use]
     pub fn new(
         scene: CurrentScene,
         store: ParameterStore,
         clock: Arc<RosClock>,
-        tape: RecorderHandle,
+        recording: RecorderHandle,
     ) -> Self {
         Self {
             scene,
@@ -45,7 +45,7 @@ impl Shared {
             joint_state_history: Arc::default(),
             store,
             clock,
-            tape,
+            recording,
         }
     }
 }

@@ -25,13 +25,13 @@ use ros2_interfaces_jazzy_serde::sensor_msgs::msg::{PointCloud2, PointField};
 use ros2_interfaces_jazzy_serde::shape_msgs::msg::{Mesh, MeshTriangle, Plane, SolidPrimitive};
 
 use crate::parameters::parameter_set::Parameters;
-use crate::scene::active_scene::SceneInForce;
+use crate::scene::active_scene::ActiveScene;
 use crate::scene::octomap_messages::octomap_placement;
 use crate::scene::point_cloud_decoder::decode;
 use crate::scene::scene_checker::checker_of;
 use crate::scene::scene_message_reader::{object_change, scene_change};
 use crate::scene::scene_message_writer::{SceneMessages, scene_message};
-use crate::services::state_validity::{Situation, state_validity};
+use crate::services::state_validity::{ValidityContext, state_validity};
 use crate::topics::monitored_scene;
 
 mod validity;
@@ -101,7 +101,7 @@ fn scene(messages: &[PlanningScene]) -> Scene {
     let mut scene = Scene::default();
     for message in messages {
         let read = scene_change(message, false);
-        assert_eq!(read.refusals, []);
+        assert_eq!(read.rejections, []);
         let applied = scene.apply(&SceneUpdate::Scene(Box::new(read.change)), &context);
         assert_eq!(applied.refusals, []);
     }
@@ -129,7 +129,7 @@ fn names_without_end_are_rejected() {
         let read = scene_change(&message, false);
         let mut scene = Scene::default();
         let applied = scene.apply(&SceneUpdate::Scene(Box::new(read.change)), &context);
-        let refusals: Vec<_> = read.refusals.iter().chain(&applied.refusals).collect();
+        let refusals: Vec<_> = read.rejections.iter().chain(&applied.refusals).collect();
         assert_eq!(refusals.len(), 1);
         let words = refusals[0].to_string();
         assert!(
@@ -148,15 +148,15 @@ fn difference(objects: Vec<CollisionObject>, attached: Vec<AttachedCollisionObje
     message
 }
 
-fn in_force(scene: Scene, sources: Vec<WorldSource>) -> Arc<SceneInForce> {
+fn in_force(scene: Scene, sources: Vec<WorldSource>) -> Arc<ActiveScene> {
     in_force_of(&robot(), scene, sources)
 }
 
-fn in_force_of(robot: &Arc<RobotModel>, scene: Scene, sources: Vec<WorldSource>) -> Arc<SceneInForce> {
+fn in_force_of(robot: &Arc<RobotModel>, scene: Scene, sources: Vec<WorldSource>) -> Arc<ActiveScene> {
     let parameters = Parameters::default();
     let checker = checker_of(robot, &scene, MeshModel::Surface, &parameters, None).unwrap();
     let revision = Arc::new(Revision { sources, ..Revision::new(checker, 1, 1) });
-    Arc::new(SceneInForce { revision, scene, octomap: None, mesh_model: MeshModel::Surface, parameters })
+    Arc::new(ActiveScene { revision, scene, octomap: None, mesh_model: MeshModel::Surface, parameters })
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::time::Duration;
 use clearance_checker::Watch;
 
 use crate::dds::Stamp;
-use crate::dds::action_server::{CancelCode, GoalId, GoalInfo, GoalStatus, Standing};
+use crate::dds::action_server::{CancelCode, GoalId, GoalInfo, GoalStatus, GoalStatusCode};
 
 /// Maximum number of stored results.
 const RESULTS: usize = 64;
@@ -23,7 +23,7 @@ pub struct Goals<Ticket, Outcome> {
 
 struct Goal<Ticket, Outcome> {
     info: GoalInfo,
-    status: Standing,
+    status: GoalStatusCode,
     watch: Watch,
     waiting: Vec<Ticket>,
     /// Steady time of the goal's end, and its result.
@@ -33,7 +33,7 @@ struct Goal<Ticket, Outcome> {
 /// Response to a result request.
 #[derive(Debug, PartialEq)]
 pub enum ResultRequest<Ticket, Outcome> {
-    Ended(Ticket, Standing, Outcome),
+    Ended(Ticket, GoalStatusCode, Outcome),
     /// The response follows when the goal ends.
     Later,
     Unknown(Ticket),
@@ -41,10 +41,10 @@ pub enum ResultRequest<Ticket, Outcome> {
 
 /// Effect of a cancel request.
 #[derive(Debug)]
-pub struct Canceled {
+pub struct CancelResult {
     pub code: CancelCode,
     pub canceling: Vec<GoalInfo>,
-    /// Canceled goals that had not started. The caller must end them now.
+    /// CancelResult goals that had not started. The caller must end them now.
     pub not_begun: Vec<GoalId>,
 }
 
@@ -61,7 +61,7 @@ impl<Ticket, Outcome: Clone> Goals<Ticket, Outcome> {
             return false;
         }
         let info = GoalInfo { goal_id, stamp };
-        let (status, waiting) = (Standing::Accepted, Vec::new());
+        let (status, waiting) = (GoalStatusCode::Accepted, Vec::new());
         self.goals.push(Goal { info, status, watch, waiting, ended: None });
         true
     }
@@ -73,9 +73,9 @@ impl<Ticket, Outcome: Clone> Goals<Ticket, Outcome> {
 
     pub fn begin(&mut self, id: GoalId) {
         if let Some(goal) = self.open(id)
-            && goal.status == Standing::Accepted
+            && goal.status == GoalStatusCode::Accepted
         {
-            goal.status = Standing::Executing;
+            goal.status = GoalStatusCode::Executing;
         }
     }
 
@@ -90,11 +90,11 @@ impl<Ticket, Outcome: Clone> Goals<Ticket, Outcome> {
 
     /// Cancels the goal with the given id, the goals accepted up to the given stamp, or both; all goals if neither is given. See
     /// `action_msgs/srv/CancelGoal`.
-    pub fn cancel(&mut self, GoalInfo { goal_id, stamp }: &GoalInfo) -> Canceled {
+    pub fn cancel(&mut self, GoalInfo { goal_id, stamp }: &GoalInfo) -> CancelResult {
         let by_id = *goal_id != GoalId::ZERO;
         let by_stamp = *stamp != Stamp::ZERO;
         let mut canceled =
-            Canceled { code: CancelCode::Rejected, canceling: Vec::new(), not_begun: Vec::new() };
+            CancelResult { code: CancelCode::Rejected, canceling: Vec::new(), not_begun: Vec::new() };
         let all = !by_id && !by_stamp;
         let (mut known, mut open) = (false, false);
         for goal in &mut self.goals {
@@ -105,10 +105,10 @@ impl<Ticket, Outcome: Clone> Goals<Ticket, Outcome> {
                 continue;
             }
             open |= named;
-            if goal.status == Standing::Accepted {
+            if goal.status == GoalStatusCode::Accepted {
                 canceled.not_begun.push(goal.info.goal_id);
             }
-            goal.status = Standing::Canceling;
+            goal.status = GoalStatusCode::Canceling;
             goal.watch.stop();
             canceled.canceling.push(goal.info.clone());
         }
@@ -125,7 +125,7 @@ impl<Ticket, Outcome: Clone> Goals<Ticket, Outcome> {
     pub fn end(
         &mut self,
         id: GoalId,
-        status: Standing,
+        status: GoalStatusCode,
         outcome: Outcome,
         now: Duration,
     ) -> Option<Vec<Ticket>> {
@@ -193,10 +193,10 @@ mod tests {
         assert!(!goals.accept(id, stamp(2), Watch::default()), "known already");
         assert_eq!(goals.ask(id, 1), ResultRequest::Later);
         goals.begin(id);
-        assert!(goals.standings()[0].status == Standing::Executing);
-        assert_eq!(goals.end(id, Standing::Succeeded, "free", T0), Some(vec![1]));
-        assert_eq!(goals.end(id, Standing::Aborted, "again", T0), None);
-        assert_eq!(goals.ask(id, 2), ResultRequest::Ended(2, Standing::Succeeded, "free"));
+        assert!(goals.standings()[0].status == GoalStatusCode::Executing);
+        assert_eq!(goals.end(id, GoalStatusCode::Succeeded, "free", T0), Some(vec![1]));
+        assert_eq!(goals.end(id, GoalStatusCode::Aborted, "again", T0), None);
+        assert_eq!(goals.ask(id, 2), ResultRequest::Ended(2, GoalStatusCode::Succeeded, "free"));
         assert_eq!(goals.ask(GoalId::new_random(), 3), ResultRequest::Unknown(3));
         goals.forget(KEPT);
         assert_eq!(goals.ask(id, 4), ResultRequest::Unknown(4));
@@ -211,7 +211,7 @@ mod tests {
         }
         assert_eq!(goals.ask(ids[0], 99), ResultRequest::Unknown(99));
         for id in &ids[1..] {
-            goals.end(*id, Standing::Succeeded, "free", T0);
+            goals.end(*id, GoalStatusCode::Succeeded, "free", T0);
         }
         let standings = goals.standings();
         assert_eq!(standings.len(), 1 + RESULTS);
@@ -236,7 +236,7 @@ mod tests {
         assert!(new_watch.is_stopped());
 
         for id in [old, new] {
-            goals.end(id, Standing::Canceled, "stopped", T0);
+            goals.end(id, GoalStatusCode::Canceled, "stopped", T0);
         }
         let terminated = goals.cancel(&GoalInfo { goal_id: new, ..zero.clone() });
         assert!(terminated.code == CancelCode::GoalTerminated && terminated.canceling.is_empty());

@@ -7,7 +7,7 @@ use crate::dds::middleware::Middleware;
 use crate::dds::middleware_error::MiddlewareError;
 use crate::dds::server::Server;
 use crate::dds::type_name::TypeName;
-use crate::monitor_events::monitor_event::Event;
+use crate::monitor_events::monitor_event::MonitorEvent;
 use crate::names::Names;
 use crate::threading::mailbox;
 use crate::threading::mailbox::Sender;
@@ -31,14 +31,14 @@ impl Message for SetBoolResponse {}
 /// Forwards requests to the monitor.
 pub struct EnableService {
     server: Server<SetBoolRequest, SetBoolResponse>,
-    events: Sender<Event>,
+    events: Sender<MonitorEvent>,
 }
 
 impl EnableService {
     pub fn offer(
         middleware: &Middleware,
         names: &Names,
-        events: Sender<Event>,
+        events: Sender<MonitorEvent>,
     ) -> Result<Self, MiddlewareError> {
         let server = middleware.server(&names.resolve("~/enable")?, TypeName::new("std_srvs", "SetBool"))?;
         Ok(Self { server, events })
@@ -50,14 +50,14 @@ impl EnableService {
         loop {
             let (id, SetBoolRequest { data }) = self.server.next().await;
             let (heeded, heeded_in) = mailbox::bounded(1);
-            let sent = self.events.send(Event::Enabled(data, heeded)).is_ok();
+            let sent = self.events.send(MonitorEvent::Enabled(data, heeded)).is_ok();
             let success = sent && heeded_in.receive().await.is_some();
             let message = match (success, data) {
                 (false, _) => "the monitor has ended",
                 (true, true) => "checking is enabled",
                 (true, false) => "checking is disabled: the state is UNKNOWN until it is enabled again",
             };
-            self.server.answer(id, SetBoolResponse { success, message: message.to_owned() }).await;
+            self.server.respond(id, SetBoolResponse { success, message: message.to_owned() }).await;
         }
     }
 }

@@ -20,7 +20,7 @@ use crate::messages::clearance_srvs::{
 };
 use crate::messages::collision_state::pair_message;
 use crate::messages::time_and_geometry::point_message;
-use crate::services::rejection::{Refusal, bad, shortened};
+use crate::services::rejection::{Rejection, bad, shortened};
 use crate::services::request_context::{RequestContext, deadline, not_negative, of_equal_length, revisions};
 use crate::topics::swept_volume_markers::{most_intervals, no_markers, swept_volume_markers};
 
@@ -38,15 +38,15 @@ const LONGEST: Duration = Duration::from_secs(60);
 
 /// Response with the optional results that the request selects.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Answered {
+pub struct MotionResponse {
     /// For a straight motion, only the first part of this response is sent.
     pub response: CheckTrajectoryResponse,
     pub certificate: Option<String>,
     pub swept_volume: Option<MarkerArray>,
 }
 
-impl From<&Refusal> for Answered {
-    fn from(refusal: &Refusal) -> Self {
+impl From<&Rejection> for MotionResponse {
+    fn from(refusal: &Rejection) -> Self {
         let motion = MotionFindings {
             verdict: MotionFindings::ERROR,
             message: refusal.message(),
@@ -66,7 +66,7 @@ pub fn answer_motion(
     usual: ContinuousDirection,
     evaluation: Option<&Evaluation>,
     workspace: &mut Option<Workspace>,
-) -> Answered {
+) -> MotionResponse {
     answer(&request.terms, None, evaluation, workspace, |cell| cell.straight(request, usual))
 }
 
@@ -77,7 +77,7 @@ pub fn answer_trajectory(
     watch: Option<Watch>,
     evaluation: Option<&Evaluation>,
     workspace: &mut Option<Workspace>,
-) -> Answered {
+) -> MotionResponse {
     answer(&request.terms, watch, evaluation, workspace, |cell| cell.trajectory(request))
 }
 
@@ -86,8 +86,8 @@ fn answer(
     watch: Option<Watch>,
     evaluation: Option<&Evaluation>,
     workspace: &mut Option<Workspace>,
-    way: impl FnOnce(&RequestContext) -> Result<Way, Refusal>,
-) -> Answered {
+    way: impl FnOnce(&RequestContext) -> Result<Way, Rejection>,
+) -> MotionResponse {
     let started = Instant::now();
     let found = RequestContext::of(evaluation).and_then(|cell| {
         // a watched check can be canceled, so it needs no default timeout
@@ -98,7 +98,7 @@ fn answer(
         let workspace = workspace.get_or_insert_with(|| cell.checker.workspace());
         Ok(verdict(cell.checker, way, &options, terms, workspace))
     });
-    let mut answered = found.unwrap_or_else(|refusal| Answered::from(&refusal));
+    let mut answered = found.unwrap_or_else(|refusal| MotionResponse::from(&refusal));
     if terms.swept_volume_intervals > 0 {
         // a request without volumes of its own still deletes the volumes of the last request
         answered.swept_volume.get_or_insert_with(no_markers);
@@ -109,7 +109,11 @@ fn answer(
     answered
 }
 
-fn options(terms: &MotionTerms, usual: Option<Duration>, started: Instant) -> Result<MotionOptions, Refusal> {
+fn options(
+    terms: &MotionTerms,
+    usual: Option<Duration>,
+    started: Instant,
+) -> Result<MotionOptions, Rejection> {
     let standard = MotionOptions::default();
     not_negative("tolerance", "m", terms.tolerance)?;
     Ok(MotionOptions {
@@ -129,7 +133,7 @@ struct Way {
 }
 
 /// Direction of continuous joints, if the request contains one.
-fn direction(terms: &MotionTerms) -> Result<Option<ContinuousDirection>, Refusal> {
+fn direction(terms: &MotionTerms) -> Result<Option<ContinuousDirection>, Rejection> {
     match terms.continuous_joint_direction {
         MotionTerms::DEFAULT => Ok(None),
         MotionTerms::SHORTEST => Ok(Some(ContinuousDirection::Shortest)),
@@ -141,7 +145,7 @@ fn direction(terms: &MotionTerms) -> Result<Option<ContinuousDirection>, Refusal
 }
 
 impl RequestContext<'_> {
-    fn straight(&self, request: &CheckMotionRequest, usual: ContinuousDirection) -> Result<Way, Refusal> {
+    fn straight(&self, request: &CheckMotionRequest, usual: ContinuousDirection) -> Result<Way, Rejection> {
         let CheckMotionRequest { joint_names, start, goal, terms } = request;
         if joint_names.is_empty() {
             return Err(bad("joint_names is empty"));
@@ -154,7 +158,7 @@ impl RequestContext<'_> {
         };
         let from = match (start.as_slice(), &self.now) {
             ([], Ok(now)) => (*now).clone(),
-            ([], Err(why)) => return Err(Refusal::NoJointState(why.clone())),
+            ([], Err(why)) => return Err(Rejection::NoJointState(why.clone())),
             (start, _) => end("start", start)?,
         };
         let asked = direction(terms)?;
@@ -176,11 +180,11 @@ impl RequestContext<'_> {
         Ok(Way { trajectory: self.loosened(trajectory, joint_names, &terms.joint_tolerances)?, notes })
     }
 
-    fn shortest(&self, ends: Vec<Configuration>) -> Result<(Vec<Configuration>, Vec<HeldTurn>), Refusal> {
+    fn shortest(&self, ends: Vec<Configuration>) -> Result<(Vec<Configuration>, Vec<HeldTurn>), Rejection> {
         shortest_way(self.robot(), ends).map_err(|error| bad(format!("the shortest way: {error}")))
     }
 
-    fn trajectory(&self, request: &CheckTrajectoryRequest) -> Result<Way, Refusal> {
+    fn trajectory(&self, request: &CheckTrajectoryRequest) -> Result<Way, Rejection> {
         let joints = &request.trajectory.joint_names;
         if joints.is_empty() {
             return Err(bad("trajectory.joint_names is empty"));
@@ -210,7 +214,7 @@ impl RequestContext<'_> {
         trajectory: Trajectory,
         joints: &[String],
         tolerances: &[f64],
-    ) -> Result<Trajectory, Refusal> {
+    ) -> Result<Trajectory, Rejection> {
         if tolerances.is_empty() {
             return Ok(trajectory);
         }
@@ -225,7 +229,7 @@ impl RequestContext<'_> {
 }
 
 /// Rejects more volumes than fit into one message.
-fn check_intervals(intervals: u32, trajectory: &Trajectory, robot: &RobotModel) -> Result<(), Refusal> {
+fn check_intervals(intervals: u32, trajectory: &Trajectory, robot: &RobotModel) -> Result<(), Rejection> {
     let segments = trajectory.segments().len();
     let most = most_intervals(robot, segments);
     if intervals as usize <= most {
@@ -244,7 +248,7 @@ fn verdict(
     options: &MotionOptions,
     terms: &MotionTerms,
     workspace: &mut Workspace,
-) -> Answered {
+) -> MotionResponse {
     let (trajectory, certificate) = (&trajectory, terms.certificate);
     let ends: Vec<Configuration> = trajectory.segments().iter().flat_map(MotionSegment::ends).collect();
     let limits = checker.robot().limits_note("way", [&ends]);
@@ -284,7 +288,7 @@ fn verdict(
         motion.certificate_digest = proof.digest;
         motion.certificate.clone_from(text);
     }
-    Answered { response, certificate: text, swept_volume: swept_volume.flatten() }
+    MotionResponse { response, certificate: text, swept_volume: swept_volume.flatten() }
 }
 
 /// Content of a report as a response, without the revisions and the compute time.

@@ -26,10 +26,10 @@ use crate::messages::clearance_srvs::{
 use crate::monitor_events::current_evaluation::CurrentEvaluation;
 use crate::names::Names;
 use crate::parameters::parameter_store::ParameterStore;
-use crate::services::motion_requests::{Answered, answer_motion, answer_trajectory};
-use crate::services::rejection::Refusal;
+use crate::services::motion_requests::{MotionResponse, answer_motion, answer_trajectory};
+use crate::services::rejection::Rejection;
 use crate::services::request_context::known;
-use crate::services::trajectory_action::{Begun, Goal, TrajectoryAction};
+use crate::services::trajectory_action::{Goal, StartedGoal, TrajectoryAction};
 
 /// Maximum length of the request queue. Further requests get the response that the node is busy.
 const WAITING: usize = 16;
@@ -42,11 +42,11 @@ enum Request {
 }
 
 enum Answer {
-    Motion(RequestId, Box<Answered>),
-    Trajectory(RequestId, Box<Answered>),
+    Motion(RequestId, Box<MotionResponse>),
+    Trajectory(RequestId, Box<MotionResponse>),
     /// The check of a goal has started.
-    Begun(Begun),
-    Goal(GoalId, Box<Answered>),
+    StartedGoal(StartedGoal),
+    Goal(GoalId, Box<MotionResponse>),
 }
 
 /// Network side: receives requests and sends responses.
@@ -61,7 +61,7 @@ pub struct MotionServices {
 }
 
 /// Side that runs the checks. It owns no network resources: the node ends without waiting for it.
-pub struct MotionDesk {
+pub struct MotionWorker {
     requests: Receiver<Request>,
     answers: Sender<Answer>,
     current: CurrentEvaluation,
@@ -78,7 +78,7 @@ impl MotionServices {
         current: CurrentEvaluation,
         clock: Arc<RosClock>,
         parameters: ParameterStore,
-    ) -> Result<(Self, MotionDesk), MiddlewareError> {
+    ) -> Result<(Self, MotionWorker), MiddlewareError> {
         let (requests, requests_in) = channel::bounded(WAITING);
         // at most two items for each queued request
         let (answers, answers_in) = channel::unbounded();
@@ -105,7 +105,8 @@ impl MotionServices {
             requests,
             answers: answers_in,
         };
-        let desk = MotionDesk { requests: requests_in, answers, current, clock, parameters, workspace: None };
+        let desk =
+            MotionWorker { requests: requests_in, answers, current, clock, parameters, workspace: None };
         Ok((services, desk))
     }
 
@@ -138,7 +139,7 @@ impl MotionServices {
     fn enqueue<'a>(&'a self, request: Request, sending: &LocalExecutor<'a>) {
         // when the desk has ended, the service reports that it is busy
         if let Err(refused) = self.requests.try_send(request) {
-            let answered = Answered::from(&Refusal::Busy(WAITING));
+            let answered = MotionResponse::from(&Rejection::Busy(WAITING));
             self.send(refused.into_inner().answered(answered), sending);
         }
     }
@@ -147,13 +148,13 @@ impl MotionServices {
         match answer {
             Answer::Motion(id, answered) => {
                 let CheckTrajectoryResponse { motion, turns, .. } = self.publish_more(*answered);
-                sending.spawn(self.motions.answer(id, CheckMotionResponse { motion, turns })).detach();
+                sending.spawn(self.motions.respond(id, CheckMotionResponse { motion, turns })).detach();
             }
             Answer::Trajectory(id, answered) => {
                 let response = self.publish_more(*answered);
-                sending.spawn(self.trajectories.answer(id, response)).detach();
+                sending.spawn(self.trajectories.respond(id, response)).detach();
             }
-            Answer::Begun(begun) => self.goals.follow(begun, sending),
+            Answer::StartedGoal(begun) => self.goals.follow(begun, sending),
             Answer::Goal(id, answered) => {
                 let response = self.publish_more(*answered);
                 self.goals.end(id, &response, sending);
@@ -162,8 +163,8 @@ impl MotionServices {
     }
 
     /// Publishes the optional results and returns the response.
-    fn publish_more(&self, answered: Answered) -> CheckTrajectoryResponse {
-        let Answered { response, certificate, swept_volume } = answered;
+    fn publish_more(&self, answered: MotionResponse) -> CheckTrajectoryResponse {
+        let MotionResponse { response, certificate, swept_volume } = answered;
         if let Some(data) = certificate {
             self.certificates.publish(StringMessage { data });
         }
@@ -174,7 +175,7 @@ impl MotionServices {
     }
 }
 
-impl MotionDesk {
+impl MotionWorker {
     /// Processes requests until all senders are gone.
     pub fn work(mut self) {
         while let Ok(request) = self.requests.recv_blocking() {
@@ -184,7 +185,7 @@ impl MotionDesk {
                 continue;
             }
             if let Request::Goal(goal) = &request
-                && self.answers.send_blocking(Answer::Begun(Begun::of(goal))).is_err()
+                && self.answers.send_blocking(Answer::StartedGoal(StartedGoal::of(goal))).is_err()
             {
                 return;
             }
@@ -208,17 +209,17 @@ impl MotionDesk {
     }
 
     /// Processes an untrusted request. A panic in it must not end the node.
-    fn guarded(&mut self, answer: impl FnOnce(&mut Option<Workspace>) -> Answered) -> Answered {
+    fn guarded(&mut self, answer: impl FnOnce(&mut Option<Workspace>) -> MotionResponse) -> MotionResponse {
         catch_unwind(AssertUnwindSafe(|| answer(&mut self.workspace))).unwrap_or_else(|_| {
             log::error!("a motion could not be checked: the program failed inside");
             self.workspace = None;
-            Answered::from(&Refusal::Internal)
+            MotionResponse::from(&Rejection::Internal)
         })
     }
 }
 
 impl Request {
-    fn answered(self, answered: Answered) -> Answer {
+    fn answered(self, answered: MotionResponse) -> Answer {
         match self {
             Self::Motion(id, _) => Answer::Motion(id, Box::new(answered)),
             Self::Trajectory(id, _) => Answer::Trajectory(id, Box::new(answered)),

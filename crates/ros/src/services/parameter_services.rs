@@ -171,7 +171,7 @@ where
 {
     loop {
         let (id, request) = server.next().await;
-        server.answer(id, respond(request)).await;
+        server.respond(id, respond(request)).await;
     }
 }
 

@@ -8,7 +8,7 @@ pub const LONGEST_MESSAGE: usize = 480;
 
 /// Reason why a request was rejected.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Refusal {
+pub enum Rejection {
     #[error("{0}")]
     NoModel(String),
     #[error("there is no joint state to start from: {0}")]
@@ -24,7 +24,7 @@ pub enum Refusal {
     Internal,
 }
 
-impl Refusal {
+impl Rejection {
     /// Code of the reason, for programs. The codes never change.
     #[must_use]
     pub fn code(&self) -> &'static str {
@@ -56,8 +56,8 @@ impl Refusal {
     }
 }
 
-pub fn bad(what: impl Into<String>) -> Refusal {
-    Refusal::BadRequest(what.into())
+pub fn bad(what: impl Into<String>) -> Rejection {
+    Rejection::BadRequest(what.into())
 }
 
 /// Truncates a text to at most [`LONGEST_MESSAGE`] bytes.

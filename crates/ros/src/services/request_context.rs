@@ -9,7 +9,7 @@ use clearance_robot::quoted_list;
 use clearance_robot::{Configuration, NamedJoints, RobotModel};
 
 use crate::monitor_events::current_evaluation::CurrentEvaluation;
-use crate::services::rejection::{Refusal, bad};
+use crate::services::rejection::{Rejection, bad};
 
 /// Context of a request: the robot, its world, and its current configuration.
 pub struct RequestContext<'a> {
@@ -27,20 +27,20 @@ pub fn known(current: &CurrentEvaluation, now: Now) -> Option<Evaluation> {
 }
 
 impl<'a> RequestContext<'a> {
-    pub fn of(evaluation: Option<&'a Evaluation>) -> Result<Self, Refusal> {
+    pub fn of(evaluation: Option<&'a Evaluation>) -> Result<Self, Rejection> {
         let reason = evaluation.and_then(|evaluation| evaluation.status.reason());
         let why = reason.unwrap_or(&Reason::NoModel { fault: None });
         let revision = evaluation.and_then(|evaluation| evaluation.revision.as_ref());
         // while another robot is being built, no robot is valid, even if checking is disabled
         if evaluation.is_some_and(|evaluation| evaluation.is_swapping) {
-            return Err(Refusal::NoModel(Reason::ModelSwap.to_string()));
+            return Err(Rejection::NoModel(Reason::ModelSwap.to_string()));
         }
-        let revision = revision.ok_or_else(|| Refusal::NoModel(why.to_string()))?;
+        let revision = revision.ok_or_else(|| Rejection::NoModel(why.to_string()))?;
         if !revision.has_geometry() {
-            return Err(Refusal::NoModel(Reason::NoGeometry.to_string()));
+            return Err(Rejection::NoModel(Reason::NoGeometry.to_string()));
         }
         if let Some(stale) = evaluation.and_then(|evaluation| evaluation.stale_world.as_ref()) {
-            return Err(Refusal::of_world(stale));
+            return Err(Rejection::of_world(stale));
         }
         let placement = evaluation.and_then(|evaluation| evaluation.placement.as_ref());
         let now = placement.map(|checked_state| &checked_state.configuration).ok_or_else(|| why.to_string());
@@ -53,7 +53,7 @@ impl<'a> RequestContext<'a> {
     }
 
     /// Finds the joints that a request names.
-    pub fn named(&self, field: &str, names: &[String]) -> Result<NamedJoints<'a>, Refusal> {
+    pub fn named(&self, field: &str, names: &[String]) -> Result<NamedJoints<'a>, Rejection> {
         let named = self.robot().named_joints(names.iter().map(String::as_str));
         named.map_err(|error| bad(format!("{field}: {error}")))
     }
@@ -62,7 +62,7 @@ impl<'a> RequestContext<'a> {
     ///
     /// # Errors
     /// Fails if a joint is not named and the joint states contradict each other.
-    pub fn rest(&self, named: &NamedJoints) -> Result<(Configuration, Option<String>), Refusal> {
+    pub fn rest(&self, named: &NamedJoints) -> Result<(Configuration, Option<String>), Rejection> {
         let robot = self.robot();
         let why = match &self.now {
             Ok(now) => return Ok(((*now).clone(), None)),
@@ -70,7 +70,7 @@ impl<'a> RequestContext<'a> {
         };
         let others = undecided(robot, named);
         if self.is_contradicted && !others.is_empty() {
-            return Err(Refusal::NoJointState(why.clone()));
+            return Err(Rejection::NoJointState(why.clone()));
         }
         let note = (!others.is_empty()).then(|| {
             format!("{} stand at their defaults, for there is no joint state: {why}", quoted_list(&others))
@@ -92,7 +92,7 @@ pub fn revisions(evaluation: Option<&Evaluation>) -> (u64, u64) {
 }
 
 /// Rejects a list that does not have one number for each joint.
-pub fn of_equal_length(what: &str, numbers: &[f64], joints: &[String]) -> Result<(), Refusal> {
+pub fn of_equal_length(what: &str, numbers: &[f64], joints: &[String]) -> Result<(), Rejection> {
     if numbers.len() == joints.len() {
         return Ok(());
     }
@@ -100,7 +100,7 @@ pub fn of_equal_length(what: &str, numbers: &[f64], joints: &[String]) -> Result
 }
 
 /// Rejects a number with the given unit that is negative or not finite.
-pub fn not_negative(name: &str, unit: &str, value: f64) -> Result<(), Refusal> {
+pub fn not_negative(name: &str, unit: &str, value: f64) -> Result<(), Rejection> {
     if value.is_finite() && value >= 0.0 {
         return Ok(());
     }
@@ -109,7 +109,11 @@ pub fn not_negative(name: &str, unit: &str, value: f64) -> Result<(), Refusal> {
 
 /// Deadline of a timeout (s) that started at `started`. A timeout of 0 selects `usual`; one beyond the range of the clock gives no
 /// deadline.
-pub fn deadline(timeout: f64, usual: Option<Duration>, started: Instant) -> Result<Option<Instant>, Refusal> {
+pub fn deadline(
+    timeout: f64,
+    usual: Option<Duration>,
+    started: Instant,
+) -> Result<Option<Instant>, Rejection> {
     not_negative("timeout", "s", timeout)?;
     // a tiny timeout becomes zero and ends at once
     let timeout = if timeout > 0.0 { Duration::try_from_secs_f64(timeout).ok() } else { usual };

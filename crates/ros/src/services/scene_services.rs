@@ -24,15 +24,15 @@ use crate::dds::type_name::TypeName;
 use crate::log_rate_limiter::LogRateLimiter;
 use crate::monitor_events::current_evaluation::CurrentEvaluation;
 use crate::names::Names;
-use crate::recording::step::{OrderStep, SceneDoor};
-use crate::scene::active_scene::{CurrentScene, SceneInForce};
+use crate::recording::step::{RecordedCommand, SceneSource};
+use crate::scene::active_scene::{ActiveScene, CurrentScene};
 use crate::scene::command_conversion::clear_octomap;
 use crate::scene::scene_command_sender::SceneCommandSender;
 use crate::scene::scene_message_writer::{SceneMessages, scene_message};
-use crate::scene::shared_state::Shared;
+use crate::scene::shared_state::SharedState;
 use crate::services::rejection::shortened;
 use crate::services::request_context::known;
-use crate::services::state_validity::{Situation, constraints_given, state_validity};
+use crate::services::state_validity::{ValidityContext, constraints_given, state_validity};
 
 /// Largest number of state queries in the queue. Further queries are answered at once as not valid.
 const WAITING: usize = 64;
@@ -63,12 +63,12 @@ pub struct SceneServices {
 }
 
 /// State checks, on their own thread.
-pub struct ValidityDesk {
+pub struct ValidityWorker {
     questions: Receiver<(RequestId, GetStateValidityRequest)>,
     answers: Sender<(RequestId, GetStateValidityResponse)>,
     scene: CurrentScene,
     evaluation: CurrentEvaluation,
-    shared: Shared,
+    shared: SharedState,
 }
 
 impl SceneServices {
@@ -77,8 +77,8 @@ impl SceneServices {
         middleware: &Middleware,
         names: &Names,
         evaluation: CurrentEvaluation,
-        shared: Shared,
-    ) -> Result<(Self, ValidityDesk), MiddlewareError> {
+        shared: SharedState,
+    ) -> Result<(Self, ValidityWorker), MiddlewareError> {
         let scene = Arc::clone(&shared.scene);
         let (questions, questions_in) = channel::bounded(WAITING);
         let (answers, answers_in) = channel::unbounded();
@@ -97,7 +97,7 @@ impl SceneServices {
             busy: DecodeErrorLog::default(),
             empty: DecodeErrorLog::default(),
         };
-        Ok((services, ValidityDesk { questions: questions_in, answers, scene, evaluation, shared }))
+        Ok((services, ValidityWorker { questions: questions_in, answers, scene, evaluation, shared }))
     }
 
     /// Serves requests. Never returns.
@@ -111,7 +111,7 @@ impl SceneServices {
                 let on_its_way = scenes_on_their_way.acquire_arc().await;
                 let response = GetPlanningSceneResponse { scene: self.told(request.components.components) };
                 let answer = async move {
-                    self.get.answer(id, response).await;
+                    self.get.respond(id, response).await;
                     drop(on_its_way);
                 };
                 answering.spawn(answer).detach();
@@ -121,10 +121,10 @@ impl SceneServices {
             loop {
                 let (id, request) = self.apply.next().await;
                 sender.note_update(Instant::now());
-                let order = sender.scene(SceneDoor::ApplyPlanningScene, request.scene);
+                let command = sender.scene(SceneSource::ApplyPlanningScene, request.scene);
                 let answer = async move {
-                    let success = sender.apply(order).await;
-                    self.apply.answer(id, ApplyPlanningSceneResponse { success }).await;
+                    let success = sender.apply(command).await;
+                    self.apply.respond(id, ApplyPlanningSceneResponse { success }).await;
                 };
                 answering.spawn(answer).detach();
             }
@@ -134,8 +134,10 @@ impl SceneServices {
                 let (id, _) = self.clear.next().await;
                 sender.note_update(Instant::now());
                 let answer = async move {
-                    sender.apply(clear_octomap().made_of(Some((OrderStep::ClearOctomap, None)))).await;
-                    self.clear.answer(id, Empty::default()).await;
+                    sender
+                        .apply(clear_octomap().with_original(Some((RecordedCommand::ClearOctomap, None))))
+                        .await;
+                    self.clear.respond(id, Empty::default()).await;
                 };
                 answering.spawn(answer).detach();
             }
@@ -148,13 +150,13 @@ impl SceneServices {
                         format!("check_state_validity: not valid: {WAITING} requests are waiting already: ask again later")
                     });
                     let (id, _) = refused.into_inner();
-                    answering.spawn(self.validity.answer(id, GetStateValidityResponse::default())).detach();
+                    answering.spawn(self.validity.respond(id, GetStateValidityResponse::default())).detach();
                 }
             }
         };
         let answers = async {
             while let Ok((id, response)) = self.answers.recv().await {
-                answering.spawn(self.validity.answer(id, response)).detach();
+                answering.spawn(self.validity.respond(id, response)).detach();
             }
         };
         let scenes = future::zip(future::zip(get, apply), clear);
@@ -172,7 +174,7 @@ impl SceneServices {
             let same = evaluation.revision?.model == scene.revision.model;
             evaluation.placement.filter(|_| same)
         });
-        let SceneInForce { revision, scene: state, octomap, parameters, .. } = scene.as_ref();
+        let ActiveScene { revision, scene: state, octomap, parameters, .. } = scene.as_ref();
         let told = SceneMessages {
             robot: revision.checker.robot(),
             scene: state,
@@ -184,7 +186,7 @@ impl SceneServices {
     }
 }
 
-impl ValidityDesk {
+impl ValidityWorker {
     /// Checks queued states until the queue is closed.
     pub fn work(self) {
         let mut flood = LogRateLimiter::default();
@@ -223,7 +225,7 @@ impl ValidityDesk {
         let transforms = self.shared.transforms.lock().unwrap_or_else(PoisonError::into_inner).clone();
         state_validity(
             request,
-            &Situation { scene: &scene, evaluation: evaluation.as_ref(), transforms: &transforms, now },
+            &ValidityContext { scene: &scene, evaluation: evaluation.as_ref(), transforms: &transforms, now },
         )
     }
 }

@@ -15,7 +15,7 @@ use crate::messages::clearance_srvs::{
     CheckStatesRequest, CheckStatesResponse, GetDistancesRequest, GetDistancesResponse,
 };
 use crate::messages::collision_state::{body_type, distance_message};
-use crate::services::rejection::{Refusal, bad, shortened};
+use crate::services::rejection::{Rejection, bad, shortened};
 use crate::services::request_context::{RequestContext, deadline, not_negative, of_equal_length, revisions};
 
 /// Maximum number of states per request: with distances they take about a second, while other requests wait.
@@ -109,7 +109,7 @@ pub fn answer_distances(
 
 /// Response to a batch that was not checked.
 #[must_use]
-pub fn refused_states(refusal: &Refusal) -> CheckStatesResponse {
+pub fn refused_states(refusal: &Rejection) -> CheckStatesResponse {
     CheckStatesResponse {
         verdict: CheckStatesResponse::ERROR,
         message: refusal.message(),
@@ -120,7 +120,7 @@ pub fn refused_states(refusal: &Refusal) -> CheckStatesResponse {
 
 /// Response for a state that was not checked.
 #[must_use]
-pub fn refused_distances(refusal: &Refusal) -> GetDistancesResponse {
+pub fn refused_distances(refusal: &Rejection) -> GetDistancesResponse {
     GetDistancesResponse {
         message: refusal.message(),
         reason_code: refusal.code().to_owned(),
@@ -129,14 +129,17 @@ pub fn refused_distances(refusal: &Refusal) -> GetDistancesResponse {
 }
 
 /// Maximum distance (m) to search; 0 stands for no limit.
-fn limit(name: &str, distance: f64) -> Result<f64, Refusal> {
+fn limit(name: &str, distance: f64) -> Result<f64, Rejection> {
     not_negative(name, "m", distance)?;
     Ok(if distance > 0.0 { distance } else { f64::INFINITY })
 }
 
 impl RequestContext<'_> {
     /// The states of a batch, and a note for the client.
-    fn states(&self, request: &CheckStatesRequest) -> Result<(Vec<Configuration>, Option<String>), Refusal> {
+    fn states(
+        &self,
+        request: &CheckStatesRequest,
+    ) -> Result<(Vec<Configuration>, Option<String>), Rejection> {
         let CheckStatesRequest { joint_names, positions, .. } = request;
         if joint_names.is_empty() {
             return Err(bad("joint_names is empty"));
@@ -164,11 +167,11 @@ impl RequestContext<'_> {
     }
 
     /// The state of a request, and a note for the client.
-    fn state(&self, request: &GetDistancesRequest) -> Result<(Configuration, Option<String>), Refusal> {
+    fn state(&self, request: &GetDistancesRequest) -> Result<(Configuration, Option<String>), Rejection> {
         let GetDistancesRequest { joint_names, positions, .. } = request;
         of_equal_length("positions", positions, joint_names)?;
         match &self.now {
-            Err(why) if joint_names.is_empty() => Err(Refusal::NoJointState(why.clone())),
+            Err(why) if joint_names.is_empty() => Err(Rejection::NoJointState(why.clone())),
             _ => {
                 let named = self.named("joint_names", joint_names)?;
                 let (rest, note) = self.rest(&named)?;
@@ -179,7 +182,7 @@ impl RequestContext<'_> {
     }
 
     /// The names of the bodies whose pairs are requested.
-    fn wanted<'n>(&self, names: &'n [String]) -> Result<HashSet<&'n str>, Refusal> {
+    fn wanted<'n>(&self, names: &'n [String]) -> Result<HashSet<&'n str>, Rejection> {
         let (robot, world) = (self.robot(), self.checker.world());
         let known = |name: &str| {
             robot.link_by_name(name).is_some()

@@ -20,7 +20,7 @@ use crate::messages::clearance_srvs::{
 };
 use crate::monitor_events::current_evaluation::CurrentEvaluation;
 use crate::names::Names;
-use crate::services::rejection::Refusal;
+use crate::services::rejection::Rejection;
 use crate::services::request_context::known;
 use crate::services::state_requests::{answer_distances, answer_states, refused_distances, refused_states};
 
@@ -47,7 +47,7 @@ pub struct StateServices {
 }
 
 /// Side that runs the checks. It owns no network resources: the node ends without waiting for it.
-pub struct StateDesk {
+pub struct StateWorker {
     requests: Receiver<Request>,
     answers: Sender<Answer>,
     current: CurrentEvaluation,
@@ -62,7 +62,7 @@ impl StateServices {
         names: &Names,
         current: CurrentEvaluation,
         clock: Arc<RosClock>,
-    ) -> Result<(Self, StateDesk), MiddlewareError> {
+    ) -> Result<(Self, StateWorker), MiddlewareError> {
         let (requests, requests_in) = channel::bounded(WAITING);
         // at most one item for each queued request
         let (answers, answers_in) = channel::unbounded();
@@ -76,7 +76,7 @@ impl StateServices {
             requests,
             answers: answers_in,
         };
-        Ok((services, StateDesk { requests: requests_in, answers, current, clock, workspace: None }))
+        Ok((services, StateWorker { requests: requests_in, answers, current, clock, workspace: None }))
     }
 
     /// Handles requests without end.
@@ -106,22 +106,22 @@ impl StateServices {
     fn enqueue<'a>(&'a self, request: Request, sending: &LocalExecutor<'a>) {
         // when the desk has ended, the service reports that it is busy
         if let Err(refused) = self.requests.try_send(request) {
-            self.send(refused.into_inner().refused(&Refusal::Busy(WAITING)), sending);
+            self.send(refused.into_inner().refused(&Rejection::Busy(WAITING)), sending);
         }
     }
 
     fn send<'a>(&'a self, answer: Answer, sending: &LocalExecutor<'a>) {
         let send = async move {
             match answer {
-                Answer::States(id, response) => self.states.answer(id, response).await,
-                Answer::Distances(id, response) => self.distances.answer(id, response).await,
+                Answer::States(id, response) => self.states.respond(id, response).await,
+                Answer::Distances(id, response) => self.distances.respond(id, response).await,
             }
         };
         sending.spawn(send).detach();
     }
 }
 
-impl StateDesk {
+impl StateWorker {
     /// Processes requests until all senders are gone.
     pub fn work(mut self) {
         while let Ok(request) = self.requests.recv_blocking() {
@@ -137,11 +137,11 @@ impl StateDesk {
         match request {
             Request::States(id, request) => {
                 let response = self.guarded(|workspace| answer_states(&request, evaluation, workspace));
-                Answer::States(id, response.unwrap_or_else(|| refused_states(&Refusal::Internal)))
+                Answer::States(id, response.unwrap_or_else(|| refused_states(&Rejection::Internal)))
             }
             Request::Distances(id, request) => {
                 let response = self.guarded(|workspace| answer_distances(&request, evaluation, workspace));
-                Answer::Distances(id, response.unwrap_or_else(|| refused_distances(&Refusal::Internal)))
+                Answer::Distances(id, response.unwrap_or_else(|| refused_distances(&Rejection::Internal)))
             }
         }
     }
@@ -158,7 +158,7 @@ impl StateDesk {
 }
 
 impl Request {
-    fn refused(self, refusal: &Refusal) -> Answer {
+    fn refused(self, refusal: &Rejection) -> Answer {
         match self {
             Self::States(id, _) => Answer::States(id, refused_states(refusal)),
             Self::Distances(id, _) => Answer::Distances(id, refused_distances(refusal)),

@@ -19,7 +19,7 @@ use std::collections::HashSet;
 use std::sync::Arc;
 
 use crate::messages::time_and_geometry::{point_message, stamp_message};
-use crate::scene::active_scene::SceneInForce;
+use crate::scene::active_scene::ActiveScene;
 use crate::scene::scene_checker::checker_of;
 use crate::scene::scene_message_reader::robot_state_change;
 use crate::scene::transform_messages::transform_pose;
@@ -29,8 +29,8 @@ use crate::services::request_context::undecided;
 const CONTACTS_TOLD: usize = 200;
 
 /// Scene and evaluation that a query is evaluated against.
-pub struct Situation<'s> {
-    pub scene: &'s SceneInForce,
+pub struct ValidityContext<'s> {
+    pub scene: &'s ActiveScene,
     pub evaluation: Option<&'s Evaluation>,
     pub transforms: &'s TransformTree,
     pub now: Now,
@@ -39,9 +39,9 @@ pub struct Situation<'s> {
 /// Evaluates a query, or returns why the state cannot be evaluated.
 pub fn state_validity(
     request: &GetStateValidityRequest,
-    situation: &Situation,
+    situation: &ValidityContext,
 ) -> Result<GetStateValidityResponse, String> {
-    let SceneInForce { revision, scene, .. } = situation.scene;
+    let ActiveScene { revision, scene, .. } = situation.scene;
     let robot = revision.checker.robot();
     if let Some(reason) = unknown_world(situation) {
         return Err(reason.to_string());
@@ -55,7 +55,7 @@ pub fn state_validity(
     let checker = match &changed {
         None => &revision.checker,
         Some(changed) => {
-            let SceneInForce { mesh_model, parameters, .. } = situation.scene;
+            let ActiveScene { mesh_model, parameters, .. } = situation.scene;
             built = checker_of(robot, changed, *mesh_model, parameters, Some(&revision.checker))?;
             &built
         }
@@ -78,8 +78,8 @@ pub fn state_validity(
 }
 
 /// Why the world around the robot is unknown, or which robot it is.
-fn unknown_world(situation: &Situation) -> Option<Reason> {
-    let Situation { scene, evaluation, now, .. } = situation;
+fn unknown_world(situation: &ValidityContext) -> Option<Reason> {
+    let ValidityContext { scene, evaluation, now, .. } = situation;
     if evaluation.is_some_and(|evaluation| evaluation.is_swapping) {
         return Some(Reason::ModelSwap);
     }
@@ -162,7 +162,7 @@ fn carrier(checker: &CollisionChecker, id: AttachedId) -> Option<LinkId> {
 fn configuration(
     robot: &Arc<RobotModel>,
     state: &RobotState,
-    situation: &Situation,
+    situation: &ValidityContext,
 ) -> Result<Configuration, String> {
     let given = &state.joint_state;
     if given.name.len() != given.position.len() {
@@ -195,7 +195,7 @@ fn configuration(
 }
 
 /// Current configuration of the robot, if it is known.
-fn placement<'s>(situation: &Situation<'s>) -> Option<&'s CheckedState> {
+fn placement<'s>(situation: &ValidityContext<'s>) -> Option<&'s CheckedState> {
     let evaluation = situation.evaluation?;
     let same = evaluation.revision.as_ref()?.model == situation.scene.revision.model;
     evaluation.placement.as_deref().filter(|_| same)
@@ -237,14 +237,14 @@ fn with_request(
     state: &RobotState,
     scene: &Scene,
     poses: &LinkPoses,
-    situation: &Situation,
+    situation: &ValidityContext,
 ) -> Result<Option<Scene>, String> {
     let named = |refusal: &SceneRejection| format!("robot_state.attached_collision_objects: {refusal}");
     let mut read = robot_state_change(state);
-    if let Some(refusal) = read.refusals.first() {
+    if let Some(refusal) = read.rejections.first() {
         return Err(named(refusal));
     }
-    let SceneInForce { revision, parameters, .. } = situation.scene;
+    let ActiveScene { revision, parameters, .. } = situation.scene;
     let robot = revision.checker.robot();
     let (transforms, now) = (situation.transforms, situation.now.ros);
     let context_at = |poses| SceneContext::new(robot, poses, transforms, now, parameters.transform_ttl);

@@ -9,7 +9,7 @@ use smol::{LocalExecutor, Timer};
 
 use crate::clock::RosClock;
 use crate::dds::Stamp;
-use crate::dds::action_server::{ActionServer, GoalId, GoalInfo, Standing};
+use crate::dds::action_server::{ActionServer, GoalId, GoalInfo, GoalStatusCode};
 use crate::dds::middleware::Middleware;
 use crate::dds::middleware_error::MiddlewareError;
 use crate::dds::server::RequestId;
@@ -18,7 +18,7 @@ use crate::messages::clearance_srvs::{
     CheckTrajectoryFeedback, CheckTrajectoryRequest, CheckTrajectoryResponse, MotionFindings,
 };
 use crate::names::Names;
-use crate::services::action_goals::{Canceled, Goals, ResultRequest};
+use crate::services::action_goals::{CancelResult, Goals, ResultRequest};
 
 /// Period of the feedback.
 const PERIOD: Duration = Duration::from_millis(50);
@@ -31,7 +31,7 @@ pub struct Goal {
 }
 
 /// Data for the feedback of a goal that is being checked.
-pub struct Begun {
+pub struct StartedGoal {
     pub id: GoalId,
     pub watch: Watch,
     /// Time (s) at the end of each segment; empty if the trajectory has no times.
@@ -67,7 +67,7 @@ impl TrajectoryAction {
             loop {
                 let (ticket, id, request) = self.server.next_goal().await;
                 let (accepted, stamp) = self.accept(id, request, &enqueue);
-                sending.spawn(self.server.answer_goal(ticket, accepted, stamp)).detach();
+                sending.spawn(self.server.respond_to_goal(ticket, accepted, stamp)).detach();
             }
         };
         let cancellations = async {
@@ -85,10 +85,10 @@ impl TrajectoryAction {
                     ResultRequest::Ended(ticket, status, result) => (ticket, status, result),
                     ResultRequest::Later => continue,
                     ResultRequest::Unknown(ticket) => {
-                        (ticket, Standing::Unknown, CheckTrajectoryResponse::default())
+                        (ticket, GoalStatusCode::Unknown, CheckTrajectoryResponse::default())
                     }
                 };
-                sending.spawn(self.server.answer_result(ticket, status, result)).detach();
+                sending.spawn(self.server.respond_to_result(ticket, status, result)).detach();
             }
         };
         future::zip(future::zip(goals, cancellations), results).await;
@@ -118,8 +118,8 @@ impl TrajectoryAction {
     }
 
     fn cancel<'a>(&'a self, ticket: RequestId, wanted: &GoalInfo, sending: &LocalExecutor<'a>) {
-        let Canceled { code, canceling, not_begun } = self.goals().cancel(wanted);
-        sending.spawn(self.server.answer_cancellation(ticket, code, canceling)).detach();
+        let CancelResult { code, canceling, not_begun } = self.goals().cancel(wanted);
+        sending.spawn(self.server.respond_to_cancellation(ticket, code, canceling)).detach();
         self.tell_standings();
         for id in not_begun {
             self.end(id, &canceled(), sending);
@@ -127,7 +127,7 @@ impl TrajectoryAction {
     }
 
     /// Publishes feedback about a check periodically, until it ends.
-    pub fn follow<'a>(&'a self, begun: Begun, sending: &LocalExecutor<'a>) {
+    pub fn follow<'a>(&'a self, begun: StartedGoal, sending: &LocalExecutor<'a>) {
         self.goals().begin(begun.id);
         self.tell_standings();
         let follow = async move {
@@ -135,7 +135,7 @@ impl TrajectoryAction {
             while self.goals().is_open(begun.id) {
                 let free = begun.watch.segments_free();
                 if told.replace(free) != Some(free) {
-                    self.server.tell_progress(begun.id, begun.feedback(free));
+                    self.server.publish_feedback(begun.id, begun.feedback(free));
                 }
                 Timer::after(PERIOD).await;
             }
@@ -147,24 +147,24 @@ impl TrajectoryAction {
     pub fn end<'a>(&'a self, id: GoalId, response: &CheckTrajectoryResponse, sending: &LocalExecutor<'a>) {
         let motion = &response.motion;
         let status = if motion.verdict == MotionFindings::ERROR {
-            Standing::Aborted
+            GoalStatusCode::Aborted
         } else if motion.reason_code == UndecidedReason::Canceled.code() {
-            Standing::Canceled
+            GoalStatusCode::Canceled
         } else {
-            Standing::Succeeded
+            GoalStatusCode::Succeeded
         };
         let waiting = self.goals().end(id, status, response.clone(), self.clock.steady());
         // a goal that was canceled before it started has ended already
         let Some(waiting) = waiting else { return };
         self.tell_standings();
         for ticket in waiting {
-            sending.spawn(self.server.answer_result(ticket, status, response.clone())).detach();
+            sending.spawn(self.server.respond_to_result(ticket, status, response.clone())).detach();
         }
     }
 
     fn tell_standings(&self) {
         let standings = self.goals().standings();
-        self.server.tell_standings(standings);
+        self.server.publish_statuses(standings);
     }
 }
 
@@ -181,7 +181,7 @@ fn canceled() -> CheckTrajectoryResponse {
     CheckTrajectoryResponse::unchecked(motion)
 }
 
-impl Begun {
+impl StartedGoal {
     pub fn of(goal: &Goal) -> Self {
         let points = &goal.request.trajectory.points;
         let seconds = |(sec, nanosec): (i32, u32)| f64::from(sec) + 1e-9 * f64::from(nanosec);
@@ -210,7 +210,7 @@ mod tests {
 
     use super::*;
 
-    fn begun(seconds: &[i32]) -> Begun {
+    fn begun(seconds: &[i32]) -> StartedGoal {
         let mut request = CheckTrajectoryRequest::default();
         request.trajectory.points = (seconds.iter())
             .map(|&sec| JointTrajectoryPoint {
@@ -218,7 +218,7 @@ mod tests {
                 ..JointTrajectoryPoint::default()
             })
             .collect();
-        Begun::of(&Goal { id: GoalId::ZERO, request, watch: Watch::default() })
+        StartedGoal::of(&Goal { id: GoalId::ZERO, request, watch: Watch::default() })
     }
 
     #[test]

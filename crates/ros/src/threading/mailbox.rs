@@ -36,10 +36,10 @@ fn lock<T>(shared: &Shared<T>) -> MutexGuard<'_, State<T>> {
 
 /// Error of an item that was not queued.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Refused {
+pub enum SendError {
     Full,
     /// The receiver was dropped.
-    Unread,
+    Closed,
 }
 
 /// Sending end of a queue.
@@ -47,13 +47,13 @@ pub struct Sender<T>(Shared<T>);
 
 impl<T> Sender<T> {
     /// Queues an item. Never waits for free space.
-    pub fn send(&self, item: T) -> Result<(), Refused> {
+    pub fn send(&self, item: T) -> Result<(), SendError> {
         let mut state = lock(&self.0);
         if !state.is_read {
-            return Err(Refused::Unread);
+            return Err(SendError::Closed);
         }
         if state.waiting.len() >= state.capacity {
-            return Err(Refused::Full);
+            return Err(SendError::Full);
         }
         state.waiting.push_back(item);
         let reader = state.reader.take();
@@ -160,7 +160,7 @@ mod tests {
     #[test]
     fn a_full_queue_takes_nothing_and_nobody_waits() {
         let (sender, receiver) = bounded(1);
-        assert_eq!((sender.send(1), sender.send(2)), (Ok(()), Err(Refused::Full)));
+        assert_eq!((sender.send(1), sender.send(2)), (Ok(()), Err(SendError::Full)));
         assert_eq!(block_on(receiver.receive()), Some(1));
         assert_eq!(block_on(or(receiver.receive(), ready(None))), None);
         assert_eq!(sender.send(3), Ok(()));
@@ -173,6 +173,6 @@ mod tests {
         sender.send(Arc::clone(&answer)).unwrap();
         drop(receiver);
         assert_eq!(Arc::strong_count(&answer), 1);
-        assert_eq!(sender.send(answer), Err(Refused::Unread));
+        assert_eq!(sender.send(answer), Err(SendError::Closed));
     }
 }

@@ -47,13 +47,13 @@ impl ThreadPriority {
 
     /// Sets this priority for the calling thread.
     pub(crate) fn apply(self) -> Result<(), String> {
-        if self == Self::Realtime { system::prefer() } else { Ok(()) }
+        if self == Self::Realtime { system::raise() } else { Ok(()) }
     }
 
     /// Sets this priority for the calling thread until the returned guard is dropped. This takes some microseconds, and nothing if the
     /// thread already has the priority.
     pub(crate) fn lend(self) -> Lent {
-        if self == Self::Normal || system::is_preferred() {
+        if self == Self::Normal || system::is_raised() {
             return Lent { is_borrowed: false, of_thread: PhantomData };
         }
         let borrowed = self.apply().inspect_err(|why| log::warn!("there is no priority to lend: {why}"));
@@ -72,7 +72,7 @@ pub(crate) struct Lent {
 impl Drop for Lent {
     fn drop(&mut self) {
         if self.is_borrowed
-            && let Err(why) = system::be_as_any_other()
+            && let Err(why) = system::reset()
         {
             log::error!("a thread keeps realtime priority: {why}");
         }
@@ -89,25 +89,25 @@ mod system {
     /// Lower than the kernel's interrupt threads, which have 50. Nav2 uses the same value.
     const PRIORITY: i32 = 49;
 
-    pub fn prefer() -> Result<(), String> {
+    pub fn raise() -> Result<(), String> {
         let fifo = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
         let priority = ThreadPriority::from_posix(ScheduleParams { sched_priority: PRIORITY });
-        set_thread_priority_and_policy(thread_native_id(), priority, fifo).map_err(in_words)
+        set_thread_priority_and_policy(thread_native_id(), priority, fifo).map_err(message)
     }
 
-    pub fn is_preferred() -> bool {
+    pub fn is_raised() -> bool {
         matches!(thread_schedule_policy(), Ok(ThreadSchedulePolicy::Realtime(_)))
     }
 
-    pub fn be_as_any_other() -> Result<(), String> {
+    pub fn reset() -> Result<(), String> {
         let other = ThreadSchedulePolicy::Normal(NormalThreadSchedulePolicy::Other);
         let not_nice = ThreadPriority::Os(thread_priority::ThreadPriorityOsValue::default());
         let changed = set_thread_priority_and_policy(thread_native_id(), not_nice, other);
         // the thread may not be permitted to lower its nice value again
-        if is_preferred() { changed.map_err(in_words) } else { Ok(()) }
+        if is_raised() { changed.map_err(message) } else { Ok(()) }
     }
 
-    fn in_words(error: Error) -> String {
+    fn message(error: Error) -> String {
         match error {
             Error::OS(code) => std::io::Error::from_raw_os_error(code).to_string(),
             other => format!("{other:?}"),
@@ -117,15 +117,15 @@ mod system {
 
 #[cfg(not(unix))]
 mod system {
-    pub fn prefer() -> Result<(), String> {
+    pub fn raise() -> Result<(), String> {
         Err("there is no SCHED_FIFO here".to_owned())
     }
 
-    pub fn is_preferred() -> bool {
+    pub fn is_raised() -> bool {
         false
     }
 
-    pub fn be_as_any_other() -> Result<(), String> {
+    pub fn reset() -> Result<(), String> {
         Ok(())
     }
 }
@@ -139,7 +139,7 @@ mod tests {
         let lent_and_back = || {
             {
                 let _normal = ThreadPriority::Normal.lend();
-                assert!(!system::is_preferred());
+                assert!(!system::is_raised());
             }
             let is_allowed = ThreadPriority::allowed(true).is_ok();
             {
@@ -147,9 +147,9 @@ mod tests {
                 {
                     let _inner = ThreadPriority::Realtime.lend();
                 }
-                assert_eq!(system::is_preferred(), is_allowed);
+                assert_eq!(system::is_raised(), is_allowed);
             }
-            assert!(!system::is_preferred());
+            assert!(!system::is_raised());
         };
         thread::spawn(lent_and_back).join().unwrap();
     }

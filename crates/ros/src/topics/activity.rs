@@ -7,11 +7,11 @@ use hdrhistogram::Histogram;
 
 /// Counters over one period.
 #[derive(Clone, Debug, Default)]
-pub struct Stretch {
+pub struct Counters {
     /// Joint states that were evaluated one by one.
-    pub judged: u64,
+    pub evaluated: u64,
     /// Joint states that a newer one replaced before they were evaluated.
-    pub passed_over: u64,
+    pub skipped: u64,
     /// Joint states that were published, by the sequence numbers of their publishers, but not received.
     pub lost: u64,
     /// Messages that were not sent because the window of a subscriber was full.
@@ -22,15 +22,15 @@ pub struct Stretch {
     pub latencies: Latencies,
 }
 
-impl Stretch {
+impl Counters {
     /// Number of joint states received.
     #[must_use]
-    pub fn heard(&self) -> u64 {
-        self.judged + self.passed_over
+    pub fn received(&self) -> u64 {
+        self.evaluated + self.skipped
     }
 
-    fn note_judged(&mut self, evaluation: &Evaluation, latency: Duration) {
-        self.judged += 1;
+    fn note_evaluated(&mut self, evaluation: &Evaluation, latency: Duration) {
+        self.evaluated += 1;
         self.latencies.note(latency);
         if let Some(checked_state) = &evaluation.checked_state {
             self.checks = self.checks.saturating_add(1);
@@ -44,37 +44,37 @@ impl Stretch {
 #[derive(Clone, Debug, Default)]
 pub struct Activity {
     /// Since the last report.
-    pub lately: Stretch,
+    pub recent: Counters,
     /// Since the start.
-    pub ever: Stretch,
+    pub total: Counters,
 }
 
 impl Activity {
     /// Counts one evaluated joint state. `latency` is the time from its reception to the publication of its result.
-    pub fn note_judged(&mut self, evaluation: &Evaluation, latency: Duration) {
-        self.note(|stretch| stretch.note_judged(evaluation, latency));
+    pub fn note_evaluated(&mut self, evaluation: &Evaluation, latency: Duration) {
+        self.note(|counters| counters.note_evaluated(evaluation, latency));
     }
 
-    pub fn note_passed_over(&mut self) {
-        self.note(|stretch| stretch.passed_over += 1);
+    pub fn note_skipped(&mut self) {
+        self.note(|counters| counters.skipped += 1);
     }
 
     pub fn note_lost(&mut self, count: u64) {
-        self.note(|stretch| stretch.lost = stretch.lost.saturating_add(count));
+        self.note(|counters| counters.lost = counters.lost.saturating_add(count));
     }
 
     pub fn note_dropped(&mut self, count: u64) {
-        self.note(|stretch| stretch.dropped += count);
+        self.note(|counters| counters.dropped += count);
     }
 
     /// Starts a new period for the next report.
-    pub fn begin_anew(&mut self) {
-        self.lately = Stretch::default();
+    pub fn start_period(&mut self) {
+        self.recent = Counters::default();
     }
 
-    fn note(&mut self, note: impl Fn(&mut Stretch)) {
-        note(&mut self.lately);
-        note(&mut self.ever);
+    fn note(&mut self, note: impl Fn(&mut Counters)) {
+        note(&mut self.recent);
+        note(&mut self.total);
     }
 }
 
@@ -147,12 +147,15 @@ mod tests {
     #[test]
     fn what_was_reported_is_counted_on_since_the_start_alone() {
         let mut activity = Activity::default();
-        activity.note_passed_over();
+        activity.note_skipped();
         activity.note_lost(u64::MAX);
-        activity.begin_anew();
+        activity.start_period();
         activity.note_lost(3);
         activity.note_dropped(2);
-        assert_eq!((activity.lately.heard(), activity.lately.lost, activity.lately.dropped), (0, 3, 2));
-        assert_eq!((activity.ever.heard(), activity.ever.lost, activity.ever.dropped), (1, u64::MAX, 2));
+        assert_eq!((activity.recent.received(), activity.recent.lost, activity.recent.dropped), (0, 3, 2));
+        assert_eq!(
+            (activity.total.received(), activity.total.lost, activity.total.dropped),
+            (1, u64::MAX, 2)
+        );
     }
 }

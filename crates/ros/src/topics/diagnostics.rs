@@ -97,53 +97,53 @@ fn values(
     model_fault: Option<&str>,
 ) -> Vec<KeyValue> {
     let mut values = Vec::new();
-    let mut tell = |key: &str, value: String| values.push(KeyValue { key: key.to_owned(), value });
-    tell("status", evaluation.status.word().to_owned());
+    let mut add = |key: &str, value: String| values.push(KeyValue { key: key.to_owned(), value });
+    add("status", evaluation.status.word().to_owned());
     if let Some(reason) = evaluation.status.reason() {
-        tell("reason", reason.code().to_owned());
+        add("reason", reason.code().to_owned());
     }
     if let Some(revision) = &evaluation.revision {
-        tell("model", revision.checker.robot().name().to_owned());
-        tell("model revision", revision.model.to_string());
-        tell("world revision", revision.world.to_string());
-        tell("obstacles", revision.checker.world().len().to_string());
-        tell("pairs checked", revision.checker.pairs().len().to_string());
+        add("model", revision.checker.robot().name().to_owned());
+        add("model revision", revision.model.to_string());
+        add("world revision", revision.world.to_string());
+        add("obstacles", revision.checker.world().len().to_string());
+        add("pairs checked", revision.checker.pairs().len().to_string());
         let skipped: usize = revision.checker.pairs().skipped().map(|(_, count)| count).sum();
-        tell("pairs skipped", skipped.to_string());
+        add("pairs skipped", skipped.to_string());
     }
     if let Some(age) = evaluation.age {
-        tell("age of the joint state (s)", format!("{age:.3}"));
+        add("age of the joint state (s)", format!("{age:.3}"));
     }
-    tell("least distance (m)", format!("{:.4}", evaluation.distance()));
+    add("least distance (m)", format!("{:.4}", evaluation.distance()));
     if let Some(checked_state) = &evaluation.checked_state {
-        tell("distances", if checked_state.is_exact { "exact" } else { "lower bounds" }.to_owned());
+        add("distances", if checked_state.is_exact { "exact" } else { "lower bounds" }.to_owned());
     }
-    tell("speed scale", format!("{:.3}", evaluation.speed_scale));
-    let Activity { lately, ever } = activity;
-    #[expect(clippy::cast_precision_loss, reason = "nobody hears 2^52 in a second")]
-    let rate = lately.heard() as f64 / interval.as_secs_f64().greater(1e-3);
-    tell("joint states per second", format!("{rate:.1}"));
-    let mean = lately.compute_time / lately.checks.max(1);
-    tell("mean compute time (ms)", milliseconds(mean));
-    tell("longest compute time (ms)", milliseconds(lately.longest_compute_time));
-    for (stretch, told) in [("", lately), (" since start", ever)] {
+    add("speed scale", format!("{:.3}", evaluation.speed_scale));
+    let Activity { recent, total } = activity;
+    #[expect(clippy::cast_precision_loss, reason = "far fewer than 2^52 arrive in a second")]
+    let rate = recent.received() as f64 / interval.as_secs_f64().greater(1e-3);
+    add("joint states per second", format!("{rate:.1}"));
+    let mean = recent.compute_time / recent.checks.max(1);
+    add("mean compute time (ms)", milliseconds(mean));
+    add("longest compute time (ms)", milliseconds(recent.longest_compute_time));
+    for (counters, told) in [("", recent), (" since start", total)] {
         for (name, value) in latency_values(&told.latencies) {
-            tell(&format!("latency{stretch}: {name} (ms)"), milliseconds(value));
+            add(&format!("latency{counters}: {name} (ms)"), milliseconds(value));
         }
     }
-    tell("seconds of this report", format!("{:.3}", interval.as_secs_f64()));
-    for (stretch, told) in [(" in this report", lately), ("", ever)] {
-        tell(&format!("joint states heard{stretch}"), told.heard().to_string());
-        tell(&format!("joint states judged{stretch}"), told.judged.to_string());
-        tell(&format!("joint states passed over{stretch}"), told.passed_over.to_string());
-        tell(&format!("joint states lost{stretch}"), told.lost.to_string());
-        tell(&format!("messages dropped{stretch}"), told.dropped.to_string());
+    add("seconds of this report", format!("{:.3}", interval.as_secs_f64()));
+    for (counters, told) in [(" in this report", recent), ("", total)] {
+        add(&format!("joint states received{counters}"), told.received().to_string());
+        add(&format!("joint states evaluated{counters}"), told.evaluated.to_string());
+        add(&format!("joint states passed over{counters}"), told.skipped.to_string());
+        add(&format!("joint states lost{counters}"), told.lost.to_string());
+        add(&format!("messages dropped{counters}"), told.dropped.to_string());
     }
     for warning in evaluation.warnings.iter() {
-        tell("warning", warning.clone());
+        add("warning", warning.clone());
     }
     if let Some(fault) = model_fault {
-        tell("model refused", fault.to_owned());
+        add("model refused", fault.to_owned());
     }
     values
 }
@@ -171,8 +171,8 @@ fn cloud_values(topic: &str, report: &CloudReport) -> Vec<KeyValue> {
     if let Some(cause) = &report.blind {
         values.push(("last cloud shows nothing of the room", cause.clone()));
     }
-    let tell = |(key, value): (&str, String)| KeyValue { key: format!("{topic}: {key}"), value };
-    values.into_iter().map(tell).collect()
+    let named = |(key, value): (&str, String)| KeyValue { key: format!("{topic}: {key}"), value };
+    values.into_iter().map(named).collect()
 }
 
 fn milliseconds(duration: Duration) -> String {

@@ -18,11 +18,11 @@ use crate::parameters::parameter_set::Parameters;
 use crate::threading::mailbox;
 use crate::threading::mailbox::{Receiver, Sender};
 use crate::threading::timed_wait::wait_at_most;
-use crate::topics::markers::Display;
+use crate::topics::markers::MarkerDisplay;
 
 /// Content of the display.
 #[derive(Debug)]
-enum Picture {
+enum MarkerUpdate {
     /// The markers of an evaluation, with their lifetime.
     Of(Box<Evaluation>, Duration),
     /// No markers: the published ones are deleted.
@@ -32,31 +32,31 @@ enum Picture {
 /// Sending end on the monitor's thread: passes evaluations to the thread that publishes the markers.
 #[derive(Debug)]
 pub struct MarkerFeed {
-    pictures: Sender<Picture>,
+    pictures: Sender<MarkerUpdate>,
     /// Status and steady time of the last queued picture; `None` if nothing is shown.
     shown: Option<(&'static str, Duration)>,
     dropped: Arc<AtomicU64>,
 }
 
 /// Receiving end: publishes markers until the sending end is dropped.
-pub struct MarkerDesk {
-    pictures: Receiver<Picture>,
+pub struct MarkerWorker {
+    pictures: Receiver<MarkerUpdate>,
     publisher: Publisher<MarkerArray>,
-    display: Display,
+    display: MarkerDisplay,
     dropped: Arc<AtomicU64>,
 }
 
 /// Creates the sending end and the receiving end of the topic.
-pub fn open(middleware: &Middleware, names: &Names) -> Result<(MarkerFeed, MarkerDesk), MiddlewareError> {
+pub fn open(middleware: &Middleware, names: &Names) -> Result<(MarkerFeed, MarkerWorker), MiddlewareError> {
     let kind = TypeName::new("visualization_msgs", "MarkerArray");
     let publisher = middleware.publisher(&names.resolve("~/markers")?, kind, Quality::Reliable)?;
     let (feed, pictures) = feed();
     let dropped = Arc::clone(&feed.dropped);
-    Ok((feed, MarkerDesk { pictures, publisher, display: Display::default(), dropped }))
+    Ok((feed, MarkerWorker { pictures, publisher, display: MarkerDisplay::default(), dropped }))
 }
 
 /// The queue holds one picture: older pictures are of no use.
-fn feed() -> (MarkerFeed, Receiver<Picture>) {
+fn feed() -> (MarkerFeed, Receiver<MarkerUpdate>) {
     let (sender, pictures) = mailbox::bounded(1);
     (MarkerFeed { pictures: sender, shown: None, dropped: Arc::default() }, pictures)
 }
@@ -67,7 +67,7 @@ impl MarkerFeed {
     pub fn show(&mut self, evaluation: &Evaluation, parameters: &Parameters, steady: Duration) {
         let judged = || Box::new(evaluation.clone());
         if !parameters.publish_markers {
-            if self.shown.is_some() && self.pictures.send(Picture::Nothing(judged())).is_ok() {
+            if self.shown.is_some() && self.pictures.send(MarkerUpdate::Nothing(judged())).is_ok() {
                 self.shown = None;
             }
             return;
@@ -81,7 +81,7 @@ impl MarkerFeed {
         // the lifetime is longer than the longest time until the next marker
         let heartbeat = parameters.monitor_settings().heartbeat_period();
         let lifetime = 3 * period.max(heartbeat) + Duration::from_secs(1);
-        if self.pictures.send(Picture::Of(judged(), lifetime)).is_ok() {
+        if self.pictures.send(MarkerUpdate::Of(judged(), lifetime)).is_ok() {
             self.shown = Some((status, steady));
         }
     }
@@ -92,12 +92,12 @@ impl MarkerFeed {
     }
 }
 
-impl MarkerDesk {
+impl MarkerWorker {
     pub fn work(mut self) {
         while let Some(Some(picture)) = wait_at_most(Duration::MAX, self.pictures.receive()) {
             let markers = match picture {
-                Picture::Of(evaluation, lifetime) => self.display.update(&evaluation, lifetime),
-                Picture::Nothing(evaluation) => self.display.clear(&evaluation),
+                MarkerUpdate::Of(evaluation, lifetime) => self.display.update(&evaluation, lifetime),
+                MarkerUpdate::Nothing(evaluation) => self.display.clear(&evaluation),
             };
             let sent = self.publisher.publish(markers);
             self.dropped.fetch_add(u64::from(!sent), Ordering::Relaxed);
@@ -114,7 +114,7 @@ mod tests {
         Monitor::new(MonitorSettings::default(), || Duration::ZERO).on_heartbeat(Now { ros: None, steady })
     }
 
-    fn taken(pictures: &Receiver<Picture>) -> Option<Picture> {
+    fn taken(pictures: &Receiver<MarkerUpdate>) -> Option<MarkerUpdate> {
         wait_at_most(Duration::ZERO, pictures.receive()).flatten()
     }
 
@@ -146,9 +146,9 @@ mod tests {
         assert!(taken(&pictures).is_none());
         feed.show(&evaluation(Duration::ZERO), &on, Duration::ZERO);
         feed.show(&evaluation(Duration::ZERO), &off, Duration::ZERO);
-        assert!(matches!(taken(&pictures), Some(Picture::Of(..))));
+        assert!(matches!(taken(&pictures), Some(MarkerUpdate::Of(..))));
         feed.show(&evaluation(Duration::ZERO), &off, Duration::ZERO);
-        assert!(matches!(taken(&pictures), Some(Picture::Nothing(_))));
+        assert!(matches!(taken(&pictures), Some(MarkerUpdate::Nothing(_))));
         feed.show(&evaluation(Duration::ZERO), &off, Duration::ZERO);
         assert!(taken(&pictures).is_none());
     }

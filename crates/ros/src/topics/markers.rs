@@ -44,11 +44,11 @@ const POINTS_SHOWN: usize = 4000;
 
 /// Markers that are currently displayed, so that they can be deleted.
 #[derive(Debug, Default)]
-pub struct Display {
+pub struct MarkerDisplay {
     shown: BTreeSet<(&'static str, i32)>,
 }
 
-impl Display {
+impl MarkerDisplay {
     /// Markers of an evaluation, and deletions of the markers that are no longer valid. Markers expire after `lifetime`, so that none
     /// remain when the node has ended.
     pub fn update(&mut self, evaluation: &Evaluation, lifetime: Duration) -> MarkerArray {

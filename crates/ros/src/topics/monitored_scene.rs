@@ -13,7 +13,7 @@ use crate::dds::publisher::Publisher;
 use crate::dds::quality::Quality;
 use crate::dds::type_name::TypeName;
 use crate::names::Names;
-use crate::scene::active_scene::SceneInForce;
+use crate::scene::active_scene::ActiveScene;
 use crate::scene::scene_message_writer::{SceneMessages, scene_message};
 
 /// Largest message (bytes): `RustDDS` loses messages of more than about 250 kB.
@@ -24,13 +24,13 @@ const LONGEST: usize = 200_000;
 const DIFFERENCES: usize = 80;
 
 /// Publishes every change of the scene. Octomaps and clouds are too large and are not published.
-pub struct Monitored {
+pub struct MonitoredScene {
     publisher: Publisher<PlanningScene>,
-    last: Option<Arc<SceneInForce>>,
+    last: Option<Arc<ActiveScene>>,
     since_whole: usize,
 }
 
-impl Monitored {
+impl MonitoredScene {
     pub fn open(middleware: &Middleware, names: &Names) -> Result<Self, MiddlewareError> {
         let kind = TypeName::new("moveit_msgs", "PlanningScene");
         let name = names.resolve("monitored_planning_scene")?;
@@ -39,7 +39,7 @@ impl Monitored {
     }
 
     /// Publishes the changes of a scene since the last call.
-    pub fn tell(&mut self, scene: &Arc<SceneInForce>) {
+    pub fn tell(&mut self, scene: &Arc<ActiveScene>) {
         let before = self.last.replace(Arc::clone(scene));
         let messages = match before {
             Some(before) if self.since_whole < DIFFERENCES && is_of_same_robot(&before, scene) => {
@@ -58,12 +58,12 @@ impl Monitored {
     }
 }
 
-fn is_of_same_robot(a: &SceneInForce, b: &SceneInForce) -> bool {
+fn is_of_same_robot(a: &ActiveScene, b: &ActiveScene) -> bool {
     a.revision.model == b.revision.model
 }
 
 /// The whole scene without octomaps. Objects that do not fit into the first message follow as differences.
-pub fn whole(scene: &SceneInForce) -> Vec<PlanningScene> {
+pub fn whole(scene: &ActiveScene) -> Vec<PlanningScene> {
     type C = PlanningSceneComponents;
     let told = told(scene);
     let components = C::SCENE_SETTINGS
@@ -79,7 +79,7 @@ pub fn whole(scene: &SceneInForce) -> Vec<PlanningScene> {
 }
 
 /// Messages with the differences between two scenes; none if the scenes are equal.
-pub fn differences(before: &SceneInForce, after: &SceneInForce) -> Vec<PlanningScene> {
+pub fn differences(before: &ActiveScene, after: &ActiveScene) -> Vec<PlanningScene> {
     let (old, new) = (told(before), told(after));
     let mut first = PlanningScene { is_diff: true, ..PlanningScene::default() };
     first.robot_state.is_diff = true;
@@ -104,7 +104,7 @@ pub fn differences(before: &SceneInForce, after: &SceneInForce) -> Vec<PlanningS
         first.allowed_collision_matrix =
             scene_message(&new, PlanningSceneComponents::ALLOWED_COLLISION_MATRIX).allowed_collision_matrix;
     }
-    let sizes = |scene: &SceneInForce| {
+    let sizes = |scene: &ActiveScene| {
         (scene.scene.link_padding.clone(), scene.scene.link_scale.clone(), scene.parameters.padding)
     };
     if sizes(before) != sizes(after) {
@@ -135,7 +135,7 @@ pub fn differences(before: &SceneInForce, after: &SceneInForce) -> Vec<PlanningS
     spread(first, size, objects)
 }
 
-fn told(scene: &SceneInForce) -> SceneMessages<'_> {
+fn told(scene: &ActiveScene) -> SceneMessages<'_> {
     SceneMessages {
         robot: scene.revision.checker.robot(),
         scene: &scene.scene,

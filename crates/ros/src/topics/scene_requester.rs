@@ -19,7 +19,7 @@ use crate::dds::middleware::Middleware;
 use crate::dds::type_name::TypeName;
 use crate::names::FullName;
 use crate::names::Names;
-use crate::recording::step::SceneDoor;
+use crate::recording::step::SceneSource;
 use crate::scene::scene_command_sender::SceneCommandSender;
 
 /// Time between two checks of which servers are present.
@@ -160,7 +160,7 @@ impl Service {
             return Ok(());
         }
         context.sender.note_update(Instant::now());
-        if !context.sender.apply(context.sender.scene(SceneDoor::GetPlanningScene, scene)).await {
+        if !context.sender.apply(context.sender.scene(SceneSource::GetPlanningScene, scene)).await {
             return Err(format!("not all of what {} told was taken", self.name));
         }
         log::info!("planning_scene_service: {} told its scene", self.name);

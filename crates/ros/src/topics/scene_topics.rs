@@ -1,4 +1,4 @@
-//! Subscriptions of the world topics. Messages become orders of the loader; transforms are stored in the tree directly.
+//! Subscriptions of the world topics. Messages become commands of the loader; transforms are stored in the tree directly.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -23,17 +23,17 @@ use crate::dds::subscription::{Origin, Subscription};
 use crate::dds::type_name::TypeName;
 use crate::names::Names;
 use crate::recording::recorder_handle::RecordedEvent;
-use crate::recording::step::SceneDoor;
+use crate::recording::step::SceneSource;
 use crate::scene::cloud_inbox::CloudMessage;
-use crate::scene::loader_command::Order;
-use crate::scene::scene_command::SceneOrder;
+use crate::scene::loader_command::LoaderCommand;
+use crate::scene::scene_command::SceneCommand;
 use crate::scene::scene_command_sender::SceneCommandSender;
-use crate::scene::shared_state::Shared;
+use crate::scene::shared_state::SharedState;
 use crate::scene::transform_messages::note_transforms;
 use crate::topics::scene_requester::{RequestContext, SceneRequester};
 
 /// The two octomap topics.
-const OCTOMAP_DOORS: [SceneDoor; 2] = [SceneDoor::OctomapBinary, SceneDoor::OctomapFull];
+const OCTOMAP_SOURCES: [SceneSource; 2] = [SceneSource::OctomapBinary, SceneSource::OctomapFull];
 
 /// All subscriptions about the world.
 pub struct SceneTopics {
@@ -110,22 +110,22 @@ impl SceneTopics {
     pub async fn receive(&self) {
         let twins: [Mutex<Twins>; 2] = Default::default();
         let sender = &self.sender;
-        let objects = self.receive_topic(SceneDoor::CollisionObject, &self.objects, |m, lost| {
+        let objects = self.receive_topic(SceneSource::CollisionObject, &self.objects, |m, lost| {
             Some(sender.after(sender.object(m), lost))
         });
-        let attached = self.receive_topic(SceneDoor::AttachedCollisionObject, &self.attached, |m, lost| {
+        let attached = self.receive_topic(SceneSource::AttachedCollisionObject, &self.attached, |m, lost| {
             Some(sender.after(sender.attached(m), lost))
         });
         let worlds =
-            self.receive_topic(SceneDoor::PlanningSceneWorld, &self.worlds, |m, _| Some(sender.world(m)));
-        let scenes = self.receive_topic(SceneDoor::PlanningScene, &self.scenes, |m, lost| {
-            Some(sender.after(sender.scene(SceneDoor::PlanningScene, m), lost))
+            self.receive_topic(SceneSource::PlanningSceneWorld, &self.worlds, |m, _| Some(sender.world(m)));
+        let scenes = self.receive_topic(SceneSource::PlanningScene, &self.scenes, |m, lost| {
+            Some(sender.after(sender.scene(SceneSource::PlanningScene, m), lost))
         });
         let octomap = |topic: usize, twin: usize| {
             let last = &twins[topic];
-            self.receive_topic(OCTOMAP_DOORS[topic], &self.octomaps[topic][twin], move |m, _| {
+            self.receive_topic(OCTOMAP_SOURCES[topic], &self.octomaps[topic][twin], move |m, _| {
                 let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
-                last.is_new(twin, &m).then(|| sender.octomap(OCTOMAP_DOORS[topic], m))
+                last.is_new(twin, &m).then(|| sender.octomap(OCTOMAP_SOURCES[topic], m))
             })
         };
         let scenes = future::zip(future::zip(objects, attached), future::zip(worlds, scenes));
@@ -137,19 +137,19 @@ impl SceneTopics {
         future::zip(future::zip(scenes, octomaps), future::zip(transforms, others)).await;
     }
 
-    /// Converts messages to orders. `read` receives the number of messages that were lost right before each.
+    /// Converts messages to commands. `read` receives the number of messages that were lost right before each.
     async fn receive_topic<M: Message + 'static>(
         &self,
-        by: SceneDoor,
+        by: SceneSource,
         topic: &Subscription<M>,
-        read: impl Fn(M, u64) -> Option<SceneOrder>,
+        read: impl Fn(M, u64) -> Option<SceneCommand>,
     ) {
         let mut arrivals = SequenceGaps::default();
         loop {
-            let Ok((message, Origin { publisher, number, received })) = topic.next_or_unreadable().await
+            let Ok((message, Origin { publisher, number, received })) = topic.next_or_undecodable().await
             else {
                 self.sender.note_update(Instant::now());
-                if !self.sender.send(Order::Scene(Box::new(self.sender.unreadable(by)))).await {
+                if !self.sender.send(LoaderCommand::Scene(Box::new(self.sender.undecodable(by)))).await {
                     return;
                 }
                 continue;
@@ -160,11 +160,11 @@ impl SceneTopics {
             }
             let lost = number.map_or(0, |number| arrivals.missing_before(publisher, number));
             self.sender.note_update(received);
-            let Some(order) = read(message, lost) else {
+            let Some(command) = read(message, lost) else {
                 self.sender.note_update_withdrawn();
                 continue;
             };
-            if !self.sender.send(Order::Scene(Box::new(order))).await {
+            if !self.sender.send(LoaderCommand::Scene(Box::new(command))).await {
                 return;
             }
         }
@@ -178,7 +178,7 @@ impl SceneTopics {
             if let Some(fault) = fault {
                 complaints.warn(|| fault);
             }
-            if is_elsewhere && !self.sender.send(Order::Frames).await {
+            if is_elsewhere && !self.sender.send(LoaderCommand::Frames).await {
                 return;
             }
         }
@@ -186,11 +186,11 @@ impl SceneTopics {
 
     /// Stores transforms. Returns what is wrong with them, and whether obstacles have to be moved now.
     fn heed(&self, message: TFMessage, fixed: bool) -> (Option<String>, bool) {
-        let Shared { transforms, grounds, clock, tape, .. } = &self.sender.shared;
+        let SharedState { transforms, grounds, clock, recording, .. } = &self.sender.shared;
         let now = clock.now();
         let mut tree = transforms.lock().unwrap_or_else(PoisonError::into_inner);
         // the recording has to contain it before any result that depends on this tree
-        tape.note(|| RecordedEvent::Transforms { message: message.clone(), now, fixed });
+        recording.note(|| RecordedEvent::Transforms { message: message.clone(), now, fixed });
         let fault = note_transforms(&mut tree, message, now, fixed);
         (fault, grounds.lock().unwrap_or_else(PoisonError::into_inner).are_elsewhere(&tree))
     }
@@ -232,7 +232,7 @@ impl SceneTopics {
             let (came, since) = (self.sender.shared.clock.read(), origin.received);
             let message = CloudMessage { cloud: Arc::new(cloud), came, since };
             self.sender.shared.clouds.put(topic, message);
-            if !self.sender.send(Order::Clouds).await {
+            if !self.sender.send(LoaderCommand::Clouds).await {
                 return;
             }
         }

@@ -22,7 +22,7 @@ pub async fn follow(
     middleware: &Middleware,
     name: &FullName,
     clock: &RosClock,
-    (store, tape): (&ParameterStore, &RecorderHandle),
+    (store, recording): (&ParameterStore, &RecorderHandle),
     changes: &Receiver<()>,
 ) -> Result<(), MiddlewareError> {
     let kind = TypeName::new("rosgraph_msgs", "Clock");
@@ -42,7 +42,7 @@ pub async fn follow(
                 Some(subscription) => {
                     let (message, _) = subscription.next().await;
                     clock.on_simulation_time(time_of(&message.clock));
-                    tape.note(|| RecordedEvent::Clock(message));
+                    recording.note(|| RecordedEvent::Clock(message));
                 }
                 None => future::pending().await,
             }

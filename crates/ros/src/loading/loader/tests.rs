@@ -8,7 +8,7 @@ use ros2_interfaces_jazzy_serde::sensor_msgs::msg::{JointState, PointCloud2, Poi
 use super::*;
 use crate::messages::joint_state::joint_state_input;
 use crate::messages::time_and_geometry::stamp_message;
-use crate::scene::scene_update_context::places_of;
+use crate::scene::scene_update_context::robots_at_stamps;
 use clearance_monitor::Now;
 
 /// URDF of a robot with this name: one sphere that rotates about z.
@@ -50,8 +50,13 @@ struct Cell {
 }
 
 impl Cell {
-    fn pass(&mut self, milliseconds: u64, orders: Vec<Order>, clouds: BTreeMap<String, CloudMessage>) {
-        let places = places_of(&clouds, &self.joint_state_history);
+    fn pass(
+        &mut self,
+        milliseconds: u64,
+        commands: Vec<LoaderCommand>,
+        clouds: BTreeMap<String, CloudMessage>,
+    ) {
+        let places = robots_at_stamps(&clouds, &self.joint_state_history);
         let evaluation = self.evaluation.clone();
         let update_context = SceneUpdateContext {
             evaluation,
@@ -59,9 +64,9 @@ impl Cell {
             ..SceneUpdateContext::first(&self.parameters, now(milliseconds))
         };
         let monitor = &mut self.monitor;
-        self.loader.carry_out(Pass { update_context, orders, clouds }, |event| match event {
-            Event::Checker(revision) => monitor.set_checker(revision),
-            Event::ModelFault(fault) => panic!("{fault}"),
+        self.loader.carry_out(Pass { update_context, commands, clouds }, |event| match event {
+            MonitorEvent::Checker(revision) => monitor.set_checker(revision),
+            MonitorEvent::ModelFault(fault) => panic!("{fault}"),
             _ => {}
         });
     }
@@ -95,17 +100,17 @@ fn a_robot_that_is_replaced_is_freed() {
         evaluation: None,
         parameters,
     };
-    cell.pass(1000, vec![Order::Description(urdf("first"))], BTreeMap::new());
+    cell.pass(1000, vec![LoaderCommand::Description(urdf("first"))], BTreeMap::new());
     cell.turn(1010);
     let seen = CloudMessage { cloud: Arc::new(cloud()), came: now(1020), since: std::time::Instant::now() };
-    cell.pass(1020, vec![Order::Clouds], BTreeMap::from([("points".to_owned(), seen)]));
+    cell.pass(1020, vec![LoaderCommand::Clouds], BTreeMap::from([("points".to_owned(), seen)]));
     cell.turn(1030);
     let revision = cell.evaluation.as_ref().unwrap().revision.as_ref().unwrap();
     assert_eq!(revision.checker.world().obstacles().count(), 1, "the cloud was taken");
     let (first, revision) = (Arc::downgrade(revision.checker.robot()), Arc::downgrade(revision));
     assert!(first.upgrade().is_some() && revision.upgrade().is_some());
 
-    cell.pass(1040, vec![Order::Description(urdf("second"))], BTreeMap::new());
+    cell.pass(1040, vec![LoaderCommand::Description(urdf("second"))], BTreeMap::new());
     // the configuration of the second robot is unknown
     cell.evaluation = Some(cell.monitor.on_heartbeat(now(1050)));
     cell.joint_state_history.note(cell.evaluation.as_ref().unwrap());
@@ -120,25 +125,26 @@ fn the_monitor_knows_how_many_messages_a_world_has_before_it_comes() {
     let surroundings: Surroundings = Box::new(|_| Ok(Scene::default()));
     let mut loader = Loader::new((MeshFiles::default(), surroundings, MeshModel::Surface));
     let parameters = Parameters::default();
-    let mut told = |milliseconds, orders| {
+    let mut told = |milliseconds, commands| {
         let update_context = SceneUpdateContext::first(&parameters, now(milliseconds));
         let mut events = Vec::new();
-        loader
-            .carry_out(Pass { update_context, orders, clouds: BTreeMap::new() }, |event| events.push(event));
+        loader.carry_out(Pass { update_context, commands, clouds: BTreeMap::new() }, |event| {
+            events.push(event)
+        });
         let names = events.iter().map(|event| match event {
-            Event::WorldUpdate(WorldUpdate::Completing(updates)) => format!("completing {updates}"),
-            Event::Checker(_) => "checker".to_owned(),
-            Event::World(..) => "world".to_owned(),
+            MonitorEvent::WorldUpdate(WorldUpdate::Completing(updates)) => format!("completing {updates}"),
+            MonitorEvent::Checker(_) => "checker".to_owned(),
+            MonitorEvent::World { .. } => "world".to_owned(),
             _ => "other".to_owned(),
         });
         names.filter(|name| name != "other").collect::<Vec<_>>()
     };
-    let scene = || Order::Scene(Box::new(SceneOrder::on("collision_object")));
+    let scene = || LoaderCommand::Scene(Box::new(SceneCommand::on("collision_object")));
     assert_eq!(told(0, vec![scene()]), ["completing 1", "world"]);
-    let with_robot = vec![scene(), Order::Description(urdf("first")), scene()];
+    let with_robot = vec![scene(), LoaderCommand::Description(urdf("first")), scene()];
     assert_eq!(told(10, with_robot), ["completing 2", "checker", "world"]);
-    assert_eq!(told(20, vec![scene(), Order::Frames]), ["completing 1", "world"]);
-    assert_eq!(told(30, vec![Order::Clouds]), ["world"]);
+    assert_eq!(told(20, vec![scene(), LoaderCommand::Frames]), ["completing 1", "world"]);
+    assert_eq!(told(30, vec![LoaderCommand::Clouds]), ["world"]);
 }
 
 #[test]

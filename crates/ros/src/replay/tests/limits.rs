@@ -9,13 +9,13 @@ use crate::threading::mailbox;
 fn what_does_not_fit_is_lost_and_counted_and_nobody_waits() {
     let (items, items_in) = mailbox::bounded(2);
     let backlog = Arc::new(Backlog::default());
-    let tape = RecorderHandle::to(items, Arc::clone(&backlog));
+    let recording = RecorderHandle::to(items, Arc::clone(&backlog));
     for _ in 0..5 {
-        tape.note(|| RecordedEvent::Told(RecordedMonitorEvent::World));
+        recording.note(|| RecordedEvent::MonitorEvent(RecordedMonitorEvent::World));
     }
     assert_eq!(backlog.lost.load(std::sync::atomic::Ordering::Relaxed), 3);
     drop(items_in);
-    tape.note(|| RecordedEvent::Told(RecordedMonitorEvent::World));
+    recording.note(|| RecordedEvent::MonitorEvent(RecordedMonitorEvent::World));
     assert_eq!(backlog.lost.load(std::sync::atomic::Ordering::Relaxed), 3, "nobody records any more");
     assert!(!RecorderHandle::default().is_on());
     RecorderHandle::default().note(|| panic!("nothing is made that nobody records"));
@@ -26,7 +26,7 @@ fn behind_what_was_lost_nothing_is_run() {
     let folder = tempfile::tempdir().unwrap();
     let mut cell = Cell::start(folder.path());
     cell.turn(0.1);
-    cell.tape.lose(3);
+    cell.recording.lose(3);
     cell.turn(0.2);
     cell.end();
     let outcome = again(&folder.path().join("record.mcap")).unwrap();
@@ -57,13 +57,13 @@ fn a_recording_ends_in_time_and_never_takes_the_place_of_another() {
 }
 
 /// Waits for the recorder's fault and returns it.
-fn fault(tape: &RecorderHandle) -> String {
+fn fault(recording: &RecorderHandle) -> String {
     let end = Instant::now() + Duration::from_secs(30);
     while Instant::now() < end {
-        if let Some(fault) = tape.fault() {
+        if let Some(fault) = recording.fault() {
             return fault;
         }
-        tape.note(|| RecordedEvent::Told(RecordedMonitorEvent::World));
+        recording.note(|| RecordedEvent::MonitorEvent(RecordedMonitorEvent::World));
         std::thread::sleep(Duration::from_millis(5));
     }
     panic!("no fault of the recording is told");
@@ -75,12 +75,12 @@ fn a_disk_that_is_full_is_a_fault_of_the_recording() {
     let file = std::fs::OpenOptions::new().write(true).open(&path).unwrap();
     let settings = RecordingSettings { file: path.clone(), max_size: 0.0, max_duration: 0.0 };
     let names = Names::new("clearance", &[]).unwrap();
-    let given = (&names, Given::default(), &Parameters::default());
-    let (tape, recorder) = Recorder::write_to((file, path), &settings, given).unwrap();
-    let fault = fault(&tape);
+    let given = (&names, CommandLineInputs::default(), &Parameters::default());
+    let (recording, recorder) = Recorder::write_to((file, path), &settings, given).unwrap();
+    let fault = fault(&recording);
     assert!(fault.contains("recording to /dev/full ended: "), "{fault}");
     recorder.finish();
-    assert!(tape.fault().is_some(), "it lasts");
+    assert!(recording.fault().is_some(), "it lasts");
 }
 
 #[test]
@@ -88,13 +88,13 @@ fn a_file_that_is_removed_or_moved_is_a_fault_of_the_recording_while_it_is_gone(
     let folder = tempfile::tempdir().unwrap();
     let cell = Cell::start(folder.path());
     let (file, elsewhere) = (folder.path().join("record.mcap"), folder.path().join("other.mcap"));
-    assert_eq!(cell.tape.fault(), None);
+    assert_eq!(cell.recording.fault(), None);
     std::fs::rename(&file, &elsewhere).unwrap();
-    let fault = fault(&cell.tape);
+    let fault = fault(&cell.recording);
     assert!(fault.contains("record.mcap was moved or removed"), "{fault}");
     std::fs::rename(&elsewhere, &file).unwrap();
     let end = Instant::now() + Duration::from_secs(30);
-    while cell.tape.fault().is_some() {
+    while cell.recording.fault().is_some() {
         assert!(Instant::now() < end, "the fault is told though the file is back");
         std::thread::sleep(Duration::from_millis(5));
     }

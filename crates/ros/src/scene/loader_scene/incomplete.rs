@@ -3,9 +3,9 @@
 use clearance_monitor::Reason;
 
 use crate::parameters::parameter_set::Parameters;
-use crate::scene::scene_keeper::{OCTOMAP_SOURCE, SceneKeeper};
+use crate::scene::loader_scene::{LoaderScene, OCTOMAP_SOURCE};
 
-impl SceneKeeper {
+impl LoaderScene {
     /// Records that a part of the world could not be taken into use, for a reason that is not specific to one object.
     pub fn note_failure(&mut self, fault: &str) {
         self.failure = Some(fault.to_owned());

@@ -15,11 +15,11 @@ use ros2_interfaces_jazzy_serde::sensor_msgs::msg::PointCloud2;
 use crate::monitor_events::cloud_report::CloudReport;
 use crate::parameters::parameter_set::Parameters;
 use crate::scene::cloud_inbox::CloudMessage;
+use crate::scene::loader_scene::LoaderScene;
 use crate::scene::point_cloud_decoder::{decode, is_at_origin};
-use crate::scene::scene_keeper::SceneKeeper;
 use crate::scene::scene_update_context::SceneUpdateContext;
 
-impl SceneKeeper {
+impl LoaderScene {
     /// Replaces the previous clouds by the newest ones; returns whether anything changed.
     ///
     /// A cloud that shows nothing of the environment does not replace the previous cloud, unless the parameter `blind_cloud` accepts such

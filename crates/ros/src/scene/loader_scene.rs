@@ -20,12 +20,12 @@ use crate::monitor_events::cloud_report::CloudReports;
 use crate::parameters::parameter_set::Parameters;
 use crate::scene::lost_messages::LostMessages;
 use crate::scene::missing_objects::MissingObjects;
-use crate::scene::scene_command::SceneOrder;
+use crate::scene::scene_command::SceneCommand;
 use crate::scene::scene_update_context::SceneUpdateContext;
 use crate::scene::topic_cloud::TopicCloud;
 use crate::scene::whole_scene::WholeScene;
 
-/// Maximum number of orders that wait for a robot; later ones are rejected.
+/// Maximum number of commands that wait for a robot; later ones are rejected.
 const WAITING: usize = 1000;
 
 /// Maximum number of reported rejections per message.
@@ -36,7 +36,7 @@ pub const OCTOMAP_SOURCE: &str = OCTOMAP;
 
 /// Stores the scene; owned by the loader's thread.
 #[derive(Default)]
-pub struct SceneKeeper {
+pub struct LoaderScene {
     pub state: Scene,
     pub octomap: Option<Arc<OctomapWithPose>>,
     /// Last observation of the octomap; `None` if none was received since it was cleared.
@@ -48,7 +48,7 @@ pub struct SceneKeeper {
     clouds: BTreeMap<String, TopicCloud>,
     filter: Option<SelfFilter>,
     /// Orders that arrived before there was a robot.
-    waiting: VecDeque<SceneOrder>,
+    waiting: VecDeque<SceneCommand>,
     /// Rejected parts of the last message that changed the scene, or was intended to.
     faults: Vec<String>,
     /// Parts of the scene that are not valid for the new robot; cleared by the next complete scene.
@@ -71,7 +71,7 @@ pub struct SceneKeeper {
     unanswered: Vec<(Sender<bool>, bool)>,
 }
 
-impl SceneKeeper {
+impl LoaderScene {
     /// Whether the scene still comes only from the files.
     #[must_use]
     pub fn is_untouched(&self) -> bool {
@@ -99,7 +99,7 @@ impl SceneKeeper {
         self.whole.ask(service);
     }
 
-    /// Counts orders of these topics as lost, because the robot that they waited for was rejected.
+    /// Counts commands of these topics as lost, because the robot that they waited for was rejected.
     pub fn note_in_vain(&mut self, topics: &[&'static str]) {
         for topic in topics {
             self.lost.note(topic, 1);
@@ -122,37 +122,38 @@ impl SceneKeeper {
         self.filter = None;
     }
 
-    /// Stores an order until there is a robot.
-    pub fn wait(&mut self, order: SceneOrder) {
-        if order.is_waited_for() {
-            log::warn!("{}: there is no robot model yet", order.source);
-            if let Some(update) = &order.update {
-                self.missing.note_unused(order.source, update, "there was no robot model yet");
+    /// Stores a command until there is a robot.
+    pub fn wait(&mut self, command: SceneCommand) {
+        if command.is_waited_for() {
+            log::warn!("{}: there is no robot model yet", command.source);
+            if let Some(update) = &command.update {
+                self.missing.note_unused(command.source, update, "there was no robot model yet");
             }
-            if let Some(done) = order.done {
+            if let Some(done) = command.done {
                 let _ = done.try_send(false);
             }
         } else if self.waiting.len() < WAITING {
-            self.waiting.push_back(order);
+            self.waiting.push_back(command);
         } else {
-            log::warn!("{}: dropped: {WAITING} messages wait for a robot model already", order.source);
-            self.lost.note(order.source, 1);
+            log::warn!("{}: dropped: {WAITING} messages wait for a robot model already", command.source);
+            self.lost.note(command.source, 1);
         }
     }
 
-    /// Takes the stored orders.
-    pub fn awaited(&mut self) -> impl Iterator<Item = SceneOrder> + use<> {
+    /// Takes the stored commands.
+    pub fn awaited(&mut self) -> impl Iterator<Item = SceneCommand> + use<> {
         std::mem::take(&mut self.waiting).into_iter()
     }
 
     /// Applies a message to the scene; returns whether the scene changed.
     pub fn apply(
         &mut self,
-        order: SceneOrder,
+        command: SceneCommand,
         robot: &Arc<RobotModel>,
         update_context: &SceneUpdateContext,
     ) -> bool {
-        let SceneOrder { source, mut update, mut refusals, lost, mut octomap, done, .. } = order;
+        let SceneCommand { source, mut update, rejections: mut refusals, lost, mut octomap, done, .. } =
+            command;
         self.lost.note(source, lost);
         if self.note_blindness(source, update.as_ref()) && update_context.parameters.blind_makes_unknown() {
             // the last map that showed something stays in use
