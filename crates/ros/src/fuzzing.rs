@@ -30,9 +30,9 @@ use crate::scene::loader_command::LoaderCommand;
 use crate::scene::scene_command::SceneCommand;
 use crate::scene::scene_update_context::{SceneUpdateContext, robots_at_stamps};
 use crate::scene::transform_messages::note_transforms;
-use crate::services::motion_requests::{answer_motion, answer_trajectory};
+use crate::services::motion_requests::{evaluate_motion, evaluate_trajectory};
 use crate::services::parameter_services::changes;
-use crate::services::state_requests::{answer_distances, answer_states};
+use crate::services::state_requests::{evaluate_distances, evaluate_states};
 use crate::services::state_validity::{ValidityContext, state_validity};
 pub use crate::view::in_memory::respond_in_memory;
 
@@ -108,7 +108,7 @@ impl OfflineNode {
         let mut loader = Loader::new((MeshFiles::default(), nothing_around, MeshModel::Surface));
         let start = Now { ros: None, steady: Duration::ZERO };
         if let Some(robot) = robot {
-            monitor.set_checker(loader.take_given(robot, &SceneUpdateContext::first(&parameters, start))?);
+            monitor.set_checker(loader.load_given(robot, &SceneUpdateContext::first(&parameters, start))?);
         }
         Ok(Self {
             parameters: ParameterStore::new(parameters, Box::new(|_| {})),
@@ -131,8 +131,8 @@ impl OfflineNode {
         let now = self.now();
         let scene = |door, message| scene_command(door, message, false, now);
         match kind {
-            MessageKind::Description => self.carry_out(LoaderCommand::Description(text(bytes)?)),
-            MessageKind::Semantic => self.carry_out(LoaderCommand::Semantic(text(bytes)?)),
+            MessageKind::Description => self.process(LoaderCommand::Description(text(bytes)?)),
+            MessageKind::Semantic => self.process(LoaderCommand::Semantic(text(bytes)?)),
             MessageKind::JointState => {
                 let input = joint_state_input(cdr::decode(bytes)?, SourceId([7; 16]));
                 self.evaluation = Some(self.monitor.on_joint_state(input, now));
@@ -142,7 +142,7 @@ impl OfflineNode {
                 let fixed = kind == MessageKind::FixedTransforms;
                 drop(note_transforms(&mut self.transforms, cdr::decode(bytes)?, now.ros, fixed));
                 self.monitor.note_transforms(&self.transforms);
-                self.carry_out(LoaderCommand::Frames);
+                self.process(LoaderCommand::Frames);
             }
             MessageKind::CollisionObject => self.change_scene(object_command(&cdr::decode(bytes)?)),
             MessageKind::AttachedCollisionObject => self.change_scene(attached_command(&cdr::decode(bytes)?)),
@@ -163,7 +163,7 @@ impl OfflineNode {
             MessageKind::SetParameters => {
                 self.parameters.set_each(&changes(&cdr::decode(bytes)?));
                 self.monitor.set_settings(self.parameters.get().monitor_settings());
-                self.carry_out(LoaderCommand::Parameters);
+                self.process(LoaderCommand::Parameters);
             }
             _ => self.respond(kind, bytes)?,
         }
@@ -180,20 +180,21 @@ impl OfflineNode {
             MessageKind::CheckMotion => {
                 let mut request: CheckMotionRequest = cdr::decode(bytes)?;
                 limit_time(&mut request.terms);
-                let answer = answer_motion(&request, ContinuousDirection::Shortest, evaluation, workspace);
-                cdr::encode(&answer.response).map(drop)
+                let response =
+                    evaluate_motion(&request, ContinuousDirection::Shortest, evaluation, workspace);
+                cdr::encode(&response.response).map(drop)
             }
             MessageKind::CheckTrajectory => {
                 let mut request: CheckTrajectoryRequest = cdr::decode(bytes)?;
                 limit_time(&mut request.terms);
-                let answer = answer_trajectory(&request, None, evaluation, workspace);
-                cdr::encode(&answer.response).map(drop)
+                let response = evaluate_trajectory(&request, None, evaluation, workspace);
+                cdr::encode(&response.response).map(drop)
             }
             MessageKind::CheckStates => {
-                cdr::encode(&answer_states(&cdr::decode(bytes)?, evaluation, workspace)).map(drop)
+                cdr::encode(&evaluate_states(&cdr::decode(bytes)?, evaluation, workspace)).map(drop)
             }
             MessageKind::GetDistances => {
-                cdr::encode(&answer_distances(&cdr::decode(bytes)?, evaluation, workspace)).map(drop)
+                cdr::encode(&evaluate_distances(&cdr::decode(bytes)?, evaluation, workspace)).map(drop)
             }
             _ => self.respond_validity(&cdr::decode(bytes)?),
         }
@@ -204,8 +205,8 @@ impl OfflineNode {
         let scene = scene.lock().unwrap_or_else(PoisonError::into_inner).clone();
         let scene = scene.ok_or("there is no robot")?;
         let (evaluation, transforms) = (self.evaluation.as_ref(), &self.transforms);
-        let situation = ValidityContext { scene: &scene, evaluation, transforms, now: self.now() };
-        cdr::encode(&state_validity(request, &situation)?).map(drop)
+        let context = ValidityContext { scene: &scene, evaluation, transforms, now: self.now() };
+        cdr::encode(&state_validity(request, &context)?).map(drop)
     }
 
     fn now(&self) -> Now {
@@ -215,10 +216,10 @@ impl OfflineNode {
     }
 
     fn change_scene(&mut self, command: SceneCommand) {
-        self.carry_out(LoaderCommand::Scene(Box::new(command)));
+        self.process(LoaderCommand::Scene(Box::new(command)));
     }
 
-    fn carry_out(&mut self, command: LoaderCommand) {
+    fn process(&mut self, command: LoaderCommand) {
         self.pass(vec![command], BTreeMap::new());
     }
 
@@ -231,7 +232,7 @@ impl OfflineNode {
             places: robots_at_stamps(&clouds, &self.joint_state_history),
         };
         let monitor = &mut self.monitor;
-        self.loader.carry_out(Pass { update_context, commands, clouds }, |event| match event {
+        self.loader.process(Pass { update_context, commands, clouds }, |event| match event {
             MonitorEvent::Checker(revision) => monitor.set_checker(revision),
             MonitorEvent::ModelSwap => monitor.note_model_swap(),
             MonitorEvent::ModelFault(fault) => monitor.note_model_fault(fault),

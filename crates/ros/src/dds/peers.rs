@@ -108,17 +108,12 @@ impl Peers {
 
     /// Readers of a DDS topic of this node.
     pub fn matched_readers(&self, topic: &str) -> Vec<MatchedReader> {
-        lock(&self.matched_readers)
-            .values()
-            .filter(|reader_of_peer| reader_of_peer.topic == topic)
-            .cloned()
-            .collect()
+        lock(&self.matched_readers).values().filter(|matched| matched.topic == topic).cloned().collect()
     }
 
     /// Whether any of these readers can be reached beside the DDS library.
     pub fn reaches(&self, matched_readers: &[&MatchedReader]) -> bool {
-        self.socket.is_some()
-            && matched_readers.iter().any(|reader_of_peer| !reader_of_peer.addresses.is_empty())
+        self.socket.is_some() && matched_readers.iter().any(|matched| !matched.addresses.is_empty())
     }
 
     /// Sends a message beside the DDS library, without retransmission.
@@ -192,13 +187,13 @@ impl Peers {
     fn note_matched_reader(&self, participant: &DomainParticipant, writer: GUID, reader: GUID) {
         let known = participant.discovered_readers();
         let peer = known.iter().find(|r| r.reader_proxy.remote_reader_guid == reader);
-        let reader_of_peer = MatchedReader {
+        let matched = MatchedReader {
             reader,
             writer,
             addresses: peer.map(|r| addresses(&r.reader_proxy.unicast_locator_list)).unwrap_or_default(),
             topic: peer.map(|r| r.subscription_topic_data.topic_name().clone()).unwrap_or_default(),
         };
-        lock(&self.matched_readers).insert(reader, reader_of_peer);
+        lock(&self.matched_readers).insert(reader, matched);
     }
 
     fn schedule_first_requests(&self, participant: &DomainParticipant, reader: GUID, writer: GUID) {
@@ -349,12 +344,12 @@ mod tests {
         const WRITER: u8 = 0x03;
         let addresses = vec![SocketAddr::from(([127, 0, 0, 1], 7411))];
         let (reader, writer) = (entity(5, READER), entity(1, WRITER));
-        let reader_of_peer = MatchedReader { reader, writer, addresses, topic: String::new() };
-        assert!(reader_of_peer.is_of(reader) && reader_of_peer.is_of(entity(5, WRITER)));
-        assert!(!reader_of_peer.is_of(entity(6, READER)) && !reader_of_peer.is_of(entity(6, WRITER)));
-        assert!(reader_of_peer.is_on_loopback());
+        let matched = MatchedReader { reader, writer, addresses, topic: String::new() };
+        assert!(matched.is_of(reader) && matched.is_of(entity(5, WRITER)));
+        assert!(!matched.is_of(entity(6, READER)) && !matched.is_of(entity(6, WRITER)));
+        assert!(matched.is_on_loopback());
         let across = SocketAddr::from(([192, 0, 2, 1], 7411));
-        assert!(!MatchedReader { addresses: vec![across], ..reader_of_peer.clone() }.is_on_loopback());
-        assert!(!MatchedReader { addresses: Vec::new(), ..reader_of_peer }.is_on_loopback());
+        assert!(!MatchedReader { addresses: vec![across], ..matched.clone() }.is_on_loopback());
+        assert!(!MatchedReader { addresses: Vec::new(), ..matched }.is_on_loopback());
     }
 }

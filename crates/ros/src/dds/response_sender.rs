@@ -131,7 +131,7 @@ impl ResponseSender {
         cdr::blank::<Response>()?;
         let client = GUID::from(id.writer_gid);
         let own: Vec<&MatchedReader> =
-            matched_readers.iter().filter(|reader_of_peer| reader_of_peer.is_of(client)).collect();
+            matched_readers.iter().filter(|matched| matched.is_of(client)).collect();
         if !self.peers.reaches(&own) {
             return Err(format!("it has {size} bytes, and there is no way to send so many to its client"));
         }
@@ -153,20 +153,20 @@ impl ResponseSender {
     ) {
         let request = (GUID::from(id.writer_gid).to_bytes(), id.sequence_number);
         let mut since_pause = 0;
-        for (pass, reader_of_peer) in (0..PASSES)
-            .flat_map(|pass| matched_readers.iter().map(move |reader_of_peer| (pass, reader_of_peer)))
+        for (pass, matched) in
+            (0..PASSES).flat_map(|pass| matched_readers.iter().map(move |matched| (pass, matched)))
         {
             if pass > 0 && bytes.len() > RECEIVE_BUFFER {
                 Timer::after(PASS_PAUSE).await;
             }
-            let response = LongResponse { writer: reader_of_peer.writer.to_bytes(), number, request, bytes };
-            for fragment in response.fragments(reader_of_peer.reader.to_bytes()) {
+            let response = LongResponse { writer: matched.writer.to_bytes(), number, request, bytes };
+            for fragment in response.fragments(matched.reader.to_bytes()) {
                 if since_pause >= BURST {
                     Timer::after(PAUSE).await;
                     since_pause = 0;
                 }
-                self.peers.send(&fragment, &reader_of_peer.addresses);
-                since_pause += reader_of_peer.addresses.len();
+                self.peers.send(&fragment, &matched.addresses);
+                since_pause += matched.addresses.len();
             }
         }
     }

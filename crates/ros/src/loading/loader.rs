@@ -34,9 +34,10 @@ use crate::topics::monitored_scene::MonitoredScene;
 pub type Surroundings = Box<dyn Fn(&RobotModel) -> Result<Scene, String> + Send>;
 
 /// Waits until the monitor has published its evaluation of all earlier events; returns whether the monitor still exists.
-fn heeded(events: &mailbox::Sender<MonitorEvent>) -> bool {
-    let (said, is_said) = mailbox::bounded(1);
-    events.send(MonitorEvent::PublishNow(said)).is_ok() && future::block_on(is_said.receive()).is_some()
+fn await_publication(events: &mailbox::Sender<MonitorEvent>) -> bool {
+    let (published, is_published) = mailbox::bounded(1);
+    events.send(MonitorEvent::PublishNow(published)).is_ok()
+        && future::block_on(is_published.receive()).is_some()
 }
 
 /// Builds checkers and hands them to the monitor.
@@ -53,7 +54,7 @@ pub struct Loader {
     description: Option<String>,
     semantic: Option<String>,
     robot: Option<Arc<RobotModel>>,
-    keeper: LoaderScene,
+    scene: LoaderScene,
     /// Point clouds that were received before a robot was loaded.
     clouds: BTreeMap<String, CloudMessage>,
     /// Number of received texts that differ from the previous text of their topic.
@@ -63,7 +64,7 @@ pub struct Loader {
     /// Number of changes of the world.
     world_revision: u64,
     current: CurrentRobot,
-    scene: CurrentScene,
+    active_scene: CurrentScene,
     monitored: Option<MonitoredScene>,
     volumes: Option<LinkVolumes>,
     /// Level of the bounding volume hierarchies to show, counted from their roots; `None` if they are not shown.
@@ -92,13 +93,13 @@ impl Loader {
             description: None,
             semantic: None,
             robot: None,
-            keeper: LoaderScene::default(),
+            scene: LoaderScene::default(),
             clouds: BTreeMap::new(),
             texts: 0,
             model_revision: 0,
             world_revision: 0,
             current: CurrentRobot::default(),
-            scene: CurrentScene::default(),
+            active_scene: CurrentScene::default(),
             monitored: None,
             volumes: None,
             shown_level: None,
@@ -112,21 +113,21 @@ impl Loader {
 
     #[must_use]
     pub fn current_scene(&self) -> CurrentScene {
-        Arc::clone(&self.scene)
+        Arc::clone(&self.active_scene)
     }
 
     /// From now on, publishes every change of the scene.
-    pub fn tell_on(&mut self, monitored: MonitoredScene, volumes: LinkVolumes) {
+    pub fn publish_on(&mut self, monitored: MonitoredScene, volumes: LinkVolumes) {
         (self.monitored, self.volumes) = (Some(monitored), Some(volumes));
-        self.tell();
+        self.publish();
     }
 
-    fn tell(&mut self) {
-        let Some(scene) = lock(&self.scene).clone() else {
+    fn publish(&mut self) {
+        let Some(scene) = lock(&self.active_scene).clone() else {
             return;
         };
         if let Some(monitored) = &mut self.monitored {
-            monitored.tell(&scene);
+            monitored.publish(&scene);
         }
         if let Some(volumes) = &mut self.volumes {
             volumes.show(&scene.revision.checker, self.shown_level);
@@ -134,18 +135,18 @@ impl Loader {
     }
 
     /// Builds the checker of a robot from the command line. From now on, descriptions on topics are ignored.
-    pub fn take_given(
+    pub fn load_given(
         &mut self,
         robot: RobotModel,
         update_context: &SceneUpdateContext,
     ) -> Result<Arc<Revision>, String> {
         self.shown_level = update_context.parameters.shown_level();
         self.given = Some(robot.clone());
-        self.take(robot, update_context)
+        self.use_robot(robot, update_context)
     }
 
     /// Carries out commands until all senders are gone.
-    pub fn follow(
+    pub fn run(
         mut self,
         commands: &Receiver<LoaderCommand>,
         events: &mailbox::Sender<MonitorEvent>,
@@ -157,65 +158,66 @@ impl Loader {
             while let Ok(command) = commands.try_recv() {
                 together.push(command);
             }
-            let mut is_heard = true;
-            self.carry_out(inputs.begin(together), |event| {
+            let mut has_monitor = true;
+            self.process(inputs.begin(together), |event| {
                 inputs.note_meshes();
-                is_heard &= events.send(event).is_ok();
+                has_monitor &= events.send(event).is_ok();
             });
-            if !is_heard {
+            if !has_monitor {
                 return;
             }
             self.watch_frames(inputs);
-            if self.keeper.is_asked() && !heeded(events) {
+            if self.scene.has_waiting_clients() && !await_publication(events) {
                 return;
             }
-            self.keeper.answer();
-            self.tell();
+            self.scene.respond();
+            self.publish();
         }
     }
 
     /// Carries out a group of commands and sends the resulting events to the monitor.
-    pub fn carry_out(&mut self, pass: Pass, mut tell: impl FnMut(MonitorEvent)) {
+    pub fn process(&mut self, pass: Pass, mut send: impl FnMut(MonitorEvent)) {
         let Pass { update_context, commands, clouds } = pass;
         let texts = self.texts;
-        self.keeper.ask(&update_context.parameters.planning_scene_service);
+        self.scene.set_required_service(&update_context.parameters.planning_scene_service);
         let (mut is_new_robot, mut change) = (false, self.follow_frames(&update_context));
-        let updates = commands.iter().filter(|command| matches!(command, LoaderCommand::Scene(_))).count();
+        let update_count =
+            commands.iter().filter(|command| matches!(command, LoaderCommand::Scene(_))).count();
         for command in commands {
-            match self.note(command, &update_context) {
+            match self.apply(command, &update_context) {
                 Change::Robot => is_new_robot = true,
                 other => change = change.max(other),
             }
         }
         self.shown_level = update_context.parameters.shown_level();
-        change = change.max(self.look_at_the_world(clouds, &update_context));
+        change = change.max(self.apply_clouds(clouds, &update_context));
         let is_described = self.description.is_some() || self.given.is_some();
         if is_new_robot && is_described {
-            tell(MonitorEvent::ModelSwap);
+            send(MonitorEvent::ModelSwap);
         }
-        let (built, refused) = self.build_anew(is_new_robot, change, &update_context);
+        let (built, refused) = self.rebuild_changed(is_new_robot, change, &update_context);
         if self.texts > texts {
-            tell(MonitorEvent::DescriptionsProcessed(self.texts));
+            send(MonitorEvent::DescriptionsProcessed(self.texts));
         }
-        if updates > 0 {
-            tell(MonitorEvent::WorldUpdate(WorldUpdate::Completing(updates)));
+        if update_count > 0 {
+            send(MonitorEvent::WorldUpdate(WorldUpdate::Completing(update_count)));
         }
         if let Some(revision) = built {
-            tell(MonitorEvent::Checker(revision));
+            send(MonitorEvent::Checker(revision));
         }
         if let Some(fault) = refused {
-            tell(MonitorEvent::ModelFault(fault));
+            send(MonitorEvent::ModelFault(fault));
         }
-        let incomplete = self.keeper.incomplete(&update_context.parameters);
-        tell(MonitorEvent::World {
-            clouds: self.keeper.note_in_use(),
-            faults: self.keeper.faults(),
+        let incomplete = self.scene.incomplete(&update_context.parameters);
+        send(MonitorEvent::World {
+            clouds: self.scene.note_in_use(),
+            faults: self.scene.faults(),
             incomplete,
         });
     }
 
     /// Rebuilds the changed parts and returns the error if something was rejected. A new robot includes all other changes.
-    fn build_anew(
+    fn rebuild_changed(
         &mut self,
         is_new_robot: bool,
         rest: Change,
@@ -252,7 +254,7 @@ impl Loader {
             return Some(vec![LoaderCommand::Frames]);
         }
         drop(tree);
-        let due = self.keeper.time_to_drop(clock.read(), &store.get());
+        let due = self.scene.time_to_drop(clock.read(), &store.get());
         let command = smol::block_on(future::or(async { commands.recv().await.map(Some) }, async {
             match due {
                 Some(due) => drop(Timer::after(due).await),
@@ -268,18 +270,18 @@ impl Loader {
         let Some(robot) = self.robot.clone() else {
             return Change::Nothing;
         };
-        let moved = guarded_scene(&mut self.keeper, |keeper| keeper.follow_frames(&robot, update_context));
+        let moved = guarded_scene(&mut self.scene, |scene| scene.follow_frames(&robot, update_context));
         if moved { Change::World } else { Change::Nothing }
     }
 
     /// Sets the frames to watch, in which a movement requires new poses of obstacles.
     fn watch_frames(&self, inputs: &LoaderInputs) {
-        let grounds = self.robot.as_ref().map(|robot| self.keeper.state.grounds(robot));
+        let grounds = self.robot.as_ref().map(|robot| self.scene.state.grounds(robot));
         *lock(&inputs.shared.grounds) = grounds.unwrap_or_default();
     }
 
     /// Adds new point clouds and removes expired ones.
-    fn look_at_the_world(
+    fn apply_clouds(
         &mut self,
         clouds: BTreeMap<String, CloudMessage>,
         update_context: &SceneUpdateContext,
@@ -289,19 +291,20 @@ impl Loader {
             return Change::Nothing;
         };
         let clouds = std::mem::take(&mut self.clouds);
-        let seen = guarded_scene(&mut self.keeper, |keeper| keeper.see(clouds, &robot, update_context));
-        let dropped = self.keeper.drop_stale(update_context.now, &update_context.parameters);
-        if seen || dropped { Change::World } else { Change::Nothing }
+        let changed =
+            guarded_scene(&mut self.scene, |scene| scene.apply_clouds(clouds, &robot, update_context));
+        let dropped = self.scene.drop_stale(update_context.now, &update_context.parameters);
+        if changed || dropped { Change::World } else { Change::Nothing }
     }
 
-    fn note(&mut self, command: LoaderCommand, update_context: &SceneUpdateContext) -> Change {
+    fn apply(&mut self, command: LoaderCommand, update_context: &SceneUpdateContext) -> Change {
         let (known, text, topic) = match command {
             LoaderCommand::Parameters if self.prefixes == prefixes(&update_context.parameters) => {
                 return Change::Settings;
             }
             LoaderCommand::Parameters => return Change::Robot,
             LoaderCommand::Clouds | LoaderCommand::Display | LoaderCommand::Frames => return Change::Nothing,
-            LoaderCommand::Scene(command) => return self.note_scene(*command, update_context),
+            LoaderCommand::Scene(command) => return self.apply_scene_command(*command, update_context),
             LoaderCommand::Description(text) => (&mut self.description, text, DESCRIPTION),
             LoaderCommand::Semantic(text) => (&mut self.semantic, text, SEMANTIC),
         };
@@ -317,19 +320,19 @@ impl Loader {
         Change::Robot
     }
 
-    fn note_scene(&mut self, command: SceneCommand, update_context: &SceneUpdateContext) -> Change {
+    fn apply_scene_command(&mut self, command: SceneCommand, update_context: &SceneUpdateContext) -> Change {
         let Some(robot) = self.robot.clone() else {
-            self.keeper.wait(command);
+            self.scene.store(command);
             return Change::Nothing;
         };
-        let changed = guarded_scene(&mut self.keeper, |keeper| keeper.apply(command, &robot, update_context));
+        let changed = guarded_scene(&mut self.scene, |scene| scene.apply(command, &robot, update_context));
         if changed { Change::World } else { Change::Nothing }
     }
 
     /// Loads the robot from the last texts.
     fn reload(&mut self, update_context: &SceneUpdateContext) -> Result<Option<Arc<Revision>>, String> {
         if let Some(robot) = self.given.clone() {
-            return self.take(robot, update_context).map(Some);
+            return self.use_robot(robot, update_context).map(Some);
         }
         let Some(description) = &self.description else {
             return Ok(None);
@@ -349,7 +352,7 @@ impl Loader {
             log::warn!("{SEMANTIC} is of robot '{}', not of '{}': not heeded", srdf.robot_name, robot.name());
             robot = load(&RobotText { srdf: None, ..text })?;
         }
-        self.take(robot, update_context).map(Some)
+        self.use_robot(robot, update_context).map(Some)
     }
 
     /// Rebuilds the checker of the same robot with other settings or in another world.
@@ -363,15 +366,15 @@ impl Loader {
         };
         let world = self.world_revision + u64::from(change == Change::World);
         let built = guarded("the world", || self.build(&robot, (self.model_revision, world), update_context));
-        if let (Err(fault), Some(scene)) = (&built, lock(&self.scene).as_ref()) {
+        if let (Err(fault), Some(scene)) = (&built, lock(&self.active_scene).as_ref()) {
             log::error!("the world stays as it was: {fault}");
-            self.keeper.go_back(&scene.scene, fault);
+            self.scene.restore(&scene.scene, fault);
             return Ok(None);
         }
         built.map(Some)
     }
 
-    fn take(
+    fn use_robot(
         &mut self,
         robot: RobotModel,
         update_context: &SceneUpdateContext,
@@ -380,31 +383,31 @@ impl Loader {
             log::warn!("{warning}");
         }
         self.prefixes = prefixes(&update_context.parameters);
-        self.keeper.release_robot();
+        self.scene.release_robot();
         let robot = Arc::new(robot.with_prefixes(&self.prefixes[0], &self.prefixes[1]));
-        let before = self.keeper.state.clone();
+        let before = self.scene.state.clone();
         let mut world = self.world_revision;
-        if self.keeper.is_untouched() {
+        if self.scene.is_unchanged() {
             // poses in scene files refer to a robot: each new robot needs them again
-            self.keeper.begin_with((self.surroundings)(&robot)?, &robot, update_context);
-            world = world.max(u64::from(!self.keeper.state.world.is_empty()));
+            self.scene.replace_scene((self.surroundings)(&robot)?, &robot, update_context);
+            world = world.max(u64::from(!self.scene.state.world.is_empty()));
         } else {
-            self.keeper.fit_to(&robot);
+            self.scene.adapt_to(&robot);
         }
-        self.keeper.follow_frames(&robot, update_context);
-        let mut awaited = Vec::new();
-        for command in self.keeper.awaited() {
-            awaited.push(command.source);
+        self.scene.follow_frames(&robot, update_context);
+        let mut waiting = Vec::new();
+        for command in self.scene.take_waiting() {
+            waiting.push(command.source);
             let changed =
-                guarded_scene(&mut self.keeper, |keeper| keeper.apply(command, &robot, update_context));
+                guarded_scene(&mut self.scene, |scene| scene.apply(command, &robot, update_context));
             world += u64::from(changed);
         }
         let revision = match self.build(&robot, (self.model_revision + 1, world), update_context) {
             Ok(revision) => revision,
             Err(fault) => {
                 // the previous robot stays in use, in its scene
-                self.keeper.stay_in(before);
-                self.keeper.note_in_vain(&awaited);
+                self.scene.restore_scene(before);
+                self.scene.count_as_lost(&waiting);
                 return Err(fault);
             }
         };
@@ -427,29 +430,29 @@ impl Loader {
         (model, world): (u64, u64),
         SceneUpdateContext { now, parameters, .. }: &SceneUpdateContext,
     ) -> Result<Arc<Revision>, String> {
-        let scene = &self.keeper.state;
-        let before = lock(&self.scene).clone();
+        let scene = &self.scene.state;
+        let before = lock(&self.active_scene).clone();
         let known = before.as_ref().map(|before| &before.revision.checker);
         let checker = checker_of(robot, scene, self.mesh_model, parameters, known)?;
         let meshes = solid_meshes(&checker);
         self.logged_meshes.log(&meshes);
-        let mut warnings = self.keeper.warnings();
+        let mut warnings = self.scene.warnings();
         warnings.extend(scene.names_without_effect(robot).into_iter().chain(warnings_of(&checker, &meshes)));
         let revision = Arc::new(Revision {
             checker,
             model,
             world,
-            sources: self.keeper.sources(parameters),
-            incomplete: self.keeper.incomplete(parameters),
+            sources: self.scene.sources(parameters),
+            incomplete: self.scene.incomplete(parameters),
             warnings,
             grounds: scene.grounds(robot),
             placed_at: Some(now.steady),
         });
         (self.model_revision, self.world_revision) = (model, world);
-        *lock(&self.scene) = Some(Arc::new(ActiveScene {
+        *lock(&self.active_scene) = Some(Arc::new(ActiveScene {
             revision: Arc::clone(&revision),
             scene: scene.clone(),
-            octomap: self.keeper.octomap.clone(),
+            octomap: self.scene.octomap.clone(),
             mesh_model: self.mesh_model,
             parameters: parameters.clone(),
         }));
@@ -468,11 +471,11 @@ fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
 }
 
 /// Applies an untrusted scene message. A panic in it must not end the node.
-fn guarded_scene(keeper: &mut LoaderScene, change: impl FnOnce(&mut LoaderScene) -> bool) -> bool {
-    catch_unwind(AssertUnwindSafe(|| change(keeper))).unwrap_or_else(|_| {
+fn guarded_scene(scene: &mut LoaderScene, change: impl FnOnce(&mut LoaderScene) -> bool) -> bool {
+    catch_unwind(AssertUnwindSafe(|| change(scene))).unwrap_or_else(|_| {
         const FAULT: &str = "a change of the world failed inside the program; the world may lack it";
         log::error!("{FAULT}");
-        keeper.note_failure(FAULT);
+        scene.note_failure(FAULT);
         true
     })
 }

@@ -57,7 +57,7 @@ impl MemoryWatch {
     }
 
     /// Returns after the limit was exceeded and the status was published.
-    pub async fn work(self) {
+    pub async fn run(self) {
         let Some(mut process) = Process::this() else {
             return future::pending().await;
         };
@@ -128,7 +128,7 @@ impl StartupWatch {
     }
 
     /// Ends the process when the limit is exceeded. At this time there is no state to publish and no data to save.
-    pub fn work(mut self, has_ended: impl Fn() -> bool) {
+    pub fn run(mut self, has_ended: impl Fn() -> bool) {
         while !has_ended() {
             let used = self.process.resident_memory();
             if used > self.limit * MIB {

@@ -118,7 +118,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     let mut loader = Loader::new((options.mesh_files, options.surroundings, options.mesh_model));
     if let Some(robot) = options.robot {
         let update_context = SceneUpdateContext::first(&parameters, clock.read());
-        monitor.set_checker(loader.take_given(robot, &update_context).map_err(NodeError::Input)?);
+        monitor.set_checker(loader.load_given(robot, &update_context).map_err(NodeError::Input)?);
     }
     hand_signals_to(end.clone());
     let meshes = options.given.meshes.clone();
@@ -136,7 +136,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     let joint_states = names.resolve("joint_states")?;
     let motion = with_publisher(options.motion, &middleware, &joint_states)?;
     let (own_states, own_states_in) = mailbox::bounded(1);
-    let (markers, marker_desk) = marker_topic::open(&middleware, &names)?;
+    let (markers, marker_worker) = marker_topic::open(&middleware, &names)?;
     let monitor_loop = MonitorLoop {
         node: names.full_node_name(),
         monitor,
@@ -156,22 +156,22 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
         recording: recording.clone(),
         report: Report::default(),
     };
-    loader.tell_on(MonitoredScene::open(&middleware, &names)?, LinkVolumes::open(&middleware, &names)?);
-    let (scenes, validity_desk) =
-        SceneServices::offer(&middleware, &names, Arc::clone(&current), shared.clone())?;
+    loader.publish_on(MonitoredScene::open(&middleware, &names)?, LinkVolumes::open(&middleware, &names)?);
+    let (scenes, validity_worker) =
+        SceneServices::open(&middleware, &names, Arc::clone(&current), shared.clone())?;
     let sender = SceneCommandSender::new(shared, commands.clone(), events.clone());
     let topics = SceneTopics::open(&middleware, &names, sender, watch_in)?;
-    let (states, state_desk) =
-        StateServices::offer(&middleware, &names, Arc::clone(&current), Arc::clone(&clock))?;
-    let (motions, motion_desk) =
-        MotionServices::offer(&middleware, &names, current, Arc::clone(&clock), store.clone())?;
+    let (states, state_worker) =
+        StateServices::open(&middleware, &names, Arc::clone(&current), Arc::clone(&clock))?;
+    let (motions, motion_worker) =
+        MotionServices::open(&middleware, &names, current, Arc::clone(&clock), store.clone())?;
     let inputs_of_services = ServicesInputs {
         store,
         recording,
         clock: Arc::clone(&clock),
         motions,
         states,
-        enable: EnableService::offer(&middleware, &names, end.events.clone())?,
+        enable: EnableService::open(&middleware, &names, end.events.clone())?,
         commands,
         description_events: (!is_given).then(|| end.events.clone()),
         changes: changes_in,
@@ -179,18 +179,18 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     let services = ServicesThread::open(&middleware, &names, inputs_of_services)?;
     let mut parts = vec![
         Part::new("monitor", move || run_first(monitor_loop, priority)),
-        Part::new("markers", move || marker_desk.work()),
-        Part::new("loader", move || loader.follow(&commands_in, &events, &inputs)),
+        Part::new("markers", move || marker_worker.run()),
+        Part::new("loader", move || loader.run(&commands_in, &events, &inputs)),
     ];
     parts.extend(motion.map(|(motion, publisher)| {
         task("motion", &stopped, async move || {
             demo_motion::play(&motion, &current_robot, &clock, &publisher, &own_states).await;
         })
     }));
-    parts.push(task("memory", &stopped, async move || memory.work().await));
-    parts.push(desk("motions", &stopped, move || motion_desk.work()));
-    parts.push(desk("states", &stopped, move || state_desk.work()));
-    parts.push(desk("validity", &stopped, move || validity_desk.work()));
+    parts.push(task("memory", &stopped, async move || memory.run().await));
+    parts.push(worker("motions", &stopped, move || motion_worker.run()));
+    parts.push(worker("states", &stopped, move || state_worker.run()));
+    parts.push(worker("validity", &stopped, move || validity_worker.run()));
     parts.push(task("network", &stopped, receive_thread_watch::ended));
     let world = async move || future::zip(topics.receive(), scenes.serve(&topics.sender)).await;
     parts.push(task("world", &stopped, world));
@@ -249,7 +249,7 @@ fn task<T>(
 }
 
 /// Part of the node that runs checks for requests. A check that takes hours does not delay the end of the node.
-fn desk(name: &'static str, stopped: &Receiver<()>, work: impl FnOnce() + Send + 'static) -> Part {
+fn worker(name: &'static str, stopped: &Receiver<()>, work: impl FnOnce() + Send + 'static) -> Part {
     task(name, stopped, || smol::unblock(work))
 }
 

@@ -68,7 +68,7 @@ impl ServicesThread {
         Ok(Self {
             descriptions: latched("robot_description")?,
             semantics: latched("robot_description_semantic")?,
-            parameters: ParameterServices::offer(middleware, names, store.clone(), Arc::clone(clock))?,
+            parameters: ParameterServices::open(middleware, names, store.clone(), Arc::clone(clock))?,
             clock_topic: names.resolve("/clock")?,
             middleware: middleware.clone(),
             lines: logging::open_rosout_queue(),

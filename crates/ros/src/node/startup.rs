@@ -25,8 +25,8 @@ impl Startup {
         let has_ended = Arc::new(AtomicBool::new(false));
         if let Some(watch) = StartupWatch::new(memory_limit) {
             let has_ended = Arc::clone(&has_ended);
-            let work = move || watch.work(|| has_ended.load(Ordering::Relaxed));
-            if let Err(error) = thread::Builder::new().name("memory at start".to_owned()).spawn(work) {
+            let run = move || watch.run(|| has_ended.load(Ordering::Relaxed));
+            if let Err(error) = thread::Builder::new().name("memory at start".to_owned()).spawn(run) {
                 log::warn!("memory_limit has no effect until the node runs: {error}");
             }
         }

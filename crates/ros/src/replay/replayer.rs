@@ -133,7 +133,7 @@ impl Replay {
         if let Some(robot) = robot {
             let update_context =
                 SceneUpdateContext::first(parameters, Now { ros: None, steady: Duration::ZERO });
-            monitor.set_checker(loader.take_given(robot, &update_context)?);
+            monitor.set_checker(loader.load_given(robot, &update_context)?);
         }
         let transforms = clearance_scene::TransformTree::default();
         Ok(Self {
@@ -150,7 +150,7 @@ impl Replay {
         match step {
             RecordStep::Pass { now, parameters, commands, clouds } => {
                 let pass = self.pass(now, &parameters, (commands, clouds), messages)?;
-                self.loader.carry_out(pass, |event| self.loader_events.push_back(event));
+                self.loader.process(pass, |event| self.loader_events.push_back(event));
             }
             RecordStep::MonitorEvent(event) => return Ok(self.process_event(&event)),
             RecordStep::Parameters(parameters) => {
@@ -212,7 +212,7 @@ impl Replay {
     /// Has the monitor process the loader's next event, which must be equal to the recorded one.
     fn process_event(&mut self, recorded: &RecordedMonitorEvent) -> StepResult {
         let differs = |replayed: String| StepResult::Differs {
-            field: "what the loader made of its commands".to_owned(),
+            field: "what the loader made of its orders".to_owned(),
             recorded: format!("{recorded:?}"),
             replayed,
         };

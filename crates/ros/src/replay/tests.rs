@@ -90,7 +90,7 @@ impl Cell {
         let mut loader = Loader::new((mesh_files, nothing_around(), MeshModel::Surface));
         let mut monitor = Monitor::new(parameters.monitor_settings(), || Duration::ZERO);
         let update_context = SceneUpdateContext::first(&parameters, now(0));
-        monitor.set_checker(loader.take_given(robot, &update_context).unwrap());
+        monitor.set_checker(loader.load_given(robot, &update_context).unwrap());
         let file = folder.join("record.mcap");
         let settings = RecordingSettings { file, max_size: 0.0, max_duration };
         let urdf = recorded_path(&folder.join("rod.urdf"));
@@ -197,14 +197,14 @@ impl Cell {
             lost: 0,
         };
         let command = LoaderCommand::Scene(Box::new(object_command(&message)));
-        self.carry_out(vec![(command, step, Some(original))], None);
+        self.process(vec![(command, step, Some(original))], None);
     }
 
     fn cloud(&mut self) {
-        self.carry_out(vec![(LoaderCommand::Clouds, RecordedCommand::Clouds, None)], Some(cloud()));
+        self.process(vec![(LoaderCommand::Clouds, RecordedCommand::Clouds, None)], Some(cloud()));
     }
 
-    fn carry_out(
+    fn process(
         &mut self,
         commands: Vec<(LoaderCommand, RecordedCommand, Option<OriginalMessage>)>,
         cloud: Option<PointCloud2>,
@@ -232,7 +232,7 @@ impl Cell {
         };
         let pass = Pass { update_context, commands, clouds };
         let mut told = Vec::new();
-        self.loader.carry_out(pass, |event| told.push(event));
+        self.loader.process(pass, |event| told.push(event));
         self.recording.note(|| RecordedEvent::Meshes(self.meshes.take()));
         for event in told {
             match event {

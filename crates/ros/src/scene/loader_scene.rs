@@ -29,7 +29,7 @@ use crate::scene::whole_scene::WholeScene;
 const WAITING: usize = 1000;
 
 /// Maximum number of reported rejections per message.
-const TOLD: usize = 20;
+const MOST_LISTED: usize = 20;
 
 /// Name of the octomap as a world source.
 pub const OCTOMAP_SOURCE: &str = OCTOMAP;
@@ -52,7 +52,7 @@ pub struct LoaderScene {
     /// Rejected parts of the last message that changed the scene, or was intended to.
     faults: Vec<String>,
     /// Parts of the scene that are not valid for the new robot; cleared by the next complete scene.
-    unfit: Vec<String>,
+    invalid_parts: Vec<String>,
     /// Objects that the previous robot held and the new one cannot; cleared by the next complete scene.
     dropped_objects: Vec<String>,
     /// Failure of a whole update; cleared by the next complete scene.
@@ -62,59 +62,59 @@ pub struct LoaderScene {
     missing: MissingObjects,
     lost: LostMessages,
     /// Rate limiter for messages with faults.
-    flood: LogRateLimiter,
+    rate_limiter: LogRateLimiter,
     /// Sources whose data was removed because it was too old.
     dropped: Vec<String>,
     whole: WholeScene,
     /// Whether a message or a sensor has changed the scene since the start.
-    touched: bool,
-    unanswered: Vec<(Sender<bool>, bool)>,
+    is_changed: bool,
+    waiting_clients: Vec<(Sender<bool>, bool)>,
 }
 
 impl LoaderScene {
     /// Whether the scene still comes only from the files.
     #[must_use]
-    pub fn is_untouched(&self) -> bool {
-        !self.touched
+    pub fn is_unchanged(&self) -> bool {
+        !self.is_changed
     }
 
     /// Restores an earlier scene, because the checker of the new one could not be built.
-    pub fn go_back(&mut self, scene: &Scene, fault: &str) {
-        self.stay_in(scene.clone());
+    pub fn restore(&mut self, scene: &Scene, fault: &str) {
+        self.restore_scene(scene.clone());
         self.note_failure(fault);
     }
 
     /// Restores an earlier scene, because a new robot was rejected.
-    pub fn stay_in(&mut self, scene: Scene) {
+    pub fn restore_scene(&mut self, scene: Scene) {
         self.state = scene;
-        self.whole.go_back();
-        self.lost.go_back();
-        for (_, succeeded) in &mut self.unanswered {
+        self.whole.restore();
+        self.lost.restore();
+        for (_, succeeded) in &mut self.waiting_clients {
             *succeeded = false;
         }
     }
 
     /// Sets the service that is queried for the whole scene, from the parameters.
-    pub fn ask(&mut self, service: &str) {
-        self.whole.ask(service);
+    pub fn set_required_service(&mut self, service: &str) {
+        self.whole.set_service(service);
     }
 
     /// Counts commands of these topics as lost, because the robot that they waited for was rejected.
-    pub fn note_in_vain(&mut self, topics: &[&'static str]) {
+    pub fn count_as_lost(&mut self, topics: &[&'static str]) {
         for topic in topics {
             self.lost.note(topic, 1);
         }
     }
 
     /// Adapts the scene to a new robot.
-    pub fn fit_to(&mut self, robot: &RobotModel) {
+    pub fn adapt_to(&mut self, robot: &RobotModel) {
         let Unfit { dropped, warnings } = self.state.fit_to(robot);
         for warning in dropped.iter().chain(&warnings) {
             log::warn!("{warning}");
         }
         self.dropped_objects.extend(dropped);
-        self.dropped_objects.truncate(TOLD);
-        self.unfit = warnings.into_iter().take(TOLD).collect();
+        self.dropped_objects.truncate(MOST_LISTED);
+        self.invalid_parts = warnings.into_iter().take(MOST_LISTED).collect();
     }
 
     /// Frees the data that was built for the previous robot.
@@ -123,7 +123,7 @@ impl LoaderScene {
     }
 
     /// Stores a command until there is a robot.
-    pub fn wait(&mut self, command: SceneCommand) {
+    pub fn store(&mut self, command: SceneCommand) {
         if command.is_waited_for() {
             log::warn!("{}: there is no robot model yet", command.source);
             if let Some(update) = &command.update {
@@ -141,7 +141,7 @@ impl LoaderScene {
     }
 
     /// Takes the stored commands.
-    pub fn awaited(&mut self) -> impl Iterator<Item = SceneCommand> + use<> {
+    pub fn take_waiting(&mut self) -> impl Iterator<Item = SceneCommand> + use<> {
         std::mem::take(&mut self.waiting).into_iter()
     }
 
@@ -155,9 +155,9 @@ impl LoaderScene {
         let SceneCommand { source, mut update, rejections: mut refusals, lost, mut octomap, done, .. } =
             command;
         self.lost.note(source, lost);
-        if self.note_blindness(source, update.as_ref()) && update_context.parameters.blind_makes_unknown() {
+        if self.check_blindness(source, update.as_ref()) && update_context.parameters.blind_makes_unknown() {
             // the last map that showed something stays in use
-            self.octomap_seen = octomap.take().map(|(_, sight)| sight);
+            self.octomap_seen = octomap.take().map(|(_, observation)| observation);
             update = None;
         }
         let before = self.state.world.obstacle_by_name(OCTOMAP).cloned();
@@ -181,10 +181,10 @@ impl LoaderScene {
         }
         self.note_refusals(source, &refusals, update.as_ref());
         if let Some(update) = &update {
-            self.whole.heed(update);
-            self.lost.heed(update);
+            self.whole.on_update(update);
+            self.lost.on_update(update);
             if update.is_whole() {
-                self.unfit.clear();
+                self.invalid_parts.clear();
             }
             if update.is_whole_of_robot() {
                 self.dropped_objects.clear();
@@ -192,20 +192,20 @@ impl LoaderScene {
             }
         }
         warnings.extend_from_slice(&self.faults);
-        if !warnings.is_empty() && self.flood.admit(update_context.now.steady) {
+        if !warnings.is_empty() && self.rate_limiter.admit(update_context.now.steady) {
             for warning in warnings {
                 log::warn!("{warning}");
             }
         }
-        self.touched |= changed;
+        self.is_changed |= changed;
         if let Some(done) = done {
-            self.unanswered.push((done, refusals.is_empty()));
+            self.waiting_clients.push((done, refusals.is_empty()));
         }
         changed
     }
 
     /// Replaces the scene from files for another robot. Obstacles keep their poses in the environment.
-    pub fn begin_with(
+    pub fn replace_scene(
         &mut self,
         mut state: Scene,
         robot: &Arc<RobotModel>,
@@ -240,13 +240,13 @@ impl LoaderScene {
         let Some(update) = update.filter(|update| update.changes_octomap()) else { return };
         self.dropped.retain(|name| name != OCTOMAP_SOURCE);
         self.octomap_shows_room = octomap.is_some() && update.shows_room();
-        self.octomap_seen = octomap.as_ref().map(|(_, sight)| *sight);
+        self.octomap_seen = octomap.as_ref().map(|(_, observation)| *observation);
         self.octomap = octomap.filter(|(map, _)| !map.octomap.data.is_empty()).map(|(map, _)| Arc::new(map));
     }
 
     /// Records and returns whether the octomap of a topic shows nothing, after one that showed something. A scene message that removes the
     /// map is intended, and not counted.
-    fn note_blindness(&mut self, source: &str, update: Option<&SceneUpdate>) -> bool {
+    fn check_blindness(&mut self, source: &str, update: Option<&SceneUpdate>) -> bool {
         let Some(update) = update.filter(|update| update.changes_octomap()) else { return false };
         let is_of_sensor = matches!(update, SceneUpdate::Octomap(Some(_)));
         let showed_room = self.octomap_shows_room || self.blind_octomap.is_some();
@@ -257,22 +257,23 @@ impl LoaderScene {
     }
 
     fn note_refusals(&mut self, source: &str, refusals: &[SceneRejection], update: Option<&SceneUpdate>) {
-        self.missing.heed(source, update, refusals);
-        self.faults = refusals.iter().take(TOLD).map(|refusal| format!("{source}: {refusal}")).collect();
-        if refusals.len() > TOLD {
-            self.faults.push(format!("{source}: and {} more faults", refusals.len() - TOLD));
+        self.missing.on_message(source, update, refusals);
+        self.faults =
+            refusals.iter().take(MOST_LISTED).map(|refusal| format!("{source}: {refusal}")).collect();
+        if refusals.len() > MOST_LISTED {
+            self.faults.push(format!("{source}: and {} more faults", refusals.len() - MOST_LISTED));
         }
     }
 
     /// Whether a client waits until a change is in use.
     #[must_use]
-    pub fn is_asked(&self) -> bool {
-        !self.unanswered.is_empty()
+    pub fn has_waiting_clients(&self) -> bool {
+        !self.waiting_clients.is_empty()
     }
 
     /// Responds to the clients whose changes are now in use.
-    pub fn answer(&mut self) {
-        for (done, succeeded) in self.unanswered.drain(..) {
+    pub fn respond(&mut self) {
+        for (done, succeeded) in self.waiting_clients.drain(..) {
             // an error means that the client has gone
             let _ = done.try_send(succeeded);
         }
@@ -342,10 +343,10 @@ impl LoaderScene {
     /// Warnings about sources whose data was removed.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
-        let told = |name: &String| {
+        let warning = |name: &String| {
             format!("what '{name}' saw was dropped, because it was too old: it is not avoided any more")
         };
-        self.dropped.iter().map(told).collect()
+        self.dropped.iter().map(warning).collect()
     }
 
     /// Records that the received data is now in use.

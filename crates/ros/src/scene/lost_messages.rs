@@ -27,19 +27,19 @@ impl LostMessages {
     }
 
     /// Clears the counts of the topics whose content this update replaces completely.
-    pub fn heed(&mut self, update: &SceneUpdate) {
+    pub fn on_update(&mut self, update: &SceneUpdate) {
         match update {
             // such an update contains no attached objects, collision matrices or paddings
-            SceneUpdate::World(_) => self.heed_world(),
+            SceneUpdate::World(_) => self.on_world_replaced(),
             whole if whole.is_whole_of_robot() => self.now.clear(),
             // such an update does not change attached objects
-            SceneUpdate::Scene(scene) if !scene.is_diff => self.heed_world(),
+            SceneUpdate::Scene(scene) if !scene.is_diff => self.on_world_replaced(),
             _ => {}
         }
     }
 
     /// All obstacles were replaced.
-    fn heed_world(&mut self) {
+    fn on_world_replaced(&mut self) {
         let of_world = [SceneSource::CollisionObject, SceneSource::PlanningSceneWorld].map(SceneSource::name);
         self.now.retain(|topic, _| !of_world.contains(topic));
     }
@@ -51,7 +51,7 @@ impl LostMessages {
     }
 
     /// The latest updates were not taken into use: restores the previous counts.
-    pub fn go_back(&mut self) {
+    pub fn restore(&mut self) {
         self.now = self.in_force.clone();
         for (topic, count) in &self.since {
             add(&mut self.now, topic, *count);
@@ -67,7 +67,7 @@ impl LostMessages {
     }
 
     /// One warning per topic with lost messages.
-    pub fn told(&self) -> impl Iterator<Item = String> {
+    pub fn warnings(&self) -> impl Iterator<Item = String> {
         self.now.iter().map(|(topic, count)| {
             format!("{topic}: {count} messages were lost: what they changed is missing here until a whole scene comes")
         })
@@ -85,8 +85,8 @@ mod tests {
 
     use clearance_scene::SceneChange;
 
-    fn told(lost: &LostMessages) -> Vec<String> {
-        lost.told().map(|text| text.split(" messages").next().unwrap_or_default().to_owned()).collect()
+    fn warnings(lost: &LostMessages) -> Vec<String> {
+        lost.warnings().map(|text| text.split(" messages").next().unwrap_or_default().to_owned()).collect()
     }
 
     fn scene(is_diff: bool) -> SceneUpdate {
@@ -102,13 +102,13 @@ mod tests {
             lost.note(topic, count);
         }
         let of_objects = format!("collision_object: {}", u64::MAX);
-        assert_eq!(told(&lost), ["attached_collision_object: 1", &of_objects]);
-        lost.heed(&scene(true));
-        assert_eq!(told(&lost).len(), 2);
-        lost.heed(&SceneUpdate::World(Box::default()));
-        assert_eq!(told(&lost), ["attached_collision_object: 1"]);
-        lost.heed(&scene(false));
-        assert!(told(&lost).is_empty());
+        assert_eq!(warnings(&lost), ["attached_collision_object: 1", &of_objects]);
+        lost.on_update(&scene(true));
+        assert_eq!(warnings(&lost).len(), 2);
+        lost.on_update(&SceneUpdate::World(Box::default()));
+        assert_eq!(warnings(&lost), ["attached_collision_object: 1"]);
+        lost.on_update(&scene(false));
+        assert!(warnings(&lost).is_empty());
     }
 
     #[test]
@@ -117,12 +117,12 @@ mod tests {
         lost.note("a", 2);
         lost.note_in_use();
         lost.note("b", 1);
-        lost.heed(&scene(false));
-        lost.go_back();
-        assert_eq!(told(&lost), ["a: 2", "b: 1"]);
-        lost.heed(&scene(false));
+        lost.on_update(&scene(false));
+        lost.restore();
+        assert_eq!(warnings(&lost), ["a: 2", "b: 1"]);
+        lost.on_update(&scene(false));
         lost.note_in_use();
-        lost.go_back();
-        assert!(told(&lost).is_empty());
+        lost.restore();
+        assert!(warnings(&lost).is_empty());
     }
 }

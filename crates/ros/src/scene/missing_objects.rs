@@ -8,7 +8,7 @@ use clearance_scene::{Gap, SceneRejection, SceneUpdate, Subject};
 const MOST: usize = 1000;
 
 /// Maximum number of listed gaps, in the order of their names.
-const TOLD: usize = 20;
+const MOST_LISTED: usize = 20;
 
 /// Gaps in the scene that no later update has closed yet.
 #[derive(Debug, Default)]
@@ -21,10 +21,10 @@ pub struct MissingObjects {
 
 impl MissingObjects {
     /// Processes an update, if the message could be parsed, and the rejected parts of the message.
-    pub fn heed(&mut self, source: &str, update: Option<&SceneUpdate>, refusals: &[SceneRejection]) {
+    pub fn on_message(&mut self, source: &str, update: Option<&SceneUpdate>, rejections: &[SceneRejection]) {
         if let Some(update) = update {
             for (gap, fault) in std::mem::take(&mut self.gaps).into_values() {
-                let is_rejected = refusals.iter().any(|refusal| is_about(refusal, &gap));
+                let is_rejected = rejections.iter().any(|rejection| is_about(rejection, &gap));
                 if let Some(left) = update.left_of(gap, is_rejected) {
                     self.note(left, fault);
                 }
@@ -33,9 +33,9 @@ impl MissingObjects {
                 self.unnamed = 0;
             }
         }
-        for refusal in refusals {
-            if let Some(gap) = &refusal.gap {
-                self.note(gap.clone(), format!("{source}: {refusal}"));
+        for rejection in rejections {
+            if let Some(gap) = &rejection.gap {
+                self.note(gap.clone(), format!("{source}: {rejection}"));
             }
         }
     }
@@ -43,8 +43,8 @@ impl MissingObjects {
     /// Records the objects of an update that was not applied at all, with the reason.
     pub fn note_unused(&mut self, source: &str, update: &SceneUpdate, why: &str) {
         for gap in update.announced() {
-            let refusal = SceneRejection::of(&gap.name, why);
-            self.note(gap, format!("{source}: {refusal}"));
+            let rejection = SceneRejection::of(&gap.name, why);
+            self.note(gap, format!("{source}: {rejection}"));
         }
     }
 
@@ -67,17 +67,17 @@ impl MissingObjects {
     }
 
     /// The fault of each listed gap, and the number of further gaps.
-    pub fn told(&self) -> impl Iterator<Item = String> {
-        let more = self.len().saturating_sub(TOLD);
+    pub fn faults(&self) -> impl Iterator<Item = String> {
+        let more = self.len().saturating_sub(MOST_LISTED);
         let rest =
             (more > 0).then(|| format!("and {more} more objects are missing, because they were refused"));
-        self.gaps.values().take(TOLD).map(|(_, fault)| fault.clone()).chain(rest)
+        self.gaps.values().take(MOST_LISTED).map(|(_, fault)| fault.clone()).chain(rest)
     }
 }
 
-fn is_about(refusal: &SceneRejection, gap: &Gap) -> bool {
+fn is_about(rejection: &SceneRejection, gap: &Gap) -> bool {
     let is_same = |other: &Gap| (other.subject, &other.name) == (gap.subject, &gap.name);
-    refusal.gap.as_ref().is_some_and(is_same) || refusal.object.as_deref() == Some(&gap.name)
+    rejection.gap.as_ref().is_some_and(is_same) || rejection.object.as_deref() == Some(&gap.name)
 }
 
 #[cfg(test)]
@@ -105,36 +105,36 @@ mod tests {
         SceneRejection::of(id, "no link").of_attached().of_pose()
     }
 
-    fn told(missing: &MissingObjects) -> Vec<String> {
-        missing.told().collect()
+    fn faults(missing: &MissingObjects) -> Vec<String> {
+        missing.faults().collect()
     }
 
     #[test]
     fn an_object_is_missing_until_something_about_it_is_right() {
         let mut missing = MissingObjects::default();
-        missing.heed("topic", Some(&add("a")), &[SceneRejection::of("a", "no shapes")]);
-        missing.heed("topic", Some(&attach("held")), &[no_link("held")]);
-        missing.heed("topic", Some(&add("b")), &[]);
-        assert_eq!(told(&missing), ["topic: object 'a': no shapes", "topic: object 'held': no link"]);
+        missing.on_message("topic", Some(&add("a")), &[SceneRejection::of("a", "no shapes")]);
+        missing.on_message("topic", Some(&attach("held")), &[no_link("held")]);
+        missing.on_message("topic", Some(&add("b")), &[]);
+        assert_eq!(faults(&missing), ["topic: object 'a': no shapes", "topic: object 'held': no link"]);
         // a world message contains no attached objects
-        missing.heed("topic", Some(&SceneUpdate::World(Box::default())), &[]);
-        assert_eq!(told(&missing), ["topic: object 'held': no link"]);
-        missing.heed("topic", Some(&attach("held")), &[]);
-        assert!(told(&missing).is_empty());
+        missing.on_message("topic", Some(&SceneUpdate::World(Box::default())), &[]);
+        assert_eq!(faults(&missing), ["topic: object 'held': no link"]);
+        missing.on_message("topic", Some(&attach("held")), &[]);
+        assert!(faults(&missing).is_empty());
     }
 
     #[test]
     fn what_is_moved_still_lacks_its_shapes() {
         let mut missing = MissingObjects::default();
         let append = object("a", Operation::Append);
-        missing.heed("topic", Some(&append), &[SceneRejection::of("a", "a mesh")]);
+        missing.on_message("topic", Some(&append), &[SceneRejection::of("a", "a mesh")]);
         // a rejected move does not reduce the gap either
         let elsewhere = object("a", Operation::Move);
-        missing.heed("topic", Some(&elsewhere), &[SceneRejection::of("a", "a frame").of_pose()]);
-        missing.heed("topic", Some(&elsewhere), &[]);
-        assert_eq!(told(&missing).len(), 1);
-        missing.heed("topic", Some(&object("a", Operation::Remove)), &[]);
-        assert!(told(&missing).is_empty());
+        missing.on_message("topic", Some(&elsewhere), &[SceneRejection::of("a", "a frame").of_pose()]);
+        missing.on_message("topic", Some(&elsewhere), &[]);
+        assert_eq!(faults(&missing).len(), 1);
+        missing.on_message("topic", Some(&object("a", Operation::Remove)), &[]);
+        assert!(faults(&missing).is_empty());
     }
 
     #[test]
@@ -142,11 +142,11 @@ mod tests {
         let mut missing = MissingObjects::default();
         let gap = Gap::new(Subject::Object, "", clearance_scene::Extent::Shapes);
         let unnamed = SceneRejection { gap: Some(gap), ..SceneRejection::new("id is empty") };
-        missing.heed("topic", Some(&add("")), &[unnamed]);
-        missing.heed("topic", Some(&add("b")), &[]);
-        assert_eq!(told(&missing), ["topic: id is empty"]);
-        missing.heed("topic", Some(&object("", Operation::Remove)), &[]);
-        assert!(told(&missing).is_empty());
+        missing.on_message("topic", Some(&add("")), &[unnamed]);
+        missing.on_message("topic", Some(&add("b")), &[]);
+        assert_eq!(faults(&missing), ["topic: id is empty"]);
+        missing.on_message("topic", Some(&object("", Operation::Remove)), &[]);
+        assert!(faults(&missing).is_empty());
     }
 
     #[test]
@@ -156,9 +156,9 @@ mod tests {
         let world = WorldChange { objects, octomap: None };
         let update = SceneUpdate::Scene(Box::new(SceneChange { is_diff: true, world, ..Default::default() }));
         missing.note_unused("service", &update, "there is no robot yet");
-        assert_eq!(told(&missing).len(), 2);
-        missing.heed("service", Some(&update), &[]);
-        assert!(told(&missing).is_empty());
+        assert_eq!(faults(&missing).len(), 2);
+        missing.on_message("service", Some(&update), &[]);
+        assert!(faults(&missing).is_empty());
     }
 
     #[test]
@@ -174,24 +174,28 @@ mod tests {
             let world = WorldChange { objects: Vec::new(), octomap };
             SceneUpdate::Scene(Box::new(SceneChange { is_diff: true, world, ..SceneChange::default() }))
         };
-        missing.heed("topic", None, &[SceneRejection::of_octomap("broken")]);
-        missing.heed("topic", Some(&with(None)), &[]);
-        assert_eq!(told(&missing).len(), 1);
-        missing.heed("topic", Some(&with(Some(octomap))), &[]);
-        assert!(told(&missing).is_empty());
+        missing.on_message("topic", None, &[SceneRejection::of_octomap("broken")]);
+        missing.on_message("topic", Some(&with(None)), &[]);
+        assert_eq!(faults(&missing).len(), 1);
+        missing.on_message("topic", Some(&with(Some(octomap))), &[]);
+        assert!(faults(&missing).is_empty());
     }
 
     #[test]
     fn of_very_many_some_are_told_and_the_rest_counted() {
         let mut missing = MissingObjects::default();
-        let refusals: Vec<_> =
+        let rejections: Vec<_> =
             (0..MOST + 7).map(|i| SceneRejection::of(&format!("{i:05}"), "no shapes")).collect();
-        missing.heed("topic", None, &refusals);
-        let lines = told(&missing);
-        assert_eq!((lines.len(), missing.gaps.len()), (TOLD + 1, MOST));
-        assert!(lines[TOLD].contains(&format!("and {} more", MOST + 7 - TOLD)), "{}", lines[TOLD]);
+        missing.on_message("topic", None, &rejections);
+        let lines = faults(&missing);
+        assert_eq!((lines.len(), missing.gaps.len()), (MOST_LISTED + 1, MOST));
+        assert!(
+            lines[MOST_LISTED].contains(&format!("and {} more", MOST + 7 - MOST_LISTED)),
+            "{}",
+            lines[MOST_LISTED]
+        );
         let whole = SceneUpdate::Scene(Box::default());
-        missing.heed("topic", Some(&whole), &[]);
-        assert!(told(&missing).is_empty());
+        missing.on_message("topic", Some(&whole), &[]);
+        assert!(faults(&missing).is_empty());
     }
 }

@@ -135,7 +135,7 @@ pub fn world_change(message: &PlanningSceneWorld, unknown_is_occupied: bool) -> 
 }
 
 /// Separates valid parts from rejected ones.
-fn sorted<T>(results: impl Iterator<Item = Result<T, SceneRejection>>) -> (Vec<T>, Vec<SceneRejection>) {
+fn separated<T>(results: impl Iterator<Item = Result<T, SceneRejection>>) -> (Vec<T>, Vec<SceneRejection>) {
     let (mut right, mut rejections) = (Vec::new(), Vec::new());
     for result in results {
         match result {

@@ -35,36 +35,36 @@ pub struct SceneMessages<'t> {
 
 /// The scene with the components that a client requests, as a bit set; all of them if it requests none.
 #[must_use]
-pub fn scene_message(told: &SceneMessages, components: u32) -> PlanningScene {
+pub fn scene_message(writer: &SceneMessages, components: u32) -> PlanningScene {
     let wanted = |component: u32| components == 0 || components & component != 0;
     let mut message = PlanningScene::default();
     if wanted(Components::SCENE_SETTINGS) {
-        told.robot.name().clone_into(&mut message.robot_model_name);
+        writer.robot.name().clone_into(&mut message.robot_model_name);
     }
     if wanted(Components::TRANSFORMS) {
-        message.fixed_frame_transforms = told.fixed_frames();
+        message.fixed_frame_transforms = writer.fixed_frames();
     }
     if wanted(Components::ROBOT_STATE) || wanted(Components::ROBOT_STATE_ATTACHED_OBJECTS) {
-        message.robot_state = told.robot_state(wanted(Components::ROBOT_STATE_ATTACHED_OBJECTS));
+        message.robot_state = writer.robot_state(wanted(Components::ROBOT_STATE_ATTACHED_OBJECTS));
     }
     if wanted(Components::ALLOWED_COLLISION_MATRIX) {
-        message.allowed_collision_matrix = told.matrix();
+        message.allowed_collision_matrix = writer.matrix();
     }
     if wanted(Components::LINK_PADDING_AND_SCALING) {
-        (message.link_padding, message.link_scale) = told.link_sizes();
+        (message.link_padding, message.link_scale) = writer.link_sizes();
     }
     if wanted(Components::WORLD_OBJECT_GEOMETRY) {
-        message.world.collision_objects = told.objects().map(|o| told.object_message(o)).collect();
+        message.world.collision_objects = writer.objects().map(|o| writer.object_message(o)).collect();
     } else if wanted(Components::WORLD_OBJECT_NAMES) {
         let named = |o: &Obstacle| CollisionObject {
             id: o.name.clone(),
-            type_: told.kind(&o.name),
+            type_: writer.kind(&o.name),
             ..CollisionObject::default()
         };
-        message.world.collision_objects = told.objects().map(named).collect();
+        message.world.collision_objects = writer.objects().map(named).collect();
     }
     if wanted(Components::OCTOMAP)
-        && let Some(octomap) = told.octomap
+        && let Some(octomap) = writer.octomap
     {
         message.world.octomap = octomap.clone();
     }
@@ -78,8 +78,8 @@ impl SceneMessages<'_> {
 
     /// Obstacles without those of points and voxels, which a `CollisionObject` message cannot represent.
     pub fn objects(&self) -> impl Iterator<Item = &Obstacle> {
-        let untold = |s: &ObstacleShape| matches!(s.shape, Shape::Points(_) | Shape::Voxels(_));
-        self.scene.world.obstacles().filter(move |o| !o.shapes.iter().any(untold))
+        let is_sensor_data = |s: &ObstacleShape| matches!(s.shape, Shape::Points(_) | Shape::Voxels(_));
+        self.scene.world.obstacles().filter(move |o| !o.shapes.iter().any(is_sensor_data))
     }
 
     fn kind(&self, name: &str) -> ObjectType {
@@ -183,8 +183,8 @@ impl SceneMessages<'_> {
             message.joint_state.position = q.positions().to_vec();
         }
         if with_attached {
-            let held = self.scene.world.attached().iter();
-            message.attached_collision_objects = held.map(|o| self.attached_message(o)).collect();
+            let attached = self.scene.world.attached().iter();
+            message.attached_collision_objects = attached.map(|o| self.attached_message(o)).collect();
         }
         message
     }
@@ -208,8 +208,8 @@ impl SceneMessages<'_> {
     /// Padding and scale of every link with geometry.
     fn link_sizes(&self) -> (Vec<LinkPadding>, Vec<LinkScale>) {
         let solid = || self.robot.links().iter().filter(|link| !link.collisions.is_empty());
-        let of = |sizes: &std::collections::HashMap<String, f64>, name: &str, usual| {
-            sizes.get(name).copied().unwrap_or(usual)
+        let of = |sizes: &std::collections::HashMap<String, f64>, name: &str, default| {
+            sizes.get(name).copied().unwrap_or(default)
         };
         let padding = solid().map(|link| LinkPadding {
             link_name: link.name.clone(),

@@ -13,15 +13,15 @@ pub struct TopicCloud {
     pub report: CloudReport,
     /// Reception time of the message that is being used; taken when it is in use.
     pub since: Option<Instant>,
-    complained: Option<Instant>,
+    logged_at: Option<Instant>,
 }
 
 impl TopicCloud {
     /// Logs a fault as one line, with rate limiting.
-    pub fn complain(&mut self, topic: &str, fault: &str) {
+    pub fn log_fault(&mut self, topic: &str, fault: &str) {
         const PAUSE: Duration = Duration::from_secs(1);
-        if self.complained.is_none_or(|at| at.elapsed() > PAUSE) {
-            self.complained = Some(Instant::now());
+        if self.logged_at.is_none_or(|at| at.elapsed() > PAUSE) {
+            self.logged_at = Some(Instant::now());
             log::warn!("a cloud of '{topic}' is not taken: {fault}");
         }
     }

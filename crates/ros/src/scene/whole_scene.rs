@@ -6,7 +6,7 @@ use clearance_scene::SceneUpdate;
 use crate::parameters::parameter_set::Parameters;
 
 /// Name of the awaited source, if no service is queried.
-const ANYBODY: &str = "planning_scene, apply_planning_scene or planning_scene_world";
+const ANY_SOURCE: &str = "planning_scene, apply_planning_scene or planning_scene_world";
 
 /// Completeness of the received scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -22,25 +22,25 @@ enum Completeness {
 /// Completeness of the received messages, and of the part that is in use.
 #[derive(Debug, Default)]
 pub struct WholeScene {
-    told: Completeness,
+    received: Completeness,
     in_force: Completeness,
     /// Queried service; empty if there is none.
-    asked: String,
+    service: String,
 }
 
 impl WholeScene {
     /// Sets the service to query. A new service resets the completeness: scenes from other sources do not replace its response.
-    pub fn ask(&mut self, service: &str) {
-        if self.asked != service {
-            service.clone_into(&mut self.asked);
+    pub fn set_service(&mut self, service: &str) {
+        if self.service != service {
+            service.clone_into(&mut self.service);
             if !service.is_empty() {
-                (self.told, self.in_force) = (Completeness::Nothing, Completeness::Nothing);
+                (self.received, self.in_force) = (Completeness::Nothing, Completeness::Nothing);
             }
         }
     }
 
-    pub fn heed(&mut self, update: &SceneUpdate) {
-        self.told = self.told.max(match update {
+    pub fn on_update(&mut self, update: &SceneUpdate) {
+        self.received = self.received.max(match update {
             SceneUpdate::World(_) => Completeness::World,
             whole if whole.is_whole() => Completeness::Scene,
             _ => Completeness::Nothing,
@@ -49,24 +49,28 @@ impl WholeScene {
 
     /// The latest updates are now in use.
     pub fn note_in_use(&mut self) {
-        self.in_force = self.told;
+        self.in_force = self.received;
     }
 
     /// The latest updates were not taken into use.
-    pub fn go_back(&mut self) {
-        self.told = self.in_force;
+    pub fn restore(&mut self) {
+        self.received = self.in_force;
     }
 
     /// Source that must still send the scene, if the parameters require one.
     #[must_use]
     pub fn awaited(&self, parameters: &Parameters) -> Option<WorldSource> {
-        let (needed, teller) =
+        let (needed, source) =
             match (parameters.planning_scene_service.as_str(), parameters.require_planning_scene) {
                 ("", false) => return None,
-                ("", true) => (Completeness::World, ANYBODY),
+                ("", true) => (Completeness::World, ANY_SOURCE),
                 (service, _) => (Completeness::Scene, service),
             };
-        (self.told < needed).then(|| WorldSource { name: teller.to_owned(), seen: None, ttl: f64::INFINITY })
+        (self.received < needed).then(|| WorldSource {
+            name: source.to_owned(),
+            seen: None,
+            ttl: f64::INFINITY,
+        })
     }
 }
 
@@ -92,28 +96,28 @@ mod tests {
     fn a_world_is_enough_unless_somebody_is_asked_for_the_scene() {
         let mut whole = WholeScene::default();
         assert_eq!(awaited(&whole, &asking("", false)), None);
-        whole.heed(&scene(true));
-        assert_eq!(awaited(&whole, &asking("", true)).as_deref(), Some(ANYBODY));
-        whole.heed(&SceneUpdate::World(Box::default()));
+        whole.on_update(&scene(true));
+        assert_eq!(awaited(&whole, &asking("", true)).as_deref(), Some(ANY_SOURCE));
+        whole.on_update(&SceneUpdate::World(Box::default()));
         assert_eq!(awaited(&whole, &asking("", true)), None);
         assert_eq!(awaited(&whole, &asking("/a", false)).as_deref(), Some("/a"));
-        whole.heed(&scene(false));
+        whole.on_update(&scene(false));
         assert_eq!(awaited(&whole, &asking("/a", true)), None);
     }
 
     #[test]
     fn what_did_not_come_into_force_or_came_before_another_was_asked_counts_for_nothing() {
         let (mut whole, a, b) = (WholeScene::default(), asking("/a", false), asking("/b", false));
-        whole.ask("/a");
-        whole.heed(&scene(false));
-        whole.go_back();
+        whole.set_service("/a");
+        whole.on_update(&scene(false));
+        whole.restore();
         assert!(awaited(&whole, &a).is_some());
-        whole.heed(&scene(false));
+        whole.on_update(&scene(false));
         whole.note_in_use();
-        whole.go_back();
-        whole.ask("/a");
+        whole.restore();
+        whole.set_service("/a");
         assert_eq!(awaited(&whole, &a), None);
-        whole.ask("/b");
+        whole.set_service("/b");
         assert!(awaited(&whole, &b).is_some());
     }
 }

@@ -16,27 +16,27 @@ const KEPT: Duration = Duration::from_secs(60);
 /// Maximum number of pending result requests per goal.
 const WAITING: usize = 8;
 
-/// Goals in the order of their acceptance. `Ticket` identifies a result request, `Outcome` is a result.
-pub struct Goals<Ticket, Outcome> {
-    goals: Vec<Goal<Ticket, Outcome>>,
+/// Goals in the order of their acceptance. `RequestId` identifies a result request, `Outcome` is a result.
+pub struct Goals<RequestId, Outcome> {
+    goals: Vec<Goal<RequestId, Outcome>>,
 }
 
-struct Goal<Ticket, Outcome> {
+struct Goal<RequestId, Outcome> {
     info: GoalInfo,
     status: GoalStatusCode,
     watch: Watch,
-    waiting: Vec<Ticket>,
+    waiting: Vec<RequestId>,
     /// Steady time of the goal's end, and its result.
     ended: Option<(Duration, Outcome)>,
 }
 
 /// Response to a result request.
 #[derive(Debug, PartialEq)]
-pub enum ResultRequest<Ticket, Outcome> {
-    Ended(Ticket, GoalStatusCode, Outcome),
+pub enum ResultRequest<RequestId, Outcome> {
+    Ended(RequestId, GoalStatusCode, Outcome),
     /// The response follows when the goal ends.
     Later,
-    Unknown(Ticket),
+    Unknown(RequestId),
 }
 
 /// Effect of a cancel request.
@@ -48,13 +48,13 @@ pub struct CancelResult {
     pub not_begun: Vec<GoalId>,
 }
 
-impl<Ticket, Outcome> Default for Goals<Ticket, Outcome> {
+impl<RequestId, Outcome> Default for Goals<RequestId, Outcome> {
     fn default() -> Self {
         Self { goals: Vec::new() }
     }
 }
 
-impl<Ticket, Outcome: Clone> Goals<Ticket, Outcome> {
+impl<RequestId, Outcome: Clone> Goals<RequestId, Outcome> {
     /// Accepts a goal; returns false if its id is already in use.
     pub fn accept(&mut self, goal_id: GoalId, stamp: Stamp, watch: Watch) -> bool {
         if self.goals.iter().any(|goal| goal.info.goal_id == goal_id) {
@@ -84,7 +84,7 @@ impl<Ticket, Outcome: Clone> Goals<Ticket, Outcome> {
         self.open(id).is_some()
     }
 
-    fn open(&mut self, id: GoalId) -> Option<&mut Goal<Ticket, Outcome>> {
+    fn open(&mut self, id: GoalId) -> Option<&mut Goal<RequestId, Outcome>> {
         self.goals.iter_mut().find(|goal| goal.info.goal_id == id && goal.ended.is_none())
     }
 
@@ -128,45 +128,45 @@ impl<Ticket, Outcome: Clone> Goals<Ticket, Outcome> {
         status: GoalStatusCode,
         outcome: Outcome,
         now: Duration,
-    ) -> Option<Vec<Ticket>> {
+    ) -> Option<Vec<RequestId>> {
         let goal = self.open(id)?;
         goal.status = status;
         goal.ended = Some((now, outcome));
         let waiting = std::mem::take(&mut goal.waiting);
-        self.forget(now);
+        self.discard_expired(now);
         Some(waiting)
     }
 
     /// Discards expired results, and the oldest results above the maximum number.
-    pub fn forget(&mut self, now: Duration) {
+    pub fn discard_expired(&mut self, now: Duration) {
         self.goals.retain(|goal| goal.ended.as_ref().is_none_or(|(at, _)| now.saturating_sub(*at) < KEPT));
         let ended = self.goals.iter().filter(|goal| goal.ended.is_some()).count();
         let mut too_many = ended.saturating_sub(RESULTS);
         self.goals.retain(|goal| {
-            let forgotten = goal.ended.is_some() && too_many > 0;
-            too_many -= usize::from(forgotten);
-            !forgotten
+            let is_discarded = goal.ended.is_some() && too_many > 0;
+            too_many -= usize::from(is_discarded);
+            !is_discarded
         });
     }
 
     /// Responds to a result request, or stores it until the goal has ended.
-    pub fn ask(&mut self, id: GoalId, ticket: Ticket) -> ResultRequest<Ticket, Outcome> {
+    pub fn request_result(&mut self, id: GoalId, request_id: RequestId) -> ResultRequest<RequestId, Outcome> {
         match self.goals.iter_mut().find(|goal| goal.info.goal_id == id) {
             Some(Goal { status, ended: Some((_, outcome)), .. }) => {
-                ResultRequest::Ended(ticket, *status, outcome.clone())
+                ResultRequest::Ended(request_id, *status, outcome.clone())
             }
             Some(goal) if goal.waiting.len() < WAITING => {
-                goal.waiting.push(ticket);
+                goal.waiting.push(request_id);
                 ResultRequest::Later
             }
-            _ => ResultRequest::Unknown(ticket),
+            _ => ResultRequest::Unknown(request_id),
         }
     }
 
     /// Status of all stored goals.
-    pub fn standings(&self) -> Vec<GoalStatus> {
-        let standing = |goal: &Goal<_, _>| GoalStatus { goal_info: goal.info.clone(), status: goal.status };
-        self.goals.iter().map(standing).collect()
+    pub fn statuses(&self) -> Vec<GoalStatus> {
+        let status_of = |goal: &Goal<_, _>| GoalStatus { goal_info: goal.info.clone(), status: goal.status };
+        self.goals.iter().map(status_of).collect()
     }
 }
 
@@ -191,32 +191,32 @@ mod tests {
         let mut goals = Goals::default();
         let (id, _) = accepted(&mut goals, 1);
         assert!(!goals.accept(id, stamp(2), Watch::default()), "known already");
-        assert_eq!(goals.ask(id, 1), ResultRequest::Later);
+        assert_eq!(goals.request_result(id, 1), ResultRequest::Later);
         goals.begin(id);
-        assert!(goals.standings()[0].status == GoalStatusCode::Executing);
+        assert!(goals.statuses()[0].status == GoalStatusCode::Executing);
         assert_eq!(goals.end(id, GoalStatusCode::Succeeded, "free", T0), Some(vec![1]));
         assert_eq!(goals.end(id, GoalStatusCode::Aborted, "again", T0), None);
-        assert_eq!(goals.ask(id, 2), ResultRequest::Ended(2, GoalStatusCode::Succeeded, "free"));
-        assert_eq!(goals.ask(GoalId::new_random(), 3), ResultRequest::Unknown(3));
-        goals.forget(KEPT);
-        assert_eq!(goals.ask(id, 4), ResultRequest::Unknown(4));
+        assert_eq!(goals.request_result(id, 2), ResultRequest::Ended(2, GoalStatusCode::Succeeded, "free"));
+        assert_eq!(goals.request_result(GoalId::new_random(), 3), ResultRequest::Unknown(3));
+        goals.discard_expired(KEPT);
+        assert_eq!(goals.request_result(id, 4), ResultRequest::Unknown(4));
     }
 
     #[test]
     fn neither_results_nor_questions_are_kept_without_bound() {
         let mut goals = Goals::default();
         let ids: Vec<GoalId> = (0..3 * RESULTS).map(|_| accepted(&mut goals, 1).0).collect();
-        for ticket in 0..u8::try_from(WAITING).unwrap() {
-            assert_eq!(goals.ask(ids[0], ticket), ResultRequest::Later);
+        for request_id in 0..u8::try_from(WAITING).unwrap() {
+            assert_eq!(goals.request_result(ids[0], request_id), ResultRequest::Later);
         }
-        assert_eq!(goals.ask(ids[0], 99), ResultRequest::Unknown(99));
+        assert_eq!(goals.request_result(ids[0], 99), ResultRequest::Unknown(99));
         for id in &ids[1..] {
             goals.end(*id, GoalStatusCode::Succeeded, "free", T0);
         }
-        let standings = goals.standings();
-        assert_eq!(standings.len(), 1 + RESULTS);
-        assert!(standings[0].goal_info.goal_id == ids[0], "what goes on is never forgotten");
-        assert!(standings[RESULTS].goal_info.goal_id == ids[3 * RESULTS - 1], "the oldest go first");
+        let statuses = goals.statuses();
+        assert_eq!(statuses.len(), 1 + RESULTS);
+        assert!(statuses[0].goal_info.goal_id == ids[0], "what goes on is never forgotten");
+        assert!(statuses[RESULTS].goal_info.goal_id == ids[3 * RESULTS - 1], "the oldest go first");
     }
 
     #[test]

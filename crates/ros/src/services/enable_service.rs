@@ -35,7 +35,7 @@ pub struct EnableService {
 }
 
 impl EnableService {
-    pub fn offer(
+    pub fn open(
         middleware: &Middleware,
         names: &Names,
         events: Sender<MonitorEvent>,
@@ -49,9 +49,9 @@ impl EnableService {
     pub async fn serve(&self) {
         loop {
             let (id, SetBoolRequest { data }) = self.server.next().await;
-            let (heeded, heeded_in) = mailbox::bounded(1);
-            let sent = self.events.send(MonitorEvent::Enabled(data, heeded)).is_ok();
-            let success = sent && heeded_in.receive().await.is_some();
+            let (applied, is_applied) = mailbox::bounded(1);
+            let sent = self.events.send(MonitorEvent::Enabled(data, applied)).is_ok();
+            let success = sent && is_applied.receive().await.is_some();
             let message = match (success, data) {
                 (false, _) => "the monitor has ended",
                 (true, true) => "checking is enabled",

@@ -20,7 +20,7 @@ use crate::messages::clearance_srvs::{
 };
 use crate::messages::collision_state::pair_message;
 use crate::messages::time_and_geometry::point_message;
-use crate::services::rejection::{Rejection, bad, shortened};
+use crate::services::rejection::{Rejection, bad_request, shortened};
 use crate::services::request_context::{RequestContext, deadline, not_negative, of_equal_length, revisions};
 use crate::topics::swept_volume_markers::{most_intervals, no_markers, swept_volume_markers};
 
@@ -30,7 +30,7 @@ const LONGEST_CERTIFICATE: usize = 200_000;
 /// Minimum size of one proof in a certificate (bytes): `[0,0.0,1.0,0.1,0.1],`.
 const SHORTEST_PROOF: usize = 20;
 
-/// Maximum number of pair evaluations per segment: some seconds, and memory that a usual machine has.
+/// Maximum number of pair evaluations per segment: some seconds, and memory that an ordinary machine has.
 const LOOKS: u64 = 2_000_000;
 
 /// Default timeout of checks that cannot be canceled, because other requests wait in the queue.
@@ -46,11 +46,11 @@ pub struct MotionResponse {
 }
 
 impl From<&Rejection> for MotionResponse {
-    fn from(refusal: &Rejection) -> Self {
+    fn from(rejection: &Rejection) -> Self {
         let motion = MotionFindings {
             verdict: MotionFindings::ERROR,
-            message: refusal.message(),
-            reason_code: refusal.code().to_owned(),
+            message: rejection.message(),
+            reason_code: rejection.code().to_owned(),
             distance_upper: f64::INFINITY,
             ..MotionFindings::default()
         };
@@ -58,60 +58,62 @@ impl From<&Rejection> for MotionResponse {
     }
 }
 
-/// Responds to a request for a straight motion. From the current state, continuous joints move in the direction `usual`, unless the request
+/// Responds to a request for a straight motion. From the current state, continuous joints move in the direction `default_direction`, unless the request
 /// contains another one. The workspace is memory that is reused to make later checks faster.
 #[must_use]
-pub fn answer_motion(
+pub fn evaluate_motion(
     request: &CheckMotionRequest,
-    usual: ContinuousDirection,
+    default_direction: ContinuousDirection,
     evaluation: Option<&Evaluation>,
     workspace: &mut Option<Workspace>,
 ) -> MotionResponse {
-    answer(&request.terms, None, evaluation, workspace, |cell| cell.straight(request, usual))
+    evaluate(&request.terms, None, evaluation, workspace, |context| {
+        context.straight(request, default_direction)
+    })
 }
 
 /// Responds to a request for a trajectory. With `watch`, the check can be observed and canceled.
 #[must_use]
-pub fn answer_trajectory(
+pub fn evaluate_trajectory(
     request: &CheckTrajectoryRequest,
     watch: Option<Watch>,
     evaluation: Option<&Evaluation>,
     workspace: &mut Option<Workspace>,
 ) -> MotionResponse {
-    answer(&request.terms, watch, evaluation, workspace, |cell| cell.trajectory(request))
+    evaluate(&request.terms, watch, evaluation, workspace, |context| context.trajectory(request))
 }
 
-fn answer(
+fn evaluate(
     terms: &MotionTerms,
     watch: Option<Watch>,
     evaluation: Option<&Evaluation>,
     workspace: &mut Option<Workspace>,
-    way: impl FnOnce(&RequestContext) -> Result<Way, Rejection>,
+    motion: impl FnOnce(&RequestContext) -> Result<RequestedMotion, Rejection>,
 ) -> MotionResponse {
     let started = Instant::now();
-    let found = RequestContext::of(evaluation).and_then(|cell| {
+    let found = RequestContext::of(evaluation).and_then(|context| {
         // a watched check can be canceled, so it needs no default timeout
-        let usual = watch.is_none().then_some(LONGEST);
-        let options = MotionOptions { watch, ..options(terms, usual, started)? };
-        let way = way(&cell)?;
-        check_intervals(terms.swept_volume_intervals, &way.trajectory, cell.robot())?;
-        let workspace = workspace.get_or_insert_with(|| cell.checker.workspace());
-        Ok(verdict(cell.checker, way, &options, terms, workspace))
+        let default_timeout = watch.is_none().then_some(LONGEST);
+        let options = MotionOptions { watch, ..options(terms, default_timeout, started)? };
+        let requested = motion(&context)?;
+        check_intervals(terms.swept_volume_intervals, &requested.trajectory, context.robot())?;
+        let workspace = workspace.get_or_insert_with(|| context.checker.workspace());
+        Ok(check(context.checker, requested, &options, terms, workspace))
     });
-    let mut answered = found.unwrap_or_else(|refusal| MotionResponse::from(&refusal));
+    let mut response = found.unwrap_or_else(|rejection| MotionResponse::from(&rejection));
     if terms.swept_volume_intervals > 0 {
         // a request without volumes of its own still deletes the volumes of the last request
-        answered.swept_volume.get_or_insert_with(no_markers);
+        response.swept_volume.get_or_insert_with(no_markers);
     }
-    let motion = &mut answered.response.motion;
+    let motion = &mut response.response.motion;
     (motion.model_revision, motion.world_revision) = revisions(evaluation);
     motion.compute_time = started.elapsed().as_secs_f64();
-    answered
+    response
 }
 
 fn options(
     terms: &MotionTerms,
-    usual: Option<Duration>,
+    default_timeout: Option<Duration>,
     started: Instant,
 ) -> Result<MotionOptions, Rejection> {
     let standard = MotionOptions::default();
@@ -119,14 +121,14 @@ fn options(
     Ok(MotionOptions {
         tolerance: if terms.tolerance > 0.0 { terms.tolerance } else { standard.tolerance },
         order: if terms.any_contact { MotionOrder::Any } else { MotionOrder::Earliest },
-        deadline: deadline(terms.timeout, usual, started)?,
+        deadline: deadline(terms.timeout, default_timeout, started)?,
         budget: LOOKS,
         watch: None,
     })
 }
 
 /// Motion in a request.
-struct Way {
+struct RequestedMotion {
     trajectory: Trajectory,
     /// Notes for the client.
     notes: Vec<String>,
@@ -138,56 +140,64 @@ fn direction(terms: &MotionTerms) -> Result<Option<ContinuousDirection>, Rejecti
         MotionTerms::DEFAULT => Ok(None),
         MotionTerms::SHORTEST => Ok(Some(ContinuousDirection::Shortest)),
         MotionTerms::AS_GIVEN => Ok(Some(ContinuousDirection::AsGiven)),
-        other => Err(bad(format!(
+        other => Err(bad_request(format!(
             "continuous_joint_direction is {other}, but must be DEFAULT (0), SHORTEST (1) or AS_GIVEN (2)"
         ))),
     }
 }
 
 impl RequestContext<'_> {
-    fn straight(&self, request: &CheckMotionRequest, usual: ContinuousDirection) -> Result<Way, Rejection> {
+    fn straight(
+        &self,
+        request: &CheckMotionRequest,
+        default_direction: ContinuousDirection,
+    ) -> Result<RequestedMotion, Rejection> {
         let CheckMotionRequest { joint_names, start, goal, terms } = request;
         if joint_names.is_empty() {
-            return Err(bad("joint_names is empty"));
+            return Err(bad_request("joint_names is empty"));
         }
         let named = self.named("joint_names", joint_names)?;
         let (rest, note) = self.rest(&named)?;
         let end = |what: &str, numbers: &[f64]| {
             of_equal_length(what, numbers, joint_names)?;
-            named.configuration(&rest, numbers).map_err(|error| bad(format!("{what}: {error}")))
+            named.configuration(&rest, numbers).map_err(|error| bad_request(format!("{what}: {error}")))
         };
         let from = match (start.as_slice(), &self.now) {
             ([], Ok(now)) => (*now).clone(),
             ([], Err(why)) => return Err(Rejection::NoJointState(why.clone())),
             (start, _) => end("start", start)?,
         };
-        let asked = direction(terms)?;
-        let from_now = if start.is_empty() { usual } else { ContinuousDirection::AsGiven };
+        let requested_direction = direction(terms)?;
+        let from_now = if start.is_empty() { default_direction } else { ContinuousDirection::AsGiven };
         let mut notes = Vec::from_iter(note);
         let mut ends = vec![from, end("goal", goal)?];
-        if asked.unwrap_or(from_now) == ContinuousDirection::Shortest {
+        if requested_direction.unwrap_or(from_now) == ContinuousDirection::Shortest {
             let (short, held) = self.shortest(ends)?;
             ends = short;
-            if asked.is_some()
+            if requested_direction.is_some()
                 && let Some(held) = held.first()
             {
-                return Err(bad(format!("continuous_joint_direction: {held}")));
+                return Err(bad_request(format!("continuous_joint_direction: {held}")));
             }
             notes.extend(held.iter().map(|held| format!("{held}; it is checked as given")));
         }
         let segment = MotionSegment::straight(self.robot(), &ends[0], &ends[1]);
-        let trajectory = Trajectory::of_segments(vec![segment]).map_err(|error| bad(error.to_string()))?;
-        Ok(Way { trajectory: self.loosened(trajectory, joint_names, &terms.joint_tolerances)?, notes })
+        let trajectory =
+            Trajectory::of_segments(vec![segment]).map_err(|error| bad_request(error.to_string()))?;
+        Ok(RequestedMotion {
+            trajectory: self.loosened(trajectory, joint_names, &terms.joint_tolerances)?,
+            notes,
+        })
     }
 
     fn shortest(&self, ends: Vec<Configuration>) -> Result<(Vec<Configuration>, Vec<HeldTurn>), Rejection> {
-        shortest_way(self.robot(), ends).map_err(|error| bad(format!("the shortest way: {error}")))
+        shortest_way(self.robot(), ends).map_err(|error| bad_request(format!("the shortest way: {error}")))
     }
 
-    fn trajectory(&self, request: &CheckTrajectoryRequest) -> Result<Way, Rejection> {
+    fn trajectory(&self, request: &CheckTrajectoryRequest) -> Result<RequestedMotion, Rejection> {
         let joints = &request.trajectory.joint_names;
         if joints.is_empty() {
-            return Err(bad("trajectory.joint_names is empty"));
+            return Err(bad_request("trajectory.joint_names is empty"));
         }
         let (rest, note) = self.rest(&self.named("trajectory.joint_names", joints)?)?;
         let point = |p: &JointTrajectoryPoint| {
@@ -202,10 +212,10 @@ impl RequestContext<'_> {
         let points: Vec<TrajectoryPoint> = request.trajectory.points.iter().map(point).collect();
         let direction = direction(&request.terms)?.unwrap_or_default();
         let trajectory = Trajectory::from_points_going(self.robot(), joints, &points, &rest, direction)
-            .map_err(|error| bad(format!("trajectory: {error}")))?;
+            .map_err(|error| bad_request(format!("trajectory: {error}")))?;
         let trajectory = self.loosened(trajectory, joints, &request.terms.joint_tolerances)?;
         let notes = note.into_iter().chain(trajectory.late_start_note()).collect();
-        Ok(Way { trajectory, notes })
+        Ok(RequestedMotion { trajectory, notes })
     }
 
     /// Adds tolerances (rad, m), one for each of `joints`; an empty list keeps the motion exact.
@@ -220,11 +230,11 @@ impl RequestContext<'_> {
         }
         of_equal_length("joint_tolerances", tolerances, joints)?;
         let named = self.named("joint_names", joints)?;
-        let refuse = |error: &dyn std::fmt::Display| bad(format!("joint_tolerances: {error}"));
-        let tube = named.tolerances(tolerances).map_err(|error| refuse(&error))?;
+        let reject = |error: &dyn std::fmt::Display| bad_request(format!("joint_tolerances: {error}"));
+        let tube = named.tolerances(tolerances).map_err(|error| reject(&error))?;
         trajectory
             .map(|segment| segment.with_tube(self.robot(), tube.clone()))
-            .map_err(|error| refuse(&error))
+            .map_err(|error| reject(&error))
     }
 }
 
@@ -236,15 +246,15 @@ fn check_intervals(intervals: u32, trajectory: &Trajectory, robot: &RobotModel) 
         return Ok(());
     }
     let instead = if most == 0 { "ask about fewer points at a time" } else { "ask for fewer" };
-    Err(bad(format!(
+    Err(bad_request(format!(
         "swept_volume_intervals is {intervals}, but the volumes of at most {most} intervals in each of {segments} segments fit into one \
          message: {instead}"
     )))
 }
 
-fn verdict(
+fn check(
     checker: &CollisionChecker,
-    Way { trajectory, notes: of_request }: Way,
+    RequestedMotion { trajectory, notes: of_request }: RequestedMotion,
     options: &MotionOptions,
     terms: &MotionTerms,
     workspace: &mut Workspace,
@@ -256,8 +266,8 @@ fn verdict(
     let long_turn = trajectory.long_turn_note(checker.robot());
     let mut notes: Vec<String> = long_turn.into_iter().chain(limits).chain(of_request).collect();
     let segments = trajectory.segments().len();
-    let hopeless = segments * checker.pairs().len() * SHORTEST_PROOF > LONGEST_CERTIFICATE;
-    let (report, proof) = if certificate && !hopeless {
+    let is_too_long = segments * checker.pairs().len() * SHORTEST_PROOF > LONGEST_CERTIFICATE;
+    let (report, proof) = if certificate && !is_too_long {
         checker.certify_trajectory(trajectory, options, workspace)
     } else {
         (checker.check_trajectory(trajectory, options, workspace), None)

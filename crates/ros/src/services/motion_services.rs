@@ -26,7 +26,7 @@ use crate::messages::clearance_srvs::{
 use crate::monitor_events::current_evaluation::CurrentEvaluation;
 use crate::names::Names;
 use crate::parameters::parameter_store::ParameterStore;
-use crate::services::motion_requests::{MotionResponse, answer_motion, answer_trajectory};
+use crate::services::motion_requests::{MotionResponse, evaluate_motion, evaluate_trajectory};
 use crate::services::rejection::Rejection;
 use crate::services::request_context::known;
 use crate::services::trajectory_action::{Goal, StartedGoal, TrajectoryAction};
@@ -41,11 +41,11 @@ enum Request {
     Goal(Goal),
 }
 
-enum Answer {
+enum Response {
     Motion(RequestId, Box<MotionResponse>),
     Trajectory(RequestId, Box<MotionResponse>),
     /// The check of a goal has started.
-    StartedGoal(StartedGoal),
+    Started(StartedGoal),
     Goal(GoalId, Box<MotionResponse>),
 }
 
@@ -57,13 +57,13 @@ pub struct MotionServices {
     certificates: Publisher<StringMessage>,
     swept_volumes: Publisher<MarkerArray>,
     requests: Sender<Request>,
-    answers: Receiver<Answer>,
+    responses: Receiver<Response>,
 }
 
 /// Side that runs the checks. It owns no network resources: the node ends without waiting for it.
 pub struct MotionWorker {
     requests: Receiver<Request>,
-    answers: Sender<Answer>,
+    responses: Sender<Response>,
     current: CurrentEvaluation,
     clock: Arc<RosClock>,
     parameters: ParameterStore,
@@ -72,7 +72,7 @@ pub struct MotionWorker {
 
 impl MotionServices {
     /// Creates both sides. `current` is the evaluation whose robot and world the checks use.
-    pub fn offer(
+    pub fn open(
         middleware: &Middleware,
         names: &Names,
         current: CurrentEvaluation,
@@ -81,7 +81,7 @@ impl MotionServices {
     ) -> Result<(Self, MotionWorker), MiddlewareError> {
         let (requests, requests_in) = channel::bounded(WAITING);
         // at most two items for each queued request
-        let (answers, answers_in) = channel::unbounded();
+        let (responses, responses_in) = channel::unbounded();
         let string = TypeName::new("std_msgs", "String");
         let markers = TypeName::new("visualization_msgs", "MarkerArray");
         let services = Self {
@@ -91,7 +91,7 @@ impl MotionServices {
                 &names.resolve("~/check_trajectory")?,
                 TypeName::new("clearance_msgs", "CheckTrajectory"),
             )?,
-            goals: TrajectoryAction::offer(middleware, names, Arc::clone(&clock))?,
+            goals: TrajectoryAction::open(middleware, names, Arc::clone(&clock))?,
             certificates: middleware.publisher(
                 &names.resolve("~/certificates")?,
                 string,
@@ -103,11 +103,11 @@ impl MotionServices {
                 Quality::Reliable,
             )?,
             requests,
-            answers: answers_in,
+            responses: responses_in,
         };
-        let desk =
-            MotionWorker { requests: requests_in, answers, current, clock, parameters, workspace: None };
-        Ok((services, desk))
+        let worker =
+            MotionWorker { requests: requests_in, responses, current, clock, parameters, workspace: None };
+        Ok((services, worker))
     }
 
     /// Handles requests without end.
@@ -126,45 +126,45 @@ impl MotionServices {
                 self.enqueue(Request::Trajectory(id, request), &sending);
             }
         };
-        let answers = async {
-            while let Ok(answer) = self.answers.recv().await {
-                self.send(answer, &sending);
+        let responses = async {
+            while let Ok(response) = self.responses.recv().await {
+                self.send(response, &sending);
             }
         };
         let goals = self.goals.serve(&sending, |goal| self.requests.try_send(Request::Goal(goal)).is_ok());
-        let services = future::zip(future::zip(motions, trajectories), answers);
+        let services = future::zip(future::zip(motions, trajectories), responses);
         sending.run(future::zip(services, goals)).await;
     }
 
     fn enqueue<'a>(&'a self, request: Request, sending: &LocalExecutor<'a>) {
-        // when the desk has ended, the service reports that it is busy
-        if let Err(refused) = self.requests.try_send(request) {
-            let answered = MotionResponse::from(&Rejection::Busy(WAITING));
-            self.send(refused.into_inner().answered(answered), sending);
+        // when the worker has ended, the service reports that it is busy
+        if let Err(rejected) = self.requests.try_send(request) {
+            let motion_response = MotionResponse::from(&Rejection::Busy(WAITING));
+            self.send(rejected.into_inner().into_response(motion_response), sending);
         }
     }
 
-    fn send<'a>(&'a self, answer: Answer, sending: &LocalExecutor<'a>) {
-        match answer {
-            Answer::Motion(id, answered) => {
-                let CheckTrajectoryResponse { motion, turns, .. } = self.publish_more(*answered);
+    fn send<'a>(&'a self, response: Response, sending: &LocalExecutor<'a>) {
+        match response {
+            Response::Motion(id, motion_response) => {
+                let CheckTrajectoryResponse { motion, turns, .. } = self.publish_results(*motion_response);
                 sending.spawn(self.motions.respond(id, CheckMotionResponse { motion, turns })).detach();
             }
-            Answer::Trajectory(id, answered) => {
-                let response = self.publish_more(*answered);
+            Response::Trajectory(id, motion_response) => {
+                let response = self.publish_results(*motion_response);
                 sending.spawn(self.trajectories.respond(id, response)).detach();
             }
-            Answer::StartedGoal(begun) => self.goals.follow(begun, sending),
-            Answer::Goal(id, answered) => {
-                let response = self.publish_more(*answered);
+            Response::Started(started) => self.goals.publish_feedback(started, sending),
+            Response::Goal(id, motion_response) => {
+                let response = self.publish_results(*motion_response);
                 self.goals.end(id, &response, sending);
             }
         }
     }
 
     /// Publishes the optional results and returns the response.
-    fn publish_more(&self, answered: MotionResponse) -> CheckTrajectoryResponse {
-        let MotionResponse { response, certificate, swept_volume } = answered;
+    fn publish_results(&self, motion_response: MotionResponse) -> CheckTrajectoryResponse {
+        let MotionResponse { response, certificate, swept_volume } = motion_response;
         if let Some(data) = certificate {
             self.certificates.publish(StringMessage { data });
         }
@@ -177,7 +177,7 @@ impl MotionServices {
 
 impl MotionWorker {
     /// Processes requests until all senders are gone.
-    pub fn work(mut self) {
+    pub fn run(mut self) {
         while let Ok(request) = self.requests.recv_blocking() {
             let evaluation = known(&self.current, self.clock.read());
             // a goal that was canceled in the queue has its result already
@@ -185,32 +185,32 @@ impl MotionWorker {
                 continue;
             }
             if let Request::Goal(goal) = &request
-                && self.answers.send_blocking(Answer::StartedGoal(StartedGoal::of(goal))).is_err()
+                && self.responses.send_blocking(Response::Started(StartedGoal::of(goal))).is_err()
             {
                 return;
             }
-            let answer = self.answer(request, evaluation.as_ref());
-            if self.answers.send_blocking(answer).is_err() {
+            let response = self.evaluate(request, evaluation.as_ref());
+            if self.responses.send_blocking(response).is_err() {
                 return;
             }
         }
     }
 
-    fn answer(&mut self, request: Request, evaluation: Option<&Evaluation>) -> Answer {
+    fn evaluate(&mut self, request: Request, evaluation: Option<&Evaluation>) -> Response {
         let usual = self.parameters.get().continuous_direction();
-        let answered = self.guarded(|workspace| match &request {
-            Request::Motion(_, request) => answer_motion(request, usual, evaluation, workspace),
-            Request::Trajectory(_, request) => answer_trajectory(request, None, evaluation, workspace),
+        let evaluated = self.guarded(|workspace| match &request {
+            Request::Motion(_, request) => evaluate_motion(request, usual, evaluation, workspace),
+            Request::Trajectory(_, request) => evaluate_trajectory(request, None, evaluation, workspace),
             Request::Goal(Goal { request, watch, .. }) => {
-                answer_trajectory(request, Some(watch.clone()), evaluation, workspace)
+                evaluate_trajectory(request, Some(watch.clone()), evaluation, workspace)
             }
         });
-        request.answered(answered)
+        request.into_response(evaluated)
     }
 
     /// Processes an untrusted request. A panic in it must not end the node.
-    fn guarded(&mut self, answer: impl FnOnce(&mut Option<Workspace>) -> MotionResponse) -> MotionResponse {
-        catch_unwind(AssertUnwindSafe(|| answer(&mut self.workspace))).unwrap_or_else(|_| {
+    fn guarded(&mut self, evaluate: impl FnOnce(&mut Option<Workspace>) -> MotionResponse) -> MotionResponse {
+        catch_unwind(AssertUnwindSafe(|| evaluate(&mut self.workspace))).unwrap_or_else(|_| {
             log::error!("a motion could not be checked: the program failed inside");
             self.workspace = None;
             MotionResponse::from(&Rejection::Internal)
@@ -219,11 +219,11 @@ impl MotionWorker {
 }
 
 impl Request {
-    fn answered(self, answered: MotionResponse) -> Answer {
+    fn into_response(self, motion_response: MotionResponse) -> Response {
         match self {
-            Self::Motion(id, _) => Answer::Motion(id, Box::new(answered)),
-            Self::Trajectory(id, _) => Answer::Trajectory(id, Box::new(answered)),
-            Self::Goal(goal) => Answer::Goal(goal.id, Box::new(answered)),
+            Self::Motion(id, _) => Response::Motion(id, Box::new(motion_response)),
+            Self::Trajectory(id, _) => Response::Trajectory(id, Box::new(motion_response)),
+            Self::Goal(goal) => Response::Goal(goal.id, Box::new(motion_response)),
         }
     }
 }

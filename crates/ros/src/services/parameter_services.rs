@@ -53,7 +53,7 @@ struct Event(raw::ParameterEvent);
 impl Message for Event {}
 
 impl ParameterServices {
-    pub fn offer(
+    pub fn open(
         middleware: &Middleware,
         names: &Names,
         store: ParameterStore,
@@ -99,12 +99,15 @@ impl ParameterServices {
     /// Handles requests without end.
     pub async fn serve(&self) {
         let reading = future::zip(
-            future::zip(answer(&self.get, |r| self.values(&r)), answer(&self.get_types, |r| self.types(&r))),
-            future::zip(answer(&self.list, list), answer(&self.describe, |r| describe(&r))),
+            future::zip(
+                serve_requests(&self.get, |r| self.values(&r)),
+                serve_requests(&self.get_types, |r| self.types(&r)),
+            ),
+            future::zip(serve_requests(&self.list, list), serve_requests(&self.describe, |r| describe(&r))),
         );
         let writing = future::zip(
-            answer(&self.set, |r| self.change_each(&r)),
-            answer(&self.set_atomically, |r| self.change_together(&r)),
+            serve_requests(&self.set, |r| self.change_each(&r)),
+            serve_requests(&self.set_atomically, |r| self.change_together(&r)),
         );
         future::zip(reading, writing).await;
     }
@@ -164,8 +167,10 @@ impl ParameterServices {
     }
 }
 
-async fn answer<Request, Response>(server: &Server<Request, Response>, respond: impl Fn(Request) -> Response)
-where
+async fn serve_requests<Request, Response>(
+    server: &Server<Request, Response>,
+    respond: impl Fn(Request) -> Response,
+) where
     Request: Message + 'static,
     Response: Message + 'static,
 {

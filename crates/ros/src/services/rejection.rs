@@ -56,7 +56,7 @@ impl Rejection {
     }
 }
 
-pub fn bad(what: impl Into<String>) -> Rejection {
+pub fn bad_request(what: impl Into<String>) -> Rejection {
     Rejection::BadRequest(what.into())
 }
 
@@ -76,7 +76,7 @@ mod tests {
 
     #[test]
     fn long_messages_are_cut_between_letters() {
-        let long = bad("ü".repeat(LONGEST_MESSAGE)).message();
+        let long = bad_request("ü".repeat(LONGEST_MESSAGE)).message();
         assert!(long.len() <= LONGEST_MESSAGE && long.ends_with("ü…"), "{long}");
         assert_eq!(shortened("short".to_owned()), "short");
     }

@@ -9,7 +9,7 @@ use clearance_robot::quoted_list;
 use clearance_robot::{Configuration, NamedJoints, RobotModel};
 
 use crate::monitor_events::current_evaluation::CurrentEvaluation;
-use crate::services::rejection::{Rejection, bad};
+use crate::services::rejection::{Rejection, bad_request};
 
 /// Context of a request: the robot, its world, and its current configuration.
 pub struct RequestContext<'a> {
@@ -55,7 +55,7 @@ impl<'a> RequestContext<'a> {
     /// Finds the joints that a request names.
     pub fn named(&self, field: &str, names: &[String]) -> Result<NamedJoints<'a>, Rejection> {
         let named = self.robot().named_joints(names.iter().map(String::as_str));
-        named.map_err(|error| bad(format!("{field}: {error}")))
+        named.map_err(|error| bad_request(format!("{field}: {error}")))
     }
 
     /// Configuration for the joints that the request does not name, and a note if it is unknown.
@@ -96,7 +96,11 @@ pub fn of_equal_length(what: &str, numbers: &[f64], joints: &[String]) -> Result
     if numbers.len() == joints.len() {
         return Ok(());
     }
-    Err(bad(format!("{what} has {} numbers, but joint_names has {} names", numbers.len(), joints.len())))
+    Err(bad_request(format!(
+        "{what} has {} numbers, but joint_names has {} names",
+        numbers.len(),
+        joints.len()
+    )))
 }
 
 /// Rejects a number with the given unit that is negative or not finite.
@@ -104,7 +108,7 @@ pub fn not_negative(name: &str, unit: &str, value: f64) -> Result<(), Rejection>
     if value.is_finite() && value >= 0.0 {
         return Ok(());
     }
-    Err(bad(format!("{name} is {value} {unit}, but must be finite and not negative")))
+    Err(bad_request(format!("{name} is {value} {unit}, but must be finite and not negative")))
 }
 
 /// Deadline of a timeout (s) that started at `started`. A timeout of 0 selects `usual`; one beyond the range of the clock gives no

@@ -34,7 +34,7 @@ use crate::services::rejection::shortened;
 use crate::services::request_context::known;
 use crate::services::state_validity::{ValidityContext, constraints_given, state_validity};
 
-/// Largest number of state queries in the queue. Further queries are answered at once as not valid.
+/// Largest number of state queries in the queue. Further queries are rejected at once as not valid.
 const WAITING: usize = 64;
 
 /// Largest number of scenes that are being sent at once, since each may be large.
@@ -56,16 +56,16 @@ pub struct SceneServices {
     validity: Server<GetStateValidityRequest, GetStateValidityResponse>,
     scene: CurrentScene,
     evaluation: CurrentEvaluation,
-    questions: Sender<(RequestId, GetStateValidityRequest)>,
-    answers: Receiver<(RequestId, GetStateValidityResponse)>,
+    requests: Sender<(RequestId, GetStateValidityRequest)>,
+    responses: Receiver<(RequestId, GetStateValidityResponse)>,
     busy: DecodeErrorLog,
     empty: DecodeErrorLog,
 }
 
 /// State checks, on their own thread.
 pub struct ValidityWorker {
-    questions: Receiver<(RequestId, GetStateValidityRequest)>,
-    answers: Sender<(RequestId, GetStateValidityResponse)>,
+    requests: Receiver<(RequestId, GetStateValidityRequest)>,
+    responses: Sender<(RequestId, GetStateValidityResponse)>,
     scene: CurrentScene,
     evaluation: CurrentEvaluation,
     shared: SharedState,
@@ -73,15 +73,15 @@ pub struct ValidityWorker {
 
 impl SceneServices {
     /// Creates the services; returns both parts.
-    pub fn offer(
+    pub fn open(
         middleware: &Middleware,
         names: &Names,
         evaluation: CurrentEvaluation,
         shared: SharedState,
     ) -> Result<(Self, ValidityWorker), MiddlewareError> {
         let scene = Arc::clone(&shared.scene);
-        let (questions, questions_in) = channel::bounded(WAITING);
-        let (answers, answers_in) = channel::unbounded();
+        let (requests, requests_in) = channel::bounded(WAITING);
+        let (responses, responses_in) = channel::unbounded();
         let moveit = |kind| TypeName::new("moveit_msgs", kind);
         let services = Self {
             get: middleware.server(&names.resolve("get_planning_scene")?, moveit("GetPlanningScene"))?,
@@ -92,29 +92,30 @@ impl SceneServices {
                 .server(&names.resolve("check_state_validity")?, moveit("GetStateValidity"))?,
             scene: Arc::clone(&scene),
             evaluation: Arc::clone(&evaluation),
-            questions,
-            answers: answers_in,
+            requests,
+            responses: responses_in,
             busy: DecodeErrorLog::default(),
             empty: DecodeErrorLog::default(),
         };
-        Ok((services, ValidityWorker { questions: questions_in, answers, scene, evaluation, shared }))
+        Ok((services, ValidityWorker { requests: requests_in, responses, scene, evaluation, shared }))
     }
 
     /// Serves requests. Never returns.
     pub async fn serve(&self, sender: &SceneCommandSender) {
         // each response waits only for its own client
-        let answering = LocalExecutor::new();
-        let scenes_on_their_way = Arc::new(Semaphore::new(MOST_SCENES));
+        let sending = LocalExecutor::new();
+        let scene_permits = Arc::new(Semaphore::new(MOST_SCENES));
         let get = async {
             loop {
                 let (id, request) = self.get.next().await;
-                let on_its_way = scenes_on_their_way.acquire_arc().await;
-                let response = GetPlanningSceneResponse { scene: self.told(request.components.components) };
-                let answer = async move {
+                let permit = scene_permits.acquire_arc().await;
+                let response =
+                    GetPlanningSceneResponse { scene: self.scene_response(request.components.components) };
+                let send = async move {
                     self.get.respond(id, response).await;
-                    drop(on_its_way);
+                    drop(permit);
                 };
-                answering.spawn(answer).detach();
+                sending.spawn(send).detach();
             }
         };
         let apply = async {
@@ -122,48 +123,51 @@ impl SceneServices {
                 let (id, request) = self.apply.next().await;
                 sender.note_update(Instant::now());
                 let command = sender.scene(SceneSource::ApplyPlanningScene, request.scene);
-                let answer = async move {
+                let send = async move {
                     let success = sender.apply(command).await;
                     self.apply.respond(id, ApplyPlanningSceneResponse { success }).await;
                 };
-                answering.spawn(answer).detach();
+                sending.spawn(send).detach();
             }
         };
         let clear = async {
             loop {
                 let (id, _) = self.clear.next().await;
                 sender.note_update(Instant::now());
-                let answer = async move {
+                let send = async move {
                     sender
                         .apply(clear_octomap().with_original(Some((RecordedCommand::ClearOctomap, None))))
                         .await;
                     self.clear.respond(id, Empty::default()).await;
                 };
-                answering.spawn(answer).detach();
+                sending.spawn(send).detach();
             }
         };
-        let questions = async {
+        let requests = async {
             loop {
-                let question = self.validity.next().await;
-                if let Err(refused) = self.questions.try_send(question) {
+                let request = self.validity.next().await;
+                if let Err(rejected) = self.requests.try_send(request) {
                     self.busy.warn(|| {
                         format!("check_state_validity: not valid: {WAITING} requests are waiting already: ask again later")
                     });
-                    let (id, _) = refused.into_inner();
-                    answering.spawn(self.validity.respond(id, GetStateValidityResponse::default())).detach();
+                    let (id, _) = rejected.into_inner();
+                    sending.spawn(self.validity.respond(id, GetStateValidityResponse::default())).detach();
                 }
             }
         };
-        let answers = async {
-            while let Ok((id, response)) = self.answers.recv().await {
-                answering.spawn(self.validity.respond(id, response)).detach();
+        let responses = async {
+            while let Ok((id, response)) = self.responses.recv().await {
+                sending.spawn(self.validity.respond(id, response)).detach();
             }
         };
         let scenes = future::zip(future::zip(get, apply), clear);
-        answering.run(future::zip(scenes, future::zip(questions, answers))).await;
+        sending.run(future::zip(scenes, future::zip(requests, responses))).await;
     }
 
-    fn told(&self, components: u32) -> ros2_interfaces_jazzy_serde::moveit_msgs::msg::PlanningScene {
+    fn scene_response(
+        &self,
+        components: u32,
+    ) -> ros2_interfaces_jazzy_serde::moveit_msgs::msg::PlanningScene {
         let scene = self.scene.lock().unwrap_or_else(PoisonError::into_inner).clone();
         let Some(scene) = scene else {
             self.empty.warn(|| "get_planning_scene: there is no robot model yet".to_owned());
@@ -175,32 +179,32 @@ impl SceneServices {
             evaluation.placement.filter(|_| same)
         });
         let ActiveScene { revision, scene: state, octomap, parameters, .. } = scene.as_ref();
-        let told = SceneMessages {
+        let writer = SceneMessages {
             robot: revision.checker.robot(),
             scene: state,
             padding: parameters.padding,
             configuration: placement.as_ref().map(|checked_state| &checked_state.configuration),
             octomap: octomap.as_deref(),
         };
-        scene_message(&told, components)
+        scene_message(&writer, components)
     }
 }
 
 impl ValidityWorker {
     /// Checks queued states until the queue is closed.
-    pub fn work(self) {
-        let mut flood = LogRateLimiter::default();
+    pub fn run(self) {
+        let mut rate_limiter = LogRateLimiter::default();
         let mut warn = |why: &str| {
-            if flood.admit(self.shared.clock.read().steady) {
+            if rate_limiter.admit(self.shared.clock.read().steady) {
                 log::warn!("check_state_validity: not valid: {why}");
             }
         };
-        while let Ok((id, request)) = self.questions.recv_blocking() {
+        while let Ok((id, request)) = self.requests.recv_blocking() {
             if constraints_given(&request.constraints) {
                 warn("constraints are not evaluated here; leave them out");
             }
-            let answered = catch_unwind(AssertUnwindSafe(|| self.answer(&request)));
-            let response = match answered {
+            let evaluated = catch_unwind(AssertUnwindSafe(|| self.evaluate(&request)));
+            let response = match evaluated {
                 Ok(Ok(response)) => response,
                 Ok(Err(why)) => {
                     warn(&shortened(why));
@@ -211,13 +215,13 @@ impl ValidityWorker {
                     GetStateValidityResponse::default()
                 }
             };
-            if self.answers.send_blocking((id, response)).is_err() {
+            if self.responses.send_blocking((id, response)).is_err() {
                 return;
             }
         }
     }
 
-    fn answer(&self, request: &GetStateValidityRequest) -> Result<GetStateValidityResponse, String> {
+    fn evaluate(&self, request: &GetStateValidityRequest) -> Result<GetStateValidityResponse, String> {
         let scene = self.scene.lock().unwrap_or_else(PoisonError::into_inner).clone();
         let scene = scene.ok_or("there is no robot model yet")?;
         let now = self.shared.clock.read();

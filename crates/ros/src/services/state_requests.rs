@@ -15,7 +15,7 @@ use crate::messages::clearance_srvs::{
     CheckStatesRequest, CheckStatesResponse, GetDistancesRequest, GetDistancesResponse,
 };
 use crate::messages::collision_state::{body_type, distance_message};
-use crate::services::rejection::{Rejection, bad, shortened};
+use crate::services::rejection::{Rejection, bad_request, shortened};
 use crate::services::request_context::{RequestContext, deadline, not_negative, of_equal_length, revisions};
 
 /// Maximum number of states per request: with distances they take about a second, while other requests wait.
@@ -47,32 +47,32 @@ const NOBODY: i32 = -1;
 
 /// Responds to a request for many states. The workspace is memory that is reused to make later checks faster.
 #[must_use]
-pub fn answer_states(
+pub fn evaluate_states(
     request: &CheckStatesRequest,
     evaluation: Option<&Evaluation>,
     workspace: &mut Option<Workspace>,
 ) -> CheckStatesResponse {
     let started = Instant::now();
-    let found = RequestContext::of(evaluation).and_then(|cell| {
+    let found = RequestContext::of(evaluation).and_then(|context| {
         let effort = Effort {
             deadline: deadline(request.timeout, Some(LONGEST_BATCH), started)?,
             ..Effort::default()
         };
         let limit = limit("distance_limit", request.distance_limit)?;
         let question = if request.with_distance { Question::Distance { limit } } else { Question::Free };
-        let (states, note) = cell.states(request)?;
-        let limits = cell.robot().limits_note("state", states.iter().map(|q| [q]));
-        let mut told = Told::new(cell.checker, request.with_distance);
-        let workspace = workspace.get_or_insert_with(|| cell.checker.workspace());
+        let (states, note) = context.states(request)?;
+        let limits = context.robot().limits_note("state", states.iter().map(|q| [q]));
+        let mut batch = BatchResponse::new(context.checker, request.with_distance);
+        let workspace = workspace.get_or_insert_with(|| context.checker.workspace());
         for state in &states {
             // no check starts after the deadline
             let report =
-                (!effort.is_over()).then(|| cell.checker.check_with(state, question, &effort, workspace));
-            told.add(report.as_ref());
+                (!effort.is_over()).then(|| context.checker.check_with(state, question, &effort, workspace));
+            batch.add(report.as_ref());
         }
-        Ok(told.response([limits, note]))
+        Ok(batch.response([limits, note]))
     });
-    let mut response = found.unwrap_or_else(|refusal| refused_states(&refusal));
+    let mut response = found.unwrap_or_else(|rejection| rejected_states(&rejection));
     (response.model_revision, response.world_revision) = revisions(evaluation);
     response.compute_time = started.elapsed().as_secs_f64();
     response
@@ -80,28 +80,28 @@ pub fn answer_states(
 
 /// Responds to a request for the distances in one state.
 #[must_use]
-pub fn answer_distances(
+pub fn evaluate_distances(
     request: &GetDistancesRequest,
     evaluation: Option<&Evaluation>,
     workspace: &mut Option<Workspace>,
 ) -> GetDistancesResponse {
     let started = Instant::now();
-    let found = RequestContext::of(evaluation).and_then(|cell| {
+    let found = RequestContext::of(evaluation).and_then(|context| {
         let deadline = deadline(request.timeout, Some(LONGEST_DISTANCES), started)?;
         let effort = Effort { deadline, ..Effort::default() };
         let limit = limit("max_distance", request.max_distance)?;
-        let wanted = cell.wanted(&request.bodies)?;
-        let (state, note) = cell.state(request)?;
-        let memory = workspace.get_or_insert_with(|| cell.checker.workspace());
+        let requested_bodies = context.requested_bodies(&request.bodies)?;
+        let (state, note) = context.state(request)?;
+        let memory = workspace.get_or_insert_with(|| context.checker.workspace());
         let question = Question::PairDistances { limit };
-        let report = cell.checker.check_with(&state, question, &effort, memory);
+        let report = context.checker.check_with(&state, question, &effort, memory);
         if report.pair_distances.len() + report.undecided.len() > MANY_PAIRS {
             *workspace = None;
         }
-        let limits = cell.robot().limits_note("state", [[&state]]);
-        Ok(distances(cell.checker, report, &wanted, request.max_pairs, [limits, note]))
+        let limits = context.robot().limits_note("state", [[&state]]);
+        Ok(distances(context.checker, report, &requested_bodies, request.max_pairs, [limits, note]))
     });
-    let mut response = found.unwrap_or_else(|refusal| refused_distances(&refusal));
+    let mut response = found.unwrap_or_else(|rejection| rejected_distances(&rejection));
     (response.model_revision, response.world_revision) = revisions(evaluation);
     response.compute_time = started.elapsed().as_secs_f64();
     response
@@ -109,21 +109,21 @@ pub fn answer_distances(
 
 /// Response to a batch that was not checked.
 #[must_use]
-pub fn refused_states(refusal: &Rejection) -> CheckStatesResponse {
+pub fn rejected_states(rejection: &Rejection) -> CheckStatesResponse {
     CheckStatesResponse {
         verdict: CheckStatesResponse::ERROR,
-        message: refusal.message(),
-        reason_code: refusal.code().to_owned(),
+        message: rejection.message(),
+        reason_code: rejection.code().to_owned(),
         ..CheckStatesResponse::default()
     }
 }
 
 /// Response for a state that was not checked.
 #[must_use]
-pub fn refused_distances(refusal: &Rejection) -> GetDistancesResponse {
+pub fn rejected_distances(rejection: &Rejection) -> GetDistancesResponse {
     GetDistancesResponse {
-        message: refusal.message(),
-        reason_code: refusal.code().to_owned(),
+        message: rejection.message(),
+        reason_code: rejection.code().to_owned(),
         ..GetDistancesResponse::default()
     }
 }
@@ -142,16 +142,16 @@ impl RequestContext<'_> {
     ) -> Result<(Vec<Configuration>, Option<String>), Rejection> {
         let CheckStatesRequest { joint_names, positions, .. } = request;
         if joint_names.is_empty() {
-            return Err(bad("joint_names is empty"));
+            return Err(bad_request("joint_names is empty"));
         }
         let (numbers, joints) = (positions.len(), joint_names.len());
         if numbers == 0 || numbers % joints != 0 {
-            return Err(bad(format!(
+            return Err(bad_request(format!(
                 "positions has {numbers} numbers, but must have one for each of the {joints} joint_names for each state"
             )));
         }
         if numbers / joints > STATES {
-            return Err(bad(format!(
+            return Err(bad_request(format!(
                 "positions has {} states, but at most {STATES} are checked at a time: ask more often",
                 numbers / joints
             )));
@@ -160,7 +160,7 @@ impl RequestContext<'_> {
         let (rest, note) = self.rest(&named)?;
         let state = |(i, row)| {
             let state = named.configuration(&rest, row);
-            state.map_err(|error| bad(format!("state {i}: {error}")))
+            state.map_err(|error| bad_request(format!("state {i}: {error}")))
         };
         let states = positions.chunks_exact(joints).enumerate().map(state);
         Ok((states.collect::<Result<_, _>>()?, note))
@@ -176,13 +176,13 @@ impl RequestContext<'_> {
                 let named = self.named("joint_names", joint_names)?;
                 let (rest, note) = self.rest(&named)?;
                 let state = named.configuration(&rest, positions);
-                Ok((state.map_err(|error| bad(format!("positions: {error}")))?, note))
+                Ok((state.map_err(|error| bad_request(format!("positions: {error}")))?, note))
             }
         }
     }
 
     /// The names of the bodies whose pairs are requested.
-    fn wanted<'n>(&self, names: &'n [String]) -> Result<HashSet<&'n str>, Rejection> {
+    fn requested_bodies<'n>(&self, names: &'n [String]) -> Result<HashSet<&'n str>, Rejection> {
         let (robot, world) = (self.robot(), self.checker.world());
         let known = |name: &str| {
             robot.link_by_name(name).is_some()
@@ -191,14 +191,14 @@ impl RequestContext<'_> {
         };
         if let Some(unknown) = names.iter().find(|name| !known(name)) {
             let name = quoted_list(std::slice::from_ref(unknown));
-            return Err(bad(format!("bodies: there is no link, obstacle or attached object {name}")));
+            return Err(bad_request(format!("bodies: there is no link, obstacle or attached object {name}")));
         }
         Ok(names.iter().map(String::as_str).collect())
     }
 }
 
 /// Builder of the response to a batch, state by state.
-struct Told<'a> {
+struct BatchResponse<'a> {
     checker: &'a CollisionChecker,
     with_distance: bool,
     indices: HashMap<BodyId, i32>,
@@ -208,7 +208,7 @@ struct Told<'a> {
     response: CheckStatesResponse,
 }
 
-impl<'a> Told<'a> {
+impl<'a> BatchResponse<'a> {
     fn new(checker: &'a CollisionChecker, with_distance: bool) -> Self {
         let response = CheckStatesResponse { verdict: CheckStatesResponse::FREE, ..Default::default() };
         Self { checker, with_distance, indices: HashMap::new(), room: LONGEST_NAMES, unknown: 0, response }
@@ -281,7 +281,7 @@ impl<'a> Told<'a> {
 fn distances(
     checker: &CollisionChecker,
     report: CollisionReport,
-    wanted: &HashSet<&str>,
+    requested_bodies: &HashSet<&str>,
     max_pairs: u32,
     notes: [Option<String>; 2],
 ) -> GetDistancesResponse {
@@ -296,26 +296,27 @@ fn distances(
     let mut pairs = report.pair_distances;
     // pairs that the timeout cut off have only an upper bound of the distance: closer points may exist
     pairs.retain(|pair| pair.lower >= pair.distance);
-    let is_wanted = |body| wanted.contains(checker.body_name(body));
-    pairs.retain(|pair| wanted.is_empty() || is_wanted(pair.a) || is_wanted(pair.b));
+    let is_wanted = |body| requested_bodies.contains(checker.body_name(body));
+    pairs.retain(|pair| requested_bodies.is_empty() || is_wanted(pair.a) || is_wanted(pair.b));
     // pairs at the same distance stay in the order of the pair list
     pairs.sort_by(|a, b| a.distance.total_cmp(&b.distance));
-    let asked = if max_pairs == 0 { pairs.len() } else { pairs.len().min(max_pairs as usize) };
-    let told = told_pairs(checker, &pairs[..asked]);
-    let cut = (told.len() < asked).then(|| format!("only {} of {} pairs are told", told.len(), pairs.len()));
+    let requested = if max_pairs == 0 { pairs.len() } else { pairs.len().min(max_pairs as usize) };
+    let listed = pair_messages(checker, &pairs[..requested]);
+    let cut = (listed.len() < requested)
+        .then(|| format!("only {} of {} pairs are told", listed.len(), pairs.len()));
     let left_out = (open > 0).then(|| format!("the timeout left {open} pairs open"));
     GetDistancesResponse {
         verdict,
         message: message(checker, [left_out, cut].into_iter().chain(notes)),
         reason_code: if open > 0 { "deadline".to_owned() } else { String::new() },
         pairs_found: u32::try_from(pairs.len()).unwrap_or(u32::MAX),
-        pairs: told,
+        pairs: listed,
         ..GetDistancesResponse::default()
     }
 }
 
 /// The first pairs, as many as fit into a response.
-fn told_pairs(checker: &CollisionChecker, pairs: &[PairDistance]) -> Vec<PairDistanceMessage> {
+fn pair_messages(checker: &CollisionChecker, pairs: &[PairDistance]) -> Vec<PairDistanceMessage> {
     let mut bytes = 0;
     let messages = pairs.iter().map(|pair| distance_message(checker, pair));
     let fits = |message: &PairDistanceMessage| {

@@ -22,7 +22,9 @@ use crate::monitor_events::current_evaluation::CurrentEvaluation;
 use crate::names::Names;
 use crate::services::rejection::Rejection;
 use crate::services::request_context::known;
-use crate::services::state_requests::{answer_distances, answer_states, refused_distances, refused_states};
+use crate::services::state_requests::{
+    evaluate_distances, evaluate_states, rejected_distances, rejected_states,
+};
 
 /// Maximum length of the request queue. Further requests get the response that the node is busy.
 const WAITING: usize = 16;
@@ -33,7 +35,7 @@ enum Request {
     Distances(RequestId, GetDistancesRequest),
 }
 
-enum Answer {
+enum Response {
     States(RequestId, CheckStatesResponse),
     Distances(RequestId, GetDistancesResponse),
 }
@@ -43,13 +45,13 @@ pub struct StateServices {
     states: Server<CheckStatesRequest, CheckStatesResponse>,
     distances: Server<GetDistancesRequest, GetDistancesResponse>,
     requests: Sender<Request>,
-    answers: Receiver<Answer>,
+    responses: Receiver<Response>,
 }
 
 /// Side that runs the checks. It owns no network resources: the node ends without waiting for it.
 pub struct StateWorker {
     requests: Receiver<Request>,
-    answers: Sender<Answer>,
+    responses: Sender<Response>,
     current: CurrentEvaluation,
     clock: Arc<RosClock>,
     workspace: Option<Workspace>,
@@ -57,7 +59,7 @@ pub struct StateWorker {
 
 impl StateServices {
     /// Creates both sides. `current` is the evaluation whose robot and world the checks use.
-    pub fn offer(
+    pub fn open(
         middleware: &Middleware,
         names: &Names,
         current: CurrentEvaluation,
@@ -65,7 +67,7 @@ impl StateServices {
     ) -> Result<(Self, StateWorker), MiddlewareError> {
         let (requests, requests_in) = channel::bounded(WAITING);
         // at most one item for each queued request
-        let (answers, answers_in) = channel::unbounded();
+        let (responses, responses_in) = channel::unbounded();
         let services = Self {
             states: middleware
                 .server(&names.resolve("~/check_states")?, TypeName::new("clearance_msgs", "CheckStates"))?,
@@ -74,9 +76,9 @@ impl StateServices {
                 TypeName::new("clearance_msgs", "GetDistances"),
             )?,
             requests,
-            answers: answers_in,
+            responses: responses_in,
         };
-        Ok((services, StateWorker { requests: requests_in, answers, current, clock, workspace: None }))
+        Ok((services, StateWorker { requests: requests_in, responses, current, clock, workspace: None }))
     }
 
     /// Handles requests without end.
@@ -95,26 +97,26 @@ impl StateServices {
                 self.enqueue(Request::Distances(id, request), &sending);
             }
         };
-        let answers = async {
-            while let Ok(answer) = self.answers.recv().await {
-                self.send(answer, &sending);
+        let responses = async {
+            while let Ok(response) = self.responses.recv().await {
+                self.send(response, &sending);
             }
         };
-        sending.run(future::zip(future::zip(states, distances), answers)).await;
+        sending.run(future::zip(future::zip(states, distances), responses)).await;
     }
 
     fn enqueue<'a>(&'a self, request: Request, sending: &LocalExecutor<'a>) {
-        // when the desk has ended, the service reports that it is busy
-        if let Err(refused) = self.requests.try_send(request) {
-            self.send(refused.into_inner().refused(&Rejection::Busy(WAITING)), sending);
+        // when the worker has ended, the service reports that it is busy
+        if let Err(rejected) = self.requests.try_send(request) {
+            self.send(rejected.into_inner().rejected(&Rejection::Busy(WAITING)), sending);
         }
     }
 
-    fn send<'a>(&'a self, answer: Answer, sending: &LocalExecutor<'a>) {
+    fn send<'a>(&'a self, response: Response, sending: &LocalExecutor<'a>) {
         let send = async move {
-            match answer {
-                Answer::States(id, response) => self.states.respond(id, response).await,
-                Answer::Distances(id, response) => self.distances.respond(id, response).await,
+            match response {
+                Response::States(id, response) => self.states.respond(id, response).await,
+                Response::Distances(id, response) => self.distances.respond(id, response).await,
             }
         };
         sending.spawn(send).detach();
@@ -123,45 +125,45 @@ impl StateServices {
 
 impl StateWorker {
     /// Processes requests until all senders are gone.
-    pub fn work(mut self) {
+    pub fn run(mut self) {
         while let Ok(request) = self.requests.recv_blocking() {
             let evaluation = known(&self.current, self.clock.read());
-            let answer = self.answer(request, evaluation.as_ref());
-            if self.answers.send_blocking(answer).is_err() {
+            let response = self.evaluate(request, evaluation.as_ref());
+            if self.responses.send_blocking(response).is_err() {
                 return;
             }
         }
     }
 
-    fn answer(&mut self, request: Request, evaluation: Option<&Evaluation>) -> Answer {
+    fn evaluate(&mut self, request: Request, evaluation: Option<&Evaluation>) -> Response {
         match request {
             Request::States(id, request) => {
-                let response = self.guarded(|workspace| answer_states(&request, evaluation, workspace));
-                Answer::States(id, response.unwrap_or_else(|| refused_states(&Rejection::Internal)))
+                let response = self.guarded(|workspace| evaluate_states(&request, evaluation, workspace));
+                Response::States(id, response.unwrap_or_else(|| rejected_states(&Rejection::Internal)))
             }
             Request::Distances(id, request) => {
-                let response = self.guarded(|workspace| answer_distances(&request, evaluation, workspace));
-                Answer::Distances(id, response.unwrap_or_else(|| refused_distances(&Rejection::Internal)))
+                let response = self.guarded(|workspace| evaluate_distances(&request, evaluation, workspace));
+                Response::Distances(id, response.unwrap_or_else(|| rejected_distances(&Rejection::Internal)))
             }
         }
     }
 
     /// Processes an untrusted request. A panic in it must not end the node.
-    fn guarded<T>(&mut self, answer: impl FnOnce(&mut Option<Workspace>) -> T) -> Option<T> {
-        let answered = catch_unwind(AssertUnwindSafe(|| answer(&mut self.workspace)));
-        if answered.is_err() {
+    fn guarded<T>(&mut self, evaluate: impl FnOnce(&mut Option<Workspace>) -> T) -> Option<T> {
+        let evaluated = catch_unwind(AssertUnwindSafe(|| evaluate(&mut self.workspace)));
+        if evaluated.is_err() {
             log::error!("states could not be checked: the program failed inside");
             self.workspace = None;
         }
-        answered.ok()
+        evaluated.ok()
     }
 }
 
 impl Request {
-    fn refused(self, refusal: &Rejection) -> Answer {
+    fn rejected(self, refusal: &Rejection) -> Response {
         match self {
-            Self::States(id, _) => Answer::States(id, refused_states(refusal)),
-            Self::Distances(id, _) => Answer::Distances(id, refused_distances(refusal)),
+            Self::States(id, _) => Response::States(id, rejected_states(refusal)),
+            Self::Distances(id, _) => Response::Distances(id, rejected_distances(refusal)),
         }
     }
 }

@@ -26,7 +26,7 @@ use crate::scene::transform_messages::transform_pose;
 use crate::services::request_context::undecided;
 
 /// Largest number of contacts in a response: its size must not grow with the number of bodies.
-const CONTACTS_TOLD: usize = 200;
+const MOST_CONTACTS: usize = 200;
 
 /// Scene and evaluation that a query is evaluated against.
 pub struct ValidityContext<'s> {
@@ -39,23 +39,23 @@ pub struct ValidityContext<'s> {
 /// Evaluates a query, or returns why the state cannot be evaluated.
 pub fn state_validity(
     request: &GetStateValidityRequest,
-    situation: &ValidityContext,
+    context: &ValidityContext,
 ) -> Result<GetStateValidityResponse, String> {
-    let ActiveScene { revision, scene, .. } = situation.scene;
+    let ActiveScene { revision, scene, .. } = context.scene;
     let robot = revision.checker.robot();
-    if let Some(reason) = unknown_world(situation) {
+    if let Some(reason) = unknown_world(context) {
         return Err(reason.to_string());
     }
     let group = links_of_group(robot, &request.group_name)?;
-    let q = configuration(robot, &request.robot_state, situation)?;
+    let q = configuration(robot, &request.robot_state, context)?;
     let mut poses = LinkPoses::new(robot);
     robot.forward_kinematics(&q, &mut poses);
-    let changed = with_request(&request.robot_state, scene, &poses, situation)?;
+    let changed = with_request(&request.robot_state, scene, &poses, context)?;
     let built;
     let checker = match &changed {
         None => &revision.checker,
         Some(changed) => {
-            let ActiveScene { mesh_model, parameters, .. } = situation.scene;
+            let ActiveScene { mesh_model, parameters, .. } = context.scene;
             built = checker_of(robot, changed, *mesh_model, parameters, Some(&revision.checker))?;
             &built
         }
@@ -67,19 +67,19 @@ pub fn state_validity(
     let colliding: Vec<_> = colliding.copied().collect();
     let contact = |bodies: &(BodyId, BodyId)| {
         let found = checker.contact(&q, *bodies, &mut workspace);
-        contact(checker, *bodies, found, &poses, situation.now)
+        contact(checker, *bodies, found, &poses, context.now)
     };
-    let unanswered = constraints_given(&request.constraints);
+    let has_constraints = constraints_given(&request.constraints);
     Ok(GetStateValidityResponse {
-        valid: colliding.is_empty() && report.undecided.is_empty() && !unanswered,
-        contacts: colliding.iter().take(CONTACTS_TOLD).map(contact).collect(),
+        valid: colliding.is_empty() && report.undecided.is_empty() && !has_constraints,
+        contacts: colliding.iter().take(MOST_CONTACTS).map(contact).collect(),
         ..GetStateValidityResponse::default()
     })
 }
 
 /// Why the world around the robot is unknown, or which robot it is.
-fn unknown_world(situation: &ValidityContext) -> Option<Reason> {
-    let ValidityContext { scene, evaluation, now, .. } = situation;
+fn unknown_world(context: &ValidityContext) -> Option<Reason> {
+    let ValidityContext { scene, evaluation, now, .. } = context;
     if evaluation.is_some_and(|evaluation| evaluation.is_swapping) {
         return Some(Reason::ModelSwap);
     }
@@ -88,9 +88,9 @@ fn unknown_world(situation: &ValidityContext) -> Option<Reason> {
     }
     let stale = evaluation.and_then(|evaluation| evaluation.stale_world.clone());
     // a scene that the monitor has not processed yet may be incomplete
-    let judged = evaluation.and_then(|evaluation| evaluation.revision.as_ref());
-    let is_judged = judged.is_some_and(|judged| Arc::ptr_eq(judged, &scene.revision));
-    let incomplete = scene.revision.incomplete.clone().filter(|_| !is_judged);
+    let evaluated = evaluation.and_then(|evaluation| evaluation.revision.as_ref());
+    let is_evaluated = evaluated.is_some_and(|evaluated| Arc::ptr_eq(evaluated, &scene.revision));
+    let incomplete = scene.revision.incomplete.clone().filter(|_| !is_evaluated);
     scene.revision.stale_world(*now).or(incomplete).or(stale)
 }
 
@@ -162,7 +162,7 @@ fn carrier(checker: &CollisionChecker, id: AttachedId) -> Option<LinkId> {
 fn configuration(
     robot: &Arc<RobotModel>,
     state: &RobotState,
-    situation: &ValidityContext,
+    context: &ValidityContext,
 ) -> Result<Configuration, String> {
     let given = &state.joint_state;
     if given.name.len() != given.position.len() {
@@ -172,13 +172,13 @@ fn configuration(
     let placed = placed_joints(robot, &state.multi_dof_joint_state)
         .map_err(|why| format!("robot_state.multi_dof_joint_state: {why}"))?;
     let field = if placed.is_empty() { "robot_state.joint_state" } else { "robot_state" };
-    let refuse = |error| format!("{field}: {error}");
+    let reject = |error| format!("{field}: {error}");
     let single = given.name.iter().map(String::as_str).zip(given.position.iter().copied());
     let several = placed.iter().map(|(name, position)| (name.as_str(), *position));
     let (names, positions): (Vec<&str>, Vec<f64>) = single.chain(several).unzip();
-    let named = robot.named_joints(names).map_err(refuse)?;
-    let usual;
-    let rest = if let Some(checked_state) = placement(situation) {
+    let named = robot.named_joints(names).map_err(reject)?;
+    let default;
+    let rest = if let Some(checked_state) = placement(context) {
         &checked_state.configuration
     } else {
         let missing = undecided(robot, &named);
@@ -188,16 +188,16 @@ fn configuration(
                 quoted_list(&missing)
             ));
         }
-        usual = robot.default_configuration();
-        &usual
+        default = robot.default_configuration();
+        &default
     };
-    named.configuration(rest, &positions).map_err(refuse)
+    named.configuration(rest, &positions).map_err(reject)
 }
 
 /// Current configuration of the robot, if it is known.
-fn placement<'s>(situation: &ValidityContext<'s>) -> Option<&'s CheckedState> {
-    let evaluation = situation.evaluation?;
-    let same = evaluation.revision.as_ref()?.model == situation.scene.revision.model;
+fn placement<'s>(context: &ValidityContext<'s>) -> Option<&'s CheckedState> {
+    let evaluation = context.evaluation?;
+    let same = evaluation.revision.as_ref()?.model == context.scene.revision.model;
     evaluation.placement.as_deref().filter(|_| same)
 }
 
@@ -237,43 +237,43 @@ fn with_request(
     state: &RobotState,
     scene: &Scene,
     poses: &LinkPoses,
-    situation: &ValidityContext,
+    context: &ValidityContext,
 ) -> Result<Option<Scene>, String> {
-    let named = |refusal: &SceneRejection| format!("robot_state.attached_collision_objects: {refusal}");
+    let named = |rejection: &SceneRejection| format!("robot_state.attached_collision_objects: {rejection}");
     let mut read = robot_state_change(state);
-    if let Some(refusal) = read.rejections.first() {
-        return Err(named(refusal));
+    if let Some(rejection) = read.rejections.first() {
+        return Err(named(rejection));
     }
-    let ActiveScene { revision, parameters, .. } = situation.scene;
+    let ActiveScene { revision, parameters, .. } = context.scene;
     let robot = revision.checker.robot();
-    let (transforms, now) = (situation.transforms, situation.now.ros);
+    let (transforms, now) = (context.transforms, context.now.ros);
     let context_at = |poses| SceneContext::new(robot, poses, transforms, now, parameters.transform_ttl);
-    let asked = context_at(Some(poses));
+    let requested_context = context_at(Some(poses));
     // objects attached from the world are attached at the robot's current configuration
-    let placement = placement(situation);
-    let today = context_at(placement.map(|checked_state| &checked_state.poses));
+    let placement = placement(context);
+    let current_context = context_at(placement.map(|checked_state| &checked_state.poses));
     let (mut changed, mut applied) = (scene.clone(), Applied::default());
     let attached = std::mem::take(&mut read.change.attached);
     // operations that a complete state must not contain are rejected together with the rest of the state
     let is_diff = read.change.is_diff;
-    let (possible, refused): (Vec<_>, Vec<_>) =
+    let (possible, impossible): (Vec<_>, Vec<_>) =
         attached.into_iter().partition(|change| is_diff || change.object.operation == Operation::Add);
-    read.change.attached = refused;
-    changed.change_robot_state(&read.change, true, &asked, &mut applied);
+    read.change.attached = impossible;
+    changed.change_robot_state(&read.change, true, &requested_context, &mut applied);
     for change in possible {
         let ObjectChange { operation, shapes, .. } = &change.object;
         if *operation == Operation::Remove {
-            changed.let_go(&change, &asked).map_err(|refusal| named(&refusal))?;
+            changed.let_go(&change, &requested_context).map_err(|rejection| named(&rejection))?;
             applied.changed = true;
             continue;
         }
-        let context = if shapes.is_empty() { &today } else { &asked };
-        let taken = changed.apply(&SceneUpdate::Attached(Box::new(change)), context);
-        applied.changed |= taken.changed;
-        applied.refusals.extend(taken.refusals);
+        let scene_context = if shapes.is_empty() { &current_context } else { &requested_context };
+        let applied_change = changed.apply(&SceneUpdate::Attached(Box::new(change)), scene_context);
+        applied.changed |= applied_change.changed;
+        applied.refusals.extend(applied_change.refusals);
     }
     match applied.refusals.first() {
-        Some(refusal) => Err(named(refusal)),
+        Some(rejection) => Err(named(rejection)),
         None => Ok(applied.changed.then_some(changed)),
     }
 }

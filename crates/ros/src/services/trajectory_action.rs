@@ -46,7 +46,7 @@ pub struct TrajectoryAction {
 }
 
 impl TrajectoryAction {
-    pub fn offer(
+    pub fn open(
         middleware: &Middleware,
         names: &Names,
         clock: Arc<RosClock>,
@@ -65,30 +65,30 @@ impl TrajectoryAction {
     pub async fn serve<'a>(&'a self, sending: &LocalExecutor<'a>, enqueue: impl Fn(Goal) -> bool) {
         let goals = async {
             loop {
-                let (ticket, id, request) = self.server.next_goal().await;
+                let (request_id, id, request) = self.server.next_goal().await;
                 let (accepted, stamp) = self.accept(id, request, &enqueue);
-                sending.spawn(self.server.respond_to_goal(ticket, accepted, stamp)).detach();
+                sending.spawn(self.server.respond_to_goal(request_id, accepted, stamp)).detach();
             }
         };
         let cancellations = async {
             loop {
-                let (ticket, wanted) = self.server.next_cancellation().await;
-                self.cancel(ticket, &wanted, sending);
+                let (request_id, wanted) = self.server.next_cancellation().await;
+                self.cancel(request_id, &wanted, sending);
             }
         };
         let results = async {
             loop {
-                let (ticket, id) = self.server.next_result_request().await;
-                self.goals().forget(self.clock.steady());
-                let asked = self.goals().ask(id, ticket);
-                let (ticket, status, result) = match asked {
-                    ResultRequest::Ended(ticket, status, result) => (ticket, status, result),
+                let (request_id, id) = self.server.next_result_request().await;
+                self.goals().discard_expired(self.clock.steady());
+                let requested = self.goals().request_result(id, request_id);
+                let (request_id, status, result) = match requested {
+                    ResultRequest::Ended(request_id, status, result) => (request_id, status, result),
                     ResultRequest::Later => continue,
-                    ResultRequest::Unknown(ticket) => {
-                        (ticket, GoalStatusCode::Unknown, CheckTrajectoryResponse::default())
+                    ResultRequest::Unknown(request_id) => {
+                        (request_id, GoalStatusCode::Unknown, CheckTrajectoryResponse::default())
                     }
                 };
-                sending.spawn(self.server.respond_to_result(ticket, status, result)).detach();
+                sending.spawn(self.server.respond_to_result(request_id, status, result)).detach();
             }
         };
         future::zip(future::zip(goals, cancellations), results).await;
@@ -109,7 +109,7 @@ impl TrajectoryAction {
         }
         let accepted = enqueue(Goal { id, request, watch });
         if accepted {
-            self.tell_standings();
+            self.publish_statuses();
         } else {
             log::debug!("a goal of check_trajectory is rejected: too many requests are waiting already");
             self.goals().reject(id);
@@ -117,30 +117,30 @@ impl TrajectoryAction {
         (accepted, stamp)
     }
 
-    fn cancel<'a>(&'a self, ticket: RequestId, wanted: &GoalInfo, sending: &LocalExecutor<'a>) {
+    fn cancel<'a>(&'a self, request_id: RequestId, wanted: &GoalInfo, sending: &LocalExecutor<'a>) {
         let CancelResult { code, canceling, not_begun } = self.goals().cancel(wanted);
-        sending.spawn(self.server.respond_to_cancellation(ticket, code, canceling)).detach();
-        self.tell_standings();
+        sending.spawn(self.server.respond_to_cancellation(request_id, code, canceling)).detach();
+        self.publish_statuses();
         for id in not_begun {
             self.end(id, &canceled(), sending);
         }
     }
 
     /// Publishes feedback about a check periodically, until it ends.
-    pub fn follow<'a>(&'a self, begun: StartedGoal, sending: &LocalExecutor<'a>) {
-        self.goals().begin(begun.id);
-        self.tell_standings();
-        let follow = async move {
-            let mut told = None;
-            while self.goals().is_open(begun.id) {
-                let free = begun.watch.segments_free();
-                if told.replace(free) != Some(free) {
-                    self.server.publish_feedback(begun.id, begun.feedback(free));
+    pub fn publish_feedback<'a>(&'a self, started: StartedGoal, sending: &LocalExecutor<'a>) {
+        self.goals().begin(started.id);
+        self.publish_statuses();
+        let publish = async move {
+            let mut published = None;
+            while self.goals().is_open(started.id) {
+                let free = started.watch.segments_free();
+                if published.replace(free) != Some(free) {
+                    self.server.publish_feedback(started.id, started.feedback(free));
                 }
                 Timer::after(PERIOD).await;
             }
         };
-        sending.spawn(follow).detach();
+        sending.spawn(publish).detach();
     }
 
     /// Ends a goal with its result.
@@ -156,15 +156,15 @@ impl TrajectoryAction {
         let waiting = self.goals().end(id, status, response.clone(), self.clock.steady());
         // a goal that was canceled before it started has ended already
         let Some(waiting) = waiting else { return };
-        self.tell_standings();
-        for ticket in waiting {
-            sending.spawn(self.server.respond_to_result(ticket, status, response.clone())).detach();
+        self.publish_statuses();
+        for request_id in waiting {
+            sending.spawn(self.server.respond_to_result(request_id, status, response.clone())).detach();
         }
     }
 
-    fn tell_standings(&self) {
-        let standings = self.goals().standings();
-        self.server.publish_statuses(standings);
+    fn publish_statuses(&self) {
+        let statuses = self.goals().statuses();
+        self.server.publish_statuses(statuses);
     }
 }
 
@@ -210,7 +210,7 @@ mod tests {
 
     use super::*;
 
-    fn begun(seconds: &[i32]) -> StartedGoal {
+    fn started(seconds: &[i32]) -> StartedGoal {
         let mut request = CheckTrajectoryRequest::default();
         request.trajectory.points = (seconds.iter())
             .map(|&sec| JointTrajectoryPoint {
@@ -223,12 +223,12 @@ mod tests {
 
     #[test]
     fn progress_is_told_in_segments_and_in_time() {
-        let told = begun(&[0, 2, 3, 7, 9]).feedback(2);
-        assert_eq!((told.segments_free, told.segments), (2, 4));
-        assert_eq!((told.t_free, told.time_free), (0.5, 3.0));
-        let told = begun(&[0, 0, 0]).feedback(2);
-        assert!(told.t_free == 1.0 && told.time_free.is_nan());
-        let told = begun(&[]).feedback(0);
-        assert!(told.t_free == 0.0 && told.segments == 0);
+        let published = started(&[0, 2, 3, 7, 9]).feedback(2);
+        assert_eq!((published.segments_free, published.segments), (2, 4));
+        assert_eq!((published.t_free, published.time_free), (0.5, 3.0));
+        let published = started(&[0, 0, 0]).feedback(2);
+        assert!(published.t_free == 1.0 && published.time_free.is_nan());
+        let published = started(&[]).feedback(0);
+        assert!(published.t_free == 0.0 && published.segments == 0);
     }
 }

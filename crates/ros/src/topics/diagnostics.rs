@@ -133,8 +133,8 @@ fn values(
     }
     add("seconds of this report", format!("{:.3}", interval.as_secs_f64()));
     for (counters, told) in [(" in this report", recent), ("", total)] {
-        add(&format!("joint states received{counters}"), told.received().to_string());
-        add(&format!("joint states evaluated{counters}"), told.evaluated.to_string());
+        add(&format!("joint states heard{counters}"), told.received().to_string());
+        add(&format!("joint states judged{counters}"), told.evaluated.to_string());
         add(&format!("joint states passed over{counters}"), told.skipped.to_string());
         add(&format!("joint states lost{counters}"), told.lost.to_string());
         add(&format!("messages dropped{counters}"), told.dropped.to_string());

@@ -93,7 +93,7 @@ impl MarkerFeed {
 }
 
 impl MarkerWorker {
-    pub fn work(mut self) {
+    pub fn run(mut self) {
         while let Some(Some(picture)) = wait_at_most(Duration::MAX, self.pictures.receive()) {
             let markers = match picture {
                 MarkerUpdate::Of(evaluation, lifetime) => self.display.update(&evaluation, lifetime),

@@ -39,7 +39,7 @@ impl MonitoredScene {
     }
 
     /// Publishes the changes of a scene since the last call.
-    pub fn tell(&mut self, scene: &Arc<ActiveScene>) {
+    pub fn publish(&mut self, scene: &Arc<ActiveScene>) {
         let before = self.last.replace(Arc::clone(scene));
         let messages = match before {
             Some(before) if self.since_whole < DIFFERENCES && is_of_same_robot(&before, scene) => {
@@ -65,41 +65,42 @@ fn is_of_same_robot(a: &ActiveScene, b: &ActiveScene) -> bool {
 /// The whole scene without octomaps. Objects that do not fit into the first message follow as differences.
 pub fn whole(scene: &ActiveScene) -> Vec<PlanningScene> {
     type C = PlanningSceneComponents;
-    let told = told(scene);
+    let writer = writer(scene);
     let components = C::SCENE_SETTINGS
         | C::TRANSFORMS
         | C::ROBOT_STATE_ATTACHED_OBJECTS
         | C::ALLOWED_COLLISION_MATRIX
         | C::LINK_PADDING_AND_SCALING;
-    let first = scene_message(&told, components);
+    let first = scene_message(&writer, components);
     let size = first.robot_state.attached_collision_objects.iter().map(|o| size(&o.object)).sum::<usize>()
         + matrix_size(&first);
-    let objects = told.objects().map(|o| told.object_message(o)).collect();
-    spread(first, size, objects)
+    let objects = writer.objects().map(|o| writer.object_message(o)).collect();
+    split(first, size, objects)
 }
 
 /// Messages with the differences between two scenes; none if the scenes are equal.
 pub fn differences(before: &ActiveScene, after: &ActiveScene) -> Vec<PlanningScene> {
-    let (old, new) = (told(before), told(after));
+    let (old, new) = (writer(before), writer(after));
     let mut first = PlanningScene { is_diff: true, ..PlanningScene::default() };
     first.robot_state.is_diff = true;
     let blank = first.clone();
-    let taken_up =
+    let attached =
         |o: &&Arc<AttachedObject>| !before.scene.world.attached().iter().any(|known| Arc::ptr_eq(known, o));
-    let held = after.scene.world.attached().iter().filter(taken_up).map(|o| new.attached_message(o));
-    let let_go = before
+    let attached_messages =
+        after.scene.world.attached().iter().filter(attached).map(|o| new.attached_message(o));
+    let detached = before
         .scene
         .world
         .attached()
         .iter()
         .filter(|o| after.scene.world.attached_by_name(&o.name).is_none());
-    let let_go = let_go.map(|o| {
+    let detached = detached.map(|o| {
         let mut message = old.attached_message(o);
         message.object =
             CollisionObject { id: o.name.clone(), operation: CollisionObject::REMOVE, ..Default::default() };
         message
     });
-    first.robot_state.attached_collision_objects = let_go.chain(held).collect();
+    first.robot_state.attached_collision_objects = detached.chain(attached_messages).collect();
     if before.scene.matrix != after.scene.matrix {
         first.allowed_collision_matrix =
             scene_message(&new, PlanningSceneComponents::ALLOWED_COLLISION_MATRIX).allowed_collision_matrix;
@@ -132,10 +133,10 @@ pub fn differences(before: &ActiveScene, after: &ActiveScene) -> Vec<PlanningSce
     }
     let size = first.robot_state.attached_collision_objects.iter().map(|o| size(&o.object)).sum::<usize>()
         + matrix_size(&first);
-    spread(first, size, objects)
+    split(first, size, objects)
 }
 
-fn told(scene: &ActiveScene) -> SceneMessages<'_> {
+fn writer(scene: &ActiveScene) -> SceneMessages<'_> {
     SceneMessages {
         robot: scene.revision.checker.robot(),
         scene: &scene.scene,
@@ -146,7 +147,7 @@ fn told(scene: &ActiveScene) -> SceneMessages<'_> {
 }
 
 /// Splits objects into as many messages as necessary. The first message also has the other fields.
-fn spread(first: PlanningScene, size_of_first: usize, objects: Vec<CollisionObject>) -> Vec<PlanningScene> {
+fn split(first: PlanningScene, size_of_first: usize, objects: Vec<CollisionObject>) -> Vec<PlanningScene> {
     let mut messages = vec![first];
     let mut total = size_of_first;
     for mut object in objects {

@@ -64,7 +64,7 @@ impl Cell {
             ..SceneUpdateContext::first(&self.parameters, now(milliseconds))
         };
         let monitor = &mut self.monitor;
-        self.loader.carry_out(Pass { update_context, commands, clouds }, |event| match event {
+        self.loader.process(Pass { update_context, commands, clouds }, |event| match event {
             MonitorEvent::Checker(revision) => monitor.set_checker(revision),
             MonitorEvent::ModelFault(fault) => panic!("{fault}"),
             _ => {}
@@ -102,8 +102,9 @@ fn a_robot_that_is_replaced_is_freed() {
     };
     cell.pass(1000, vec![LoaderCommand::Description(urdf("first"))], BTreeMap::new());
     cell.turn(1010);
-    let seen = CloudMessage { cloud: Arc::new(cloud()), came: now(1020), since: std::time::Instant::now() };
-    cell.pass(1020, vec![LoaderCommand::Clouds], BTreeMap::from([("points".to_owned(), seen)]));
+    let changed =
+        CloudMessage { cloud: Arc::new(cloud()), came: now(1020), since: std::time::Instant::now() };
+    cell.pass(1020, vec![LoaderCommand::Clouds], BTreeMap::from([("points".to_owned(), changed)]));
     cell.turn(1030);
     let revision = cell.evaluation.as_ref().unwrap().revision.as_ref().unwrap();
     assert_eq!(revision.checker.world().obstacles().count(), 1, "the cloud was taken");
@@ -128,11 +129,12 @@ fn the_monitor_knows_how_many_messages_a_world_has_before_it_comes() {
     let mut told = |milliseconds, commands| {
         let update_context = SceneUpdateContext::first(&parameters, now(milliseconds));
         let mut events = Vec::new();
-        loader.carry_out(Pass { update_context, commands, clouds: BTreeMap::new() }, |event| {
-            events.push(event)
-        });
+        loader
+            .process(Pass { update_context, commands, clouds: BTreeMap::new() }, |event| events.push(event));
         let names = events.iter().map(|event| match event {
-            MonitorEvent::WorldUpdate(WorldUpdate::Completing(updates)) => format!("completing {updates}"),
+            MonitorEvent::WorldUpdate(WorldUpdate::Completing(update_count)) => {
+                format!("completing {update_count}")
+            }
             MonitorEvent::Checker(_) => "checker".to_owned(),
             MonitorEvent::World { .. } => "world".to_owned(),
             _ => "other".to_owned(),
@@ -152,10 +154,10 @@ fn a_monitor_that_has_ended_is_not_waited_for() {
     let (events, events_in) = mailbox::unbounded();
     let waiting = std::thread::spawn({
         let events = events.clone();
-        move || heeded(&events)
+        move || await_publication(&events)
     });
     // the stop event is taken; the request comes after it, or finds the queue closed
     drop(events_in);
     assert!(!waiting.join().unwrap());
-    assert!(!heeded(&events));
+    assert!(!await_publication(&events));
 }

@@ -24,14 +24,14 @@ impl LoaderScene {
     ///
     /// A cloud that shows nothing of the environment does not replace the previous cloud, unless the parameter `blind_cloud` accepts such
     /// clouds.
-    pub fn see(
+    pub fn apply_clouds(
         &mut self,
         messages: BTreeMap<String, CloudMessage>,
         robot: &Arc<RobotModel>,
         update_context: &SceneUpdateContext,
     ) -> bool {
         let parameters = &update_context.parameters;
-        let mut changed = self.forget_unwatched(parameters);
+        let mut changed = self.remove_unconfigured(parameters);
         for (topic, message) in messages {
             if !parameters.point_cloud_topics.contains(&topic) {
                 continue;
@@ -47,7 +47,7 @@ impl LoaderScene {
                     cloud.seen = Some(Observation { stamp, at: message.came.steady });
                     cloud.since = Some(since);
                     if let Some(cause) = cloud.report.blind.clone() {
-                        cloud.complain(&topic, &cause);
+                        cloud.log_fault(&topic, &cause);
                     }
                     if is_kept {
                         continue;
@@ -65,17 +65,17 @@ impl LoaderScene {
                     changed = true;
                 }
                 Err(fault) => {
-                    cloud.complain(&topic, &fault);
+                    cloud.log_fault(&topic, &fault);
                     cloud.report.fault = Some(fault);
                 }
             }
         }
-        self.touched |= changed;
+        self.is_changed |= changed;
         changed
     }
 
     /// Removes the clouds of topics that are no longer configured.
-    fn forget_unwatched(&mut self, parameters: &Parameters) -> bool {
+    fn remove_unconfigured(&mut self, parameters: &Parameters) -> bool {
         let watched = &parameters.point_cloud_topics;
         let gone: Vec<String> =
             self.clouds.keys().filter(|topic| !watched.contains(topic)).cloned().collect();

@@ -37,7 +37,7 @@ impl LoaderScene {
 
     fn rejected(&self) -> Option<Reason> {
         let others = self.dropped_objects.iter().chain(&self.failure).cloned();
-        let fault = self.missing.told().chain(others.clone()).chain(self.cloud_faults()).next()?;
+        let fault = self.missing.faults().chain(others.clone()).chain(self.cloud_faults()).next()?;
         let more = self.missing.len() + others.count() + self.cloud_faults().count() - 1;
         Some(Reason::RejectedObstacle { fault, more })
     }
@@ -51,18 +51,18 @@ impl LoaderScene {
     /// Rejected parts of the last messages, and the parts that are still missing in the scene because of rejections.
     #[must_use]
     pub fn faults(&self) -> Vec<String> {
-        let missing = self.missing.told().filter(|fault| !self.faults.contains(fault));
+        let missing = self.missing.faults().filter(|fault| !self.faults.contains(fault));
         let blind = self.blind_sensors().map(|(source, cause)| {
             format!("the last message of '{source}' shows nothing of the room: {cause}")
         });
         self.faults
             .iter()
             .chain(&self.ineffective)
-            .chain(&self.unfit)
+            .chain(&self.invalid_parts)
             .chain(&self.dropped_objects)
             .chain(self.failure.iter().filter(|failure| !self.faults.contains(failure)))
             .cloned()
-            .chain(self.lost.told())
+            .chain(self.lost.warnings())
             .chain(missing)
             .chain(self.cloud_faults())
             .chain(blind)

@@ -47,7 +47,7 @@ fn from_to(start: &[f64], goal: &[f64]) -> CheckMotionRequest {
 }
 
 fn ask(request: &CheckMotionRequest) -> MotionFindings {
-    answer_motion(request, ContinuousDirection::Shortest, Some(&evaluation(&[0.0, 0.0])), &mut None)
+    evaluate_motion(request, ContinuousDirection::Shortest, Some(&evaluation(&[0.0, 0.0])), &mut None)
         .response
         .motion
 }
@@ -65,7 +65,7 @@ fn along(points: Vec<JointTrajectoryPoint>) -> CheckTrajectoryRequest {
 }
 
 fn ask_along(request: &CheckTrajectoryRequest) -> CheckTrajectoryResponse {
-    answer_trajectory(request, None, Some(&evaluation(&[0.0, 0.0])), &mut None).response
+    evaluate_trajectory(request, None, Some(&evaluation(&[0.0, 0.0])), &mut None).response
 }
 
 #[test]
@@ -77,11 +77,11 @@ fn a_free_way_is_free_with_its_certificate() {
     assert_eq!((answer.model_revision, answer.world_revision), (3, 1));
 
     request.terms.certificate = true;
-    let answered =
-        answer_motion(&request, ContinuousDirection::Shortest, Some(&evaluation(&[0.0, 0.0])), &mut None);
-    let text = answered.certificate.unwrap();
+    let evaluated =
+        evaluate_motion(&request, ContinuousDirection::Shortest, Some(&evaluation(&[0.0, 0.0])), &mut None);
+    let text = evaluated.certificate.unwrap();
     let certificate = Certificate::from_json(&text).unwrap();
-    let motion = answered.response.motion;
+    let motion = evaluated.response.motion;
     assert_eq!(motion.certificate_digest, certificate.digest);
     assert_eq!(motion.certificate, text);
     assert_eq!(certificate.segments.len(), 1);
@@ -128,7 +128,7 @@ fn a_way_may_begin_at_the_current_joint_state_and_leave_joints_out() {
     let request =
         CheckMotionRequest { joint_names: names(&JOINTS[..1]), goal: vec![1.0], ..from_to(&[], &[]) };
     let told = |evaluation: &Evaluation, request: &CheckMotionRequest| {
-        answer_motion(request, ContinuousDirection::Shortest, Some(evaluation), &mut None).response.motion
+        evaluate_motion(request, ContinuousDirection::Shortest, Some(evaluation), &mut None).response.motion
     };
     assert_eq!(told(&evaluation(&[0.0, 0.0]), &request).verdict, MotionFindings::FREE);
     // joint 2 stays folded onto the base
@@ -146,7 +146,7 @@ fn a_way_may_begin_at_the_current_joint_state_and_leave_joints_out() {
 
 #[test]
 fn without_a_model_nothing_is_checked() {
-    let answer = answer_motion(&from_to(&NEAR, &BEYOND), ContinuousDirection::Shortest, None, &mut None)
+    let answer = evaluate_motion(&from_to(&NEAR, &BEYOND), ContinuousDirection::Shortest, None, &mut None)
         .response
         .motion;
     assert_eq!((answer.verdict, answer.reason_code.as_str()), (MotionFindings::ERROR, "no_model"));
@@ -244,13 +244,13 @@ fn a_certificate_that_cannot_be_sent_is_left_out_with_a_word() {
     for (points, sent) in [(100, true), (1_000, false), (20_000, false)] {
         let mut request = along(zigzag(points));
         request.terms.certificate = true;
-        let answered = answer_trajectory(&request, None, Some(&evaluation(&[0.0, 0.0])), &mut None);
-        let motion = answered.response.motion;
+        let evaluated = evaluate_trajectory(&request, None, Some(&evaluation(&[0.0, 0.0])), &mut None);
+        let motion = evaluated.response.motion;
         assert_eq!(motion.verdict, MotionFindings::FREE);
-        assert_eq!(answered.certificate.is_some(), sent, "{points} points");
+        assert_eq!(evaluated.certificate.is_some(), sent, "{points} points");
         assert_eq!(!motion.certificate_digest.is_empty(), sent);
         assert_eq!(motion.message.contains("clearance motion --certificate"), !sent);
-        assert!(answered.certificate.unwrap_or_default().len() <= LONGEST_CERTIFICATE);
+        assert!(evaluated.certificate.unwrap_or_default().len() <= LONGEST_CERTIFICATE);
     }
 }
 
@@ -279,7 +279,7 @@ fn continuous_joints_go_the_shortest_way_from_the_current_state() {
     use ContinuousDirection::{AsGiven, Shortest};
     let (free, contact) = (MotionFindings::FREE, MotionFindings::CONTACT);
     let evaluation = at_the_wheel(3.0, "");
-    for (start, usual, asked, verdict) in [
+    for (start, default_direction, requested_direction, verdict) in [
         (&[][..], Shortest, MotionTerms::DEFAULT, contact),
         (&[], AsGiven, MotionTerms::DEFAULT, free),
         (&[], Shortest, MotionTerms::AS_GIVEN, free),
@@ -287,11 +287,11 @@ fn continuous_joints_go_the_shortest_way_from_the_current_state() {
         (&[3.0], Shortest, MotionTerms::DEFAULT, free),
         (&[3.0], AsGiven, MotionTerms::SHORTEST, contact),
     ] {
-        let terms = MotionTerms { continuous_joint_direction: asked, ..MotionTerms::default() };
+        let terms = MotionTerms { continuous_joint_direction: requested_direction, ..MotionTerms::default() };
         let (joint_names, start, goal) = (names(&["j"]), start.to_vec(), vec![-3.0]);
         let request = CheckMotionRequest { joint_names, start, goal, terms };
         let CheckTrajectoryResponse { motion, turns, .. } =
-            answer_motion(&request, usual, Some(&evaluation), &mut None).response;
+            evaluate_motion(&request, default_direction, Some(&evaluation), &mut None).response;
         assert_eq!(motion.verdict, verdict, "{request:?}");
         assert_eq!((turns.continuous_joints, turns.continuous_goals), (names(&["j"]), vec![-3.0]));
         let long = verdict == free;
@@ -301,7 +301,7 @@ fn continuous_joints_go_the_shortest_way_from_the_current_state() {
 }
 
 #[test]
-fn trajectories_go_the_shortest_way_only_if_asked() {
+fn trajectories_go_the_shortest_way_only_on_request() {
     let evaluation = at_the_wheel(0.0, "");
     let point = |position: f64, sec| JointTrajectoryPoint {
         positions: vec![position],
@@ -313,7 +313,7 @@ fn trajectories_go_the_shortest_way_only_if_asked() {
     let mut request = CheckTrajectoryRequest { trajectory, terms: MotionTerms::default() };
     let mut answer = |direction: u8| {
         request.terms.continuous_joint_direction = direction;
-        answer_trajectory(&request, None, Some(&evaluation), &mut None).response
+        evaluate_trajectory(&request, None, Some(&evaluation), &mut None).response
     };
     let given = answer(MotionTerms::DEFAULT);
     assert_eq!(given.motion.verdict, MotionFindings::FREE);
@@ -334,16 +334,20 @@ fn a_mimic_joint_may_keep_its_leader_from_the_shortest_way() {
     let mut request = from_to(&[], &[-3.0]);
     request.joint_names = names(&["j"]);
     let answer = |request: &CheckMotionRequest| {
-        answer_motion(request, ContinuousDirection::Shortest, Some(&evaluation), &mut None).response.motion
+        evaluate_motion(request, ContinuousDirection::Shortest, Some(&evaluation), &mut None).response.motion
     };
-    let usual = answer(&request);
-    assert_eq!(usual.verdict, MotionFindings::FREE);
+    let by_default = answer(&request);
+    assert_eq!(by_default.verdict, MotionFindings::FREE);
     assert!(
-        ["'j'", "'k' mimics it", "checked as given"].iter().all(|w| usual.message.contains(w)),
-        "{usual:?}"
+        ["'j'", "'k' mimics it", "checked as given"].iter().all(|w| by_default.message.contains(w)),
+        "{by_default:?}"
     );
     request.terms.continuous_joint_direction = MotionTerms::SHORTEST;
-    let asked = answer(&request);
-    assert_eq!((asked.verdict, asked.reason_code.as_str()), (MotionFindings::ERROR, "bad_request"));
-    assert!(asked.message.contains("'j'") && asked.message.contains("'k'"), "{}", asked.message);
+    let on_request = answer(&request);
+    assert_eq!((on_request.verdict, on_request.reason_code.as_str()), (MotionFindings::ERROR, "bad_request"));
+    assert!(
+        on_request.message.contains("'j'") && on_request.message.contains("'k'"),
+        "{}",
+        on_request.message
+    );
 }

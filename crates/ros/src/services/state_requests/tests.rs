@@ -65,7 +65,7 @@ fn batch(states: &[[f64; 2]]) -> CheckStatesRequest {
 }
 
 fn ask(request: &CheckStatesRequest) -> CheckStatesResponse {
-    answer_states(request, Some(&evaluation(&World::default(), &[0.0, 0.0])), &mut None)
+    evaluate_states(request, Some(&evaluation(&World::default(), &[0.0, 0.0])), &mut None)
 }
 
 fn at(positions: &[f64]) -> GetDistancesRequest {
@@ -74,7 +74,7 @@ fn at(positions: &[f64]) -> GetDistancesRequest {
 }
 
 fn ask_distances(request: &GetDistancesRequest) -> GetDistancesResponse {
-    answer_distances(request, Some(&evaluation(&with_ball(), &[0.0, 0.0])), &mut None)
+    evaluate_distances(request, Some(&evaluation(&with_ball(), &[0.0, 0.0])), &mut None)
 }
 
 fn told_pair(response: &GetDistancesResponse, i: usize) -> [&str; 2] {
@@ -101,8 +101,8 @@ fn every_state_gets_its_answer() {
     request.with_distance = true;
     let answer = ask(&request);
     assert_eq!(answer.verdicts, [FREE, COLLIDING, FREE]);
-    for (told, wanted) in answer.distances.iter().zip([0.7, 0.0, 0.2]) {
-        assert!((told - wanted).abs() < 1e-9, "{answer:?}");
+    for (distance, expected) in answer.distances.iter().zip([0.7, 0.0, 0.2]) {
+        assert!((distance - expected).abs() < 1e-9, "{answer:?}");
     }
     assert_eq!((answer.pair_a.as_slice(), answer.pair_b.as_slice()), (&[0; 3][..], &[1; 3][..]));
     assert_eq!(answer.bodies, ["base", "tip"]);
@@ -120,7 +120,7 @@ fn while_another_robot_is_built_nothing_is_checked() {
     judged(&mut monitor, &[0.0, 0.0]);
     monitor.note_model_swap();
     let evaluation = judged(&mut monitor, &[]);
-    let answer = answer_states(&batch(&[NEAR]), Some(&evaluation), &mut None);
+    let answer = evaluate_states(&batch(&[NEAR]), Some(&evaluation), &mut None);
     assert_eq!((answer.verdict, answer.reason_code.as_str()), (CheckStatesResponse::ERROR, "no_model"));
     assert!(answer.message.contains("still being built"), "{}", answer.message);
 }
@@ -135,7 +135,7 @@ fn where_only_the_check_was_late_the_robot_stands_where_it_is() {
         positions: vec![0.5],
         ..CheckStatesRequest::default()
     };
-    let answer = answer_states(&request, Some(&evaluation), &mut None);
+    let answer = evaluate_states(&request, Some(&evaluation), &mut None);
     assert_eq!((answer.verdict, answer.message.as_str()), (COLLIDING, ""));
 }
 
@@ -152,7 +152,7 @@ fn names_that_do_not_fit_are_left_out() {
     }
     let mut request = batch(&states);
     request.with_distance = true;
-    let answer = answer_states(&request, Some(&evaluation(&world, &[0.0, 0.0])), &mut None);
+    let answer = evaluate_states(&request, Some(&evaluation(&world, &[0.0, 0.0])), &mut None);
     assert!(answer.distances.iter().all(|distance| (distance - 0.1).abs() < 1e-9), "{answer:?}");
     let fitting = (LONGEST_NAMES - "tip".len()) / LENGTH;
     assert_eq!(answer.bodies.len(), 1 + fitting);
@@ -186,20 +186,20 @@ fn a_batch_with_something_open_is_not_free() {
         colliding_pairs: vec![checker.pairs().self_pairs()[0]],
         ..CollisionReport::default()
     };
-    for (reports, wanted) in [
+    for (reports, expected) in [
         (vec![Some(&free)], FREE),
         (vec![Some(&free), None], UNKNOWN),
         (vec![None, Some(&free)], UNKNOWN),
         (vec![None, Some(&hit), Some(&free)], COLLIDING),
         (vec![Some(&hit), None], COLLIDING),
     ] {
-        let mut told = Told::new(checker, false);
+        let mut batch = BatchResponse::new(checker, false);
         let open = reports.contains(&None);
         for report in reports {
-            told.add(report);
+            batch.add(report);
         }
-        let response = told.response([None, None]);
-        assert_eq!((response.verdict, response.reason_code == "deadline"), (wanted, open));
+        let response = batch.response([None, None]);
+        assert_eq!((response.verdict, response.reason_code == "deadline"), (expected, open));
     }
 }
 
@@ -208,14 +208,14 @@ fn joints_that_are_not_named_stand_where_they_are() {
     let request =
         CheckStatesRequest { joint_names: names(&JOINTS[..1]), positions: vec![0.0, 1.0], ..batch(&[]) };
     let empty = World::default();
-    let verdicts = |now: &[f64]| answer_states(&request, Some(&evaluation(&empty, now)), &mut None);
+    let verdicts = |now: &[f64]| evaluate_states(&request, Some(&evaluation(&empty, now)), &mut None);
     assert_eq!(verdicts(&[0.0, 0.0]).verdicts, [FREE; 2]);
     assert_eq!(verdicts(&ONTO).verdicts, [COLLIDING; 2]);
     let answer = verdicts(&[]);
     assert_eq!(answer.verdicts, [FREE; 2]);
     assert!(answer.message.starts_with("'joint2' stand at their defaults"), "{}", answer.message);
 
-    let current = |now: &[f64]| answer_distances(&at(&[]), Some(&evaluation(&empty, now)), &mut None);
+    let current = |now: &[f64]| evaluate_distances(&at(&[]), Some(&evaluation(&empty, now)), &mut None);
     assert_eq!((current(&NEAR).verdict, current(&ONTO).verdict), (FREE, COLLIDING));
     let answer = current(&[]);
     assert_eq!((answer.verdict, answer.reason_code.as_str()), (0, "no_joint_state"));
@@ -249,9 +249,9 @@ fn pairs_come_nearest_first() {
 
 #[test]
 fn without_a_model_nothing_is_checked() {
-    let answer = answer_states(&batch(&[NEAR]), None, &mut None);
+    let answer = evaluate_states(&batch(&[NEAR]), None, &mut None);
     assert_eq!((answer.verdict, answer.reason_code.as_str()), (CheckStatesResponse::ERROR, "no_model"));
-    let answer = answer_distances(&at(&NEAR), None, &mut None);
+    let answer = evaluate_distances(&at(&NEAR), None, &mut None);
     assert_eq!((answer.verdict, answer.reason_code.as_str()), (CheckStatesResponse::ERROR, "no_model"));
     assert!(answer.message.contains("robot_description"), "{}", answer.message);
 }
@@ -312,7 +312,7 @@ fn a_robot_without_geometry_is_not_checked() {
     for enabled in [true, false] {
         monitor.set_enabled(enabled);
         let evaluation = monitor.on_heartbeat(Now { ros: None, steady: Duration::ZERO });
-        let answer = answer_states(&batch(&[NEAR]), Some(&evaluation), &mut None);
+        let answer = evaluate_states(&batch(&[NEAR]), Some(&evaluation), &mut None);
         assert_eq!(answer.reason_code, "no_model");
         assert!(answer.message.contains("no link of the robot has collision geometry"), "{}", answer.message);
     }
