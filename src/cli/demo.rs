@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, mpsc};
 
 use clearance::node::{
-    self, Environment, Given, Motion, NodeOptions, Parameters, Reach, RosArguments, Startup, Surroundings,
-    ThreadPriority, Trajectory, View,
+    self, CommandLineInputs, Environment, Motion, NodeOptions, Parameters, Reach, RosArguments, Startup,
+    Surroundings, ThreadPriority, Trajectory, View,
 };
 use clearance::robot::{MeshFiles, RobotModel, RobotText};
 use clearance::scene::SceneLoader;
@@ -77,7 +77,7 @@ pub fn run(view: ViewArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
             }
         })),
         on_start: Some(Box::new(on_start)),
-        given: Given::default(),
+        command_line: CommandLineInputs::default(),
     });
     ended.store(true, Ordering::Relaxed);
     if let Ok(table) = table.try_recv() {

@@ -34,7 +34,7 @@ pub struct DoctorArgs {
 }
 
 pub fn run(args: &DoctorArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
-    let patience = (Duration::try_from_secs_f64(args.wait).ok())
+    let duration = (Duration::try_from_secs_f64(args.wait).ok())
         .filter(|wait| (Duration::from_millis(100)..=Duration::from_secs(3600)).contains(wait))
         .ok_or_else(|| Failure::Input(format!("--wait: must be from 0.1 to 3600 s, but is {}", args.wait)))?;
     node::start_logging(level);
@@ -42,7 +42,7 @@ pub fn run(args: &DoctorArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
     let robot = args.model.urdf.as_ref().map(|_| args.model.load_quietly(&mesh_files)).transpose()?;
     let arguments = RosArguments::parse(&args.ros_args).map_err(Failure::input)?;
     let mesh_model = args.model.settings().mesh_model;
-    let options = DoctorOptions { arguments, robot, mesh_files, mesh_model, patience };
+    let options = DoctorOptions { arguments, robot, mesh_files, mesh_model, duration };
     let findings = node::run_doctor(options).map_err(failure)?;
     match args.format {
         Format::Json => print_line(&serde_json::to_string(&findings).map_err(internal)?)?,

@@ -5,8 +5,8 @@ use std::process::ExitCode;
 
 use clap::Args;
 use clearance::node::{
-    self, Announcement, Environment, Given, Motion, NodeError, NodeOptions, ParameterSource, RosArguments,
-    Startup, Surroundings, ThreadPriority, Value, View,
+    self, Announcement, CommandLineInputs, Environment, Motion, NodeError, NodeOptions, ParameterSource,
+    RosArguments, Startup, Surroundings, ThreadPriority, Value, View,
 };
 use clearance::robot::{MeshFiles, MeshLog};
 use log::LevelFilter;
@@ -62,7 +62,7 @@ pub fn run(args: &NodeArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
     };
     let view = args.view.open()?;
     let files = GivenFiles::new(&args.model, &args.world);
-    let given = Given { arguments: files.to_json(), files: files.all(), meshes };
+    let command_line = CommandLineInputs { arguments: files.to_json(), files: files.all(), meshes };
     node::run(NodeOptions {
         startup,
         announcement,
@@ -75,7 +75,7 @@ pub fn run(args: &NodeArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
         motion: args.demo_motion.then_some(Motion::Sweep),
         observer: view.as_ref().map(View::observer),
         on_start: Some(Box::new(args.view.announcement(view.as_ref()))),
-        given,
+        command_line,
     })
     .map_err(failure)?;
     Ok(ExitCode::SUCCESS)

@@ -156,8 +156,11 @@ impl OfflineNode {
                 self.change_scene(octomap_command(SceneSource::OctomapFull, cdr::decode(bytes)?, false, now));
             }
             MessageKind::PointCloud => {
-                let cloud =
-                    CloudMessage { cloud: Arc::new(cdr::decode(bytes)?), came: now, since: Instant::now() };
+                let cloud = CloudMessage {
+                    cloud: Arc::new(cdr::decode(bytes)?),
+                    received_at: now,
+                    since: Instant::now(),
+                };
                 self.pass(vec![LoaderCommand::Clouds], BTreeMap::from([(CLOUDS.to_owned(), cloud)]));
             }
             MessageKind::SetParameters => {
@@ -229,7 +232,7 @@ impl OfflineNode {
             parameters: self.parameters.get(),
             transforms: self.transforms.clone(),
             evaluation: self.evaluation.clone(),
-            places: robots_at_stamps(&clouds, &self.joint_state_history),
+            robots_at_stamps: robots_at_stamps(&clouds, &self.joint_state_history),
         };
         let monitor = &mut self.monitor;
         self.loader.process(Pass { update_context, commands, clouds }, |event| match event {

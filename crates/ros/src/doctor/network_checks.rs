@@ -7,7 +7,7 @@ use crate::doctor::finding::{Finding, good, wrong};
 use crate::environment::{Environment, EnvironmentError, Reach};
 
 /// Findings about the network settings in the environment variables.
-pub fn network(
+pub fn check_environment(
     variable: impl Fn(&str) -> Option<String>,
     findings: &mut Vec<Finding>,
 ) -> Result<Environment, EnvironmentError> {
@@ -42,13 +42,13 @@ pub fn network(
 }
 
 /// Whether this machine receives its own multicast messages: discovery depends on multicast.
-pub fn multicast(reach: Reach) -> Finding {
+pub fn check_multicast(reach: Reach) -> Finding {
     let interface = match reach {
         Reach::Localhost => Ipv4Addr::LOCALHOST,
         Reach::Subnet => Ipv4Addr::UNSPECIFIED,
     };
     let about = "multicast";
-    match heard_by_group(interface) {
+    match is_multicast_received(interface) {
         Ok(true) => good(about, "what is sent to a group comes back"),
         Ok(false) => wrong(
             about,
@@ -58,7 +58,7 @@ pub fn multicast(reach: Reach) -> Finding {
     }
 }
 
-fn heard_by_group(interface: Ipv4Addr) -> std::io::Result<bool> {
+fn is_multicast_received(interface: Ipv4Addr) -> std::io::Result<bool> {
     const GROUP: Ipv4Addr = Ipv4Addr::new(239, 255, 0, 1);
     const WORD: &[u8] = b"clearance doctor";
     let socket = UdpSocket::bind((Ipv4Addr::UNSPECIFIED, 0))?;
@@ -67,11 +67,11 @@ fn heard_by_group(interface: Ipv4Addr) -> std::io::Result<bool> {
     socket.set_read_timeout(Some(Duration::from_secs(1)))?;
     let port = socket.local_addr()?.port();
     socket.send_to(WORD, SocketAddrV4::new(GROUP, port))?;
-    let mut heard = [0; 64];
+    let mut received = [0; 64];
     let deadline = Instant::now() + Duration::from_secs(1);
     while Instant::now() < deadline {
-        match socket.recv_from(&mut heard) {
-            Ok((length, _)) if &heard[..length] == WORD => return Ok(true),
+        match socket.recv_from(&mut received) {
+            Ok((length, _)) if &received[..length] == WORD => return Ok(true),
             Ok(_) => {}
             Err(error) if error.kind() == std::io::ErrorKind::WouldBlock => return Ok(false),
             Err(error) => return Err(error),
@@ -90,7 +90,7 @@ mod tests {
         let look = |variables: &[(&str, &str)]| {
             let mut findings = Vec::new();
             let get = |name: &str| variables.iter().find(|(n, _)| *n == name).map(|(_, v)| (*v).to_owned());
-            network(get, &mut findings).map(|_| findings)
+            check_environment(get, &mut findings).map(|_| findings)
         };
         let verdicts = |variables: &[(&str, &str)]| {
             look(variables).unwrap().into_iter().map(|finding| finding.verdict).collect::<Vec<_>>()

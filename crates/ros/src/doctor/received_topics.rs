@@ -40,9 +40,9 @@ pub struct ReceivedTopics {
     /// Last simulated time, if simulated time is used and any was received.
     pub simulated_time: Option<Time>,
     /// Number of nodes with this node's name.
-    pub namesakes: usize,
+    pub nodes_of_same_name: usize,
     /// Warnings logged by the middleware.
-    pub complaints: Vec<String>,
+    pub warnings: Vec<String>,
 }
 
 /// Subscribes to all topics for a while, and returns the messages received.
@@ -50,12 +50,12 @@ pub fn receive_topics(
     environment: Environment,
     names: &Names,
     (describe, use_sim_time): (bool, bool),
-    patience: Duration,
+    duration: Duration,
 ) -> Result<ReceivedTopics, NodeError> {
     /// Limits for the joint states that are kept for the monitor: their number, and the number of names and values in all of them.
     const MOST: usize = 10_000;
     const MOST_NUMBERS: usize = 1_000_000;
-    const MOST_COMPLAINTS: usize = 100;
+    const MOST_WARNINGS: usize = 100;
     let lines = logging::open_rosout_queue();
     let middleware = Middleware::join(
         Announcement::make(environment, ThreadPriority::Normal)?,
@@ -86,11 +86,11 @@ pub fn receive_topics(
     let ticks = use_sim_time.then(subscribe).transpose()?;
     let tree = RefCell::new(TransformTree::default());
     let mut received = ReceivedTopics::default();
-    let ReceivedTopics { description, semantic, joint_states, joint_state_count, complaints, .. } =
+    let ReceivedTopics { description, semantic, joint_states, joint_state_count, warnings, .. } =
         &mut received;
     let mut numbers = 0;
-    smol::block_on(future::or(drop_after(patience), async {
-        let hear_states = async {
+    smol::block_on(future::or(drop_after(duration), async {
+        let receive_states = async {
             loop {
                 let (state, origin) = states.next().await;
                 *joint_state_count = joint_state_count.saturating_add(1);
@@ -101,29 +101,29 @@ pub fn receive_topics(
                 }
             }
         };
-        let hear_description = async {
+        let receive_description = async {
             if describe {
                 loop {
                     *description = Some(descriptions.next().await.0.data);
                 }
             }
         };
-        let hear_semantic = async {
+        let receive_semantic = async {
             loop {
                 *semantic = Some(semantics.next().await.0.data);
             }
         };
-        let hear_transforms = async |topic: &Subscription<TFMessage>, fixed: bool| {
+        let receive_transforms = async |topic: &Subscription<TFMessage>, fixed: bool| {
             loop {
                 let (message, _) = topic.next().await;
                 note_transforms(&mut tree.borrow_mut(), message, clock.now(), fixed);
             }
         };
-        let hear_complaints = async {
+        let receive_warnings = async {
             while let Some(line) = lines.receive().await {
-                let is_new = complaints.len() < MOST_COMPLAINTS && !complaints.contains(&line.text);
+                let is_new = warnings.len() < MOST_WARNINGS && !warnings.contains(&line.text);
                 if line.level <= Level::Warn && is_new {
-                    complaints.push(line.text);
+                    warnings.push(line.text);
                 }
             }
         };
@@ -134,19 +134,19 @@ pub fn receive_topics(
                 }
             }
         };
-        let robot = future::zip(future::zip(hear_description, hear_semantic), follow_clock);
-        let transforms = future::zip(hear_transforms(&moving, false), hear_transforms(&fixed, true));
-        let topics = future::zip(hear_states, future::zip(robot, transforms));
-        future::zip(topics, future::zip(hear_complaints, middleware.watch_peers())).await;
+        let robot = future::zip(future::zip(receive_description, receive_semantic), follow_clock);
+        let transforms = future::zip(receive_transforms(&moving, false), receive_transforms(&fixed, true));
+        let topics = future::zip(receive_states, future::zip(robot, transforms));
+        future::zip(topics, future::zip(receive_warnings, middleware.watch_peers())).await;
     }));
     received.transforms = tree.into_inner();
     received.simulated_time = use_sim_time.then(|| clock.now()).flatten();
-    received.namesakes = middleware.publishers_elsewhere(&names.resolve("~/state")?);
+    received.nodes_of_same_name = middleware.publishers_elsewhere(&names.resolve("~/state")?);
     drop((states, descriptions, semantics, moving, fixed, ticks));
     middleware.leave();
     Ok(received)
 }
 
-async fn drop_after(patience: Duration) {
-    Timer::after(patience).await;
+async fn drop_after(duration: Duration) {
+    Timer::after(duration).await;
 }

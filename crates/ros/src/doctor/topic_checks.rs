@@ -16,7 +16,7 @@ use crate::messages::joint_state::joint_state_input;
 use crate::parameters::parameter_set::Parameters;
 
 /// The robot model from the description topics.
-pub fn described(
+pub fn robot_model(
     received: &ReceivedTopics,
     mesh_files: &MeshFiles,
     environment: Environment,
@@ -49,7 +49,7 @@ pub fn described(
     }
 }
 
-pub fn about_robot(robot: &RobotModel) -> Vec<Finding> {
+pub fn check_robot(robot: &RobotModel) -> Vec<Finding> {
     let (links, positions) = (robot.links().len(), robot.position_names().len());
     let mut findings =
         vec![good("robot", format!("'{}': {links} links, {positions} positions", robot.name()))];
@@ -72,7 +72,7 @@ pub fn about_robot(robot: &RobotModel) -> Vec<Finding> {
 }
 
 /// Findings about meshes that are not valid solids.
-pub fn about_meshes(robot: &RobotModel, mesh_model: MeshModel) -> Vec<Finding> {
+pub fn check_meshes(robot: &RobotModel, mesh_model: MeshModel) -> Vec<Finding> {
     if mesh_model == MeshModel::Surface {
         return Vec::new();
     }
@@ -81,8 +81,8 @@ pub fn about_meshes(robot: &RobotModel, mesh_model: MeshModel) -> Vec<Finding> {
 }
 
 /// Whether the node runs, and whether it is the only one with its name.
-pub fn about_node(received: &ReceivedTopics, name: &str) -> Finding {
-    match received.namesakes {
+pub fn check_node(received: &ReceivedTopics, name: &str) -> Finding {
+    match received.nodes_of_same_name {
         0 => note(
             "node",
             format!("no node is named {name} yet: start it, or look for it in another namespace"),
@@ -99,7 +99,7 @@ pub fn about_node(received: &ReceivedTopics, name: &str) -> Finding {
 }
 
 /// Whether the selected clock is available.
-pub fn about_clock(received: &ReceivedTopics, environment: Environment) -> Finding {
+pub fn check_clock(received: &ReceivedTopics, environment: Environment) -> Finding {
     match received.simulated_time {
         Some(time) => good("clock", format!("simulated time is told; the last: {:.3} s", seconds(time))),
         None => wrong(
@@ -118,15 +118,15 @@ fn seconds(time: Time) -> f64 {
 }
 
 /// Whether the joint states match this robot: evaluates them with the monitor.
-pub fn about_joint_states(
+pub fn check_joint_states(
     received: &ReceivedTopics,
     (robot, mesh_model): (Option<RobotModel>, MeshModel),
     parameters: &Parameters,
-    (environment, patience): (Environment, Duration),
+    (environment, duration): (Environment, Duration),
 ) -> Vec<Finding> {
     let about = "joint_states";
     let Some((first, ..)) = received.joint_states.first() else {
-        let (domain, seconds) = (environment.domain, patience.as_secs_f64());
+        let (domain, seconds) = (environment.domain, duration.as_secs_f64());
         return vec![wrong(
             about,
             format!(
@@ -135,13 +135,13 @@ pub fn about_joint_states(
             ),
         )];
     };
-    let rate = f64::from(received.joint_state_count) / patience.as_secs_f64();
+    let rate = f64::from(received.joint_state_count) / duration.as_secs_f64();
     let mut findings = vec![good(about, format!("{rate:.0} a second, of {}", quoted_list(&first.name)))];
     let Some(robot) = robot else {
         findings.push(note(about, "they are compared with no robot: there is none"));
         return findings;
     };
-    match judge((robot, mesh_model), received, parameters) {
+    match evaluate((robot, mesh_model), received, parameters) {
         Err(error) => findings.push(wrong("robot", error)),
         Ok(evaluation) => {
             findings.push(match &evaluation.status {
@@ -159,7 +159,7 @@ pub fn about_joint_states(
 }
 
 /// Result of the monitor for the transforms, and for joint states processed one after the other.
-fn judge(
+fn evaluate(
     (robot, mesh_model): (RobotModel, MeshModel),
     received: &ReceivedTopics,
     parameters: &Parameters,
@@ -179,8 +179,9 @@ fn judge(
     monitor.set_checker(Arc::new(Revision::new(checker, 1, 0)));
     monitor.note_transforms(&received.transforms);
     let mut evaluation = None;
-    for (message, publisher, came) in &received.joint_states {
-        evaluation = Some(monitor.on_joint_state(joint_state_input(message.clone(), *publisher), *came));
+    for (message, publisher, received_at) in &received.joint_states {
+        evaluation =
+            Some(monitor.on_joint_state(joint_state_input(message.clone(), *publisher), *received_at));
     }
     evaluation.ok_or_else(|| "no joint state came".to_owned())
 }
@@ -196,13 +197,13 @@ mod tests {
     fn names_of_joints_are_listed_briefly() {
         let name = (0..100_000).map(|number| format!("joint{number}")).collect();
         let state = JointState { name, ..JointState::default() };
-        let came = RosClock::new(false).read();
-        let joint_states = vec![(state, SourceId([1; 16]), came)];
+        let received_at = RosClock::new(false).read();
+        let joint_states = vec![(state, SourceId([1; 16]), received_at)];
         let received = ReceivedTopics { joint_states, joint_state_count: 1, ..ReceivedTopics::default() };
         let environment = Environment::read(|_| None).unwrap();
-        let patience = (environment, Duration::from_secs(1));
+        let duration = (environment, Duration::from_secs(1));
         let findings =
-            about_joint_states(&received, (None, MeshModel::Surface), &Parameters::default(), patience);
+            check_joint_states(&received, (None, MeshModel::Surface), &Parameters::default(), duration);
         assert!(findings[0].text.contains("'joint0'") && findings[0].text.len() < 1000, "{findings:?}");
     }
 }

@@ -247,10 +247,10 @@ impl Loader {
         commands: &Receiver<LoaderCommand>,
         inputs: &LoaderInputs,
     ) -> Option<Vec<LoaderCommand>> {
-        let SharedState { transforms, grounds, store, clock, .. } = &inputs.shared;
+        let SharedState { transforms, anchor_frames, store, clock, .. } = &inputs.shared;
         // transforms that arrived during the last pass were compared with the earlier poses of the obstacles
         let tree = lock(transforms);
-        if lock(grounds).are_elsewhere(&tree) {
+        if lock(anchor_frames).are_elsewhere(&tree) {
             return Some(vec![LoaderCommand::Frames]);
         }
         drop(tree);
@@ -276,8 +276,8 @@ impl Loader {
 
     /// Sets the frames to watch, in which a movement requires new poses of obstacles.
     fn watch_frames(&self, inputs: &LoaderInputs) {
-        let grounds = self.robot.as_ref().map(|robot| self.scene.state.grounds(robot));
-        *lock(&inputs.shared.grounds) = grounds.unwrap_or_default();
+        let anchor_frames = self.robot.as_ref().map(|robot| self.scene.state.grounds(robot));
+        *lock(&inputs.shared.anchor_frames) = anchor_frames.unwrap_or_default();
     }
 
     /// Adds new point clouds and removes expired ones.

@@ -37,7 +37,8 @@ impl LoaderInputs {
         let clouds = clouds.take();
         let originals: Vec<_> =
             if recording.is_on() { commands.iter_mut().map(original).collect() } else { Vec::new() };
-        let used = clouds.iter().map(|(topic, c)| (topic.clone(), c.came, Arc::clone(&c.cloud))).collect();
+        let used =
+            clouds.iter().map(|(topic, c)| (topic.clone(), c.received_at, Arc::clone(&c.cloud))).collect();
         let used_parameters = Box::new(parameters.clone());
         let transforms = transforms.lock().unwrap_or_else(PoisonError::into_inner);
         // the monitor waits for this lock: hold it for as little work as possible
@@ -50,7 +51,7 @@ impl LoaderInputs {
             clouds: used,
         });
         let evaluation = current.clone();
-        let places =
+        let robots_at_stamps =
             robots_at_stamps(&clouds, &joint_state_history.lock().unwrap_or_else(PoisonError::into_inner));
         drop(current);
         Pass {
@@ -59,7 +60,7 @@ impl LoaderInputs {
                 parameters,
                 transforms: transforms.clone(),
                 evaluation,
-                places,
+                robots_at_stamps,
             },
             commands,
             clouds,

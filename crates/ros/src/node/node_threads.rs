@@ -30,15 +30,15 @@ impl Part {
 
 /// Requests the end of every part.
 #[derive(Clone)]
-pub struct End {
+pub struct StopSignal {
     pub events: mailbox::Sender<MonitorEvent>,
     pub commands: Sender<LoaderCommand>,
     /// Parts that wait for other things also wait until this channel is closed.
     pub stop: Sender<()>,
 }
 
-impl End {
-    pub fn tell(&self) {
+impl StopSignal {
+    pub fn send(&self) {
         // an error means that this part has ended already
         let _ = self.events.send(MonitorEvent::Stop);
         self.commands.close();
@@ -47,27 +47,27 @@ impl End {
 }
 
 /// When one part ends for any reason, all parts end: a node with only half of its parts would still look alive.
-struct EndsOthers {
-    end: End,
+struct StopsOthers {
+    end: StopSignal,
     name: &'static str,
     has_ended: mpsc::Sender<&'static str>,
 }
 
-impl Drop for EndsOthers {
+impl Drop for StopsOthers {
     fn drop(&mut self) {
-        self.end.tell();
+        self.end.send();
         // an error means that this part was abandoned
         let _ = self.has_ended.send(self.name);
     }
 }
 
 /// Runs all parts until they have ended or are abandoned. Returns an error with the name of the part that failed, if any.
-pub fn run_together(parts: Vec<Part>, end: &End) -> Result<(), String> {
+pub fn run_together(parts: Vec<Part>, end: &StopSignal) -> Result<(), String> {
     let mut running = Vec::new();
     let mut failed = None;
     let (has_ended, ended) = mpsc::channel();
     for Part { name, work } in parts {
-        let guard = EndsOthers { end: end.clone(), name, has_ended: has_ended.clone() };
+        let guard = StopsOthers { end: end.clone(), name, has_ended: has_ended.clone() };
         let thread = thread::Builder::new().name(name.to_owned()).spawn(move || {
             let _guard = guard;
             work();
@@ -122,7 +122,7 @@ mod tests {
         let (events, _events_in) = mailbox::unbounded();
         let (commands, _orders_in) = smol::channel::unbounded();
         let (stop, stopped) = smol::channel::bounded(1);
-        let end = End { events, commands, stop };
+        let end = StopSignal { events, commands, stop };
         let (release, released) = mpsc::channel::<()>();
         let parts = vec![
             Part::new("stuck", move || {
@@ -130,7 +130,7 @@ mod tests {
             }),
             Part::new("obedient", move || smol::block_on(until(&stopped, future::pending::<()>()))),
         ];
-        end.tell();
+        end.send();
         assert_eq!(run_together(parts, &end), Ok(()));
         release.send(()).expect("the stuck part was abandoned, not ended");
     }
@@ -147,7 +147,7 @@ mod tests {
         let (events, _events_in) = mailbox::unbounded();
         let (commands, _orders_in) = smol::channel::unbounded();
         let (stop, stopped) = smol::channel::bounded(1);
-        let end = End { events, commands, stop };
+        let end = StopSignal { events, commands, stop };
         let parts = vec![
             // without the message of a panic on stderr
             Part::new("broken", || std::panic::resume_unwind(Box::new("as planned"))),

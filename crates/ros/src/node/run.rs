@@ -27,7 +27,7 @@ use crate::names::NODE_NAME;
 use crate::names::{FullName, Names};
 use crate::node::memory_limit::{Components, MemoryWatch, OutOfMemory};
 use crate::node::monitor_loop::{MonitorLoop, OwnMotion, Report};
-use crate::node::node_threads::{End, Part, run_together, until};
+use crate::node::node_threads::{Part, StopSignal, run_together, until};
 use crate::node::services_thread::ServicesInputs;
 use crate::node::services_thread::ServicesThread;
 use crate::node::startup::Startup;
@@ -36,7 +36,7 @@ use crate::node_error::NodeError;
 use crate::parameters::parameter_files;
 use crate::parameters::parameter_set::Parameters;
 use crate::parameters::parameter_store::{OnChange, ParameterStore};
-use crate::recording::recorder::Recorder;
+use crate::recording::recorder::{RecordedNode, Recorder};
 use crate::recording::recorder_handle::{CommandLineInputs, RecorderHandle};
 use crate::scene::loader_command::LoaderCommand;
 use crate::scene::scene_command_sender::SceneCommandSender;
@@ -76,7 +76,7 @@ pub struct NodeOptions {
     /// Called once, after all input that can be rejected was read and the node has joined the network.
     pub on_start: Option<Box<dyn FnOnce() + Send>>,
     /// Input that a recording needs for its replay.
-    pub given: CommandLineInputs,
+    pub command_line: CommandLineInputs,
 }
 
 impl std::fmt::Debug for NodeOptions {
@@ -108,21 +108,21 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     let (commands, commands_in) = channel::unbounded();
     let [(changes, changes_in), (watch, watch_in)] = [channel::unbounded(), channel::unbounded()];
     let (stop, stopped) = channel::bounded(1);
-    let end = End { events: events.clone(), commands: commands.clone(), stop };
+    let end = StopSignal { events: events.clone(), commands: commands.clone(), stop };
     let on_change = on_change(parameters.clone(), Arc::clone(&clock), &end, [changes, watch]);
     let store = ParameterStore::new(parameters.clone(), on_change);
 
     let mut monitor = Monitor::new(parameters.monitor_settings(), stopwatch);
     let current = CurrentEvaluation::default();
-    let is_given = options.robot.is_some();
+    let has_given_robot = options.robot.is_some();
     let mut loader = Loader::new((options.mesh_files, options.surroundings, options.mesh_model));
     if let Some(robot) = options.robot {
         let update_context = SceneUpdateContext::first(&parameters, clock.read());
         monitor.set_checker(loader.load_given(robot, &update_context).map_err(NodeError::Input)?);
     }
     hand_signals_to(end.clone());
-    let meshes = options.given.meshes.clone();
-    let (recording, recorder) = record(&parameters, &names, options.given)?;
+    let meshes = options.command_line.meshes.clone();
+    let (recording, recorder) = record(&parameters, &names, options.command_line)?;
     let shared =
         SharedState::new(loader.current_scene(), store.clone(), Arc::clone(&clock), recording.clone());
     let inputs = LoaderInputs { shared: shared.clone(), evaluation: Arc::clone(&current), meshes };
@@ -173,7 +173,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
         states,
         enable: EnableService::open(&middleware, &names, end.events.clone())?,
         commands,
-        description_events: (!is_given).then(|| end.events.clone()),
+        description_events: (!has_given_robot).then(|| end.events.clone()),
         changes: changes_in,
     };
     let services = ServicesThread::open(&middleware, &names, inputs_of_services)?;
@@ -207,7 +207,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
 }
 
 /// Runs all parts until they have ended, and completes the recording.
-fn run_parts(parts: Vec<Part>, end: &End, recorder: Option<Recorder>) -> Result<(), NodeError> {
+fn run_parts(parts: Vec<Part>, end: &StopSignal, recorder: Option<Recorder>) -> Result<(), NodeError> {
     let ended = run_together(parts, end).map_err(NodeError::Internal);
     if let Some(recorder) = recorder {
         recorder.finish();
@@ -268,13 +268,13 @@ fn with_publisher(
 fn record(
     parameters: &Parameters,
     names: &Names,
-    given: CommandLineInputs,
+    inputs: CommandLineInputs,
 ) -> Result<(RecorderHandle, Option<Recorder>), NodeError> {
     let Some(settings) = parameters.recording() else {
         return Ok((RecorderHandle::default(), None));
     };
     let (recording, recorder) =
-        Recorder::start(&settings, names, given, parameters).map_err(NodeError::Input)?;
+        Recorder::start(&settings, RecordedNode { names, inputs, parameters }).map_err(NodeError::Input)?;
     Ok((recording, Some(recorder)))
 }
 
@@ -299,7 +299,7 @@ pub fn initial_parameters(arguments: &RosArguments) -> Result<Parameters, NodeEr
 fn on_change(
     initial: Parameters,
     clock: Arc<RosClock>,
-    End { events, commands, .. }: &End,
+    StopSignal { events, commands, .. }: &StopSignal,
     changes: [Sender<()>; 2],
 ) -> OnChange {
     let (events, commands) = (events.clone(), commands.clone());

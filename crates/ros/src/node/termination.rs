@@ -6,7 +6,7 @@ use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-use crate::node::node_threads::End;
+use crate::node::node_threads::StopSignal;
 use crate::node_error::NodeError;
 
 /// Exit code if the node was ended by a signal and its shutdown was not complete.
@@ -34,9 +34,9 @@ pub fn is_ending() -> bool {
 }
 
 /// The node that signals end; `None` before it runs.
-static NODE: Mutex<Option<End>> = Mutex::new(None);
+static NODE: Mutex<Option<StopSignal>> = Mutex::new(None);
 
-fn node() -> MutexGuard<'static, Option<End>> {
+fn node() -> MutexGuard<'static, Option<StopSignal>> {
     NODE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -55,7 +55,7 @@ pub fn end_on_signals() -> Result<(), NodeError> {
             let Some(end) = node.as_ref() else { exit(NOT_STARTED) };
             // before the stop request, which must not be able to delay the watchdog
             arm_watchdog(FORCED);
-            end.tell();
+            end.send();
         };
         ctrlc::set_handler(on_signal).map_err(|error| error.to_string())
     });
@@ -63,7 +63,7 @@ pub fn end_on_signals() -> Result<(), NodeError> {
 }
 
 /// From now on, signals shut down this node.
-pub fn hand_signals_to(end: End) {
+pub fn hand_signals_to(end: StopSignal) {
     *node() = Some(end);
 }
 

@@ -46,6 +46,13 @@ const TRIES: u32 = 10_000;
 
 const MEGABYTE: f64 = 1e6;
 
+/// The node whose inputs and outputs are recorded.
+pub struct RecordedNode<'n> {
+    pub names: &'n Names,
+    pub inputs: CommandLineInputs,
+    pub parameters: &'n Parameters,
+}
+
 /// Writes a recording until [`Recorder::finish`] or a limit.
 #[derive(Debug)]
 pub struct Recorder {
@@ -60,21 +67,20 @@ impl Recorder {
     /// When the file cannot be created.
     pub fn start(
         settings: &RecordingSettings,
-        names: &Names,
-        given: CommandLineInputs,
-        parameters: &Parameters,
+        node: RecordedNode<'_>,
     ) -> Result<(RecorderHandle, Self), String> {
         let failed =
             |error: &dyn std::fmt::Display| format!("record_file: {}: {error}", settings.file.display());
-        let created = create(&settings.file).map_err(|error| failed(&error))?;
-        Self::write_to(created, settings, (names, given, parameters)).map_err(|error| failed(&error))
+        let (file, path) = create(&settings.file).map_err(|error| failed(&error))?;
+        Self::write_to(file, path, settings, node).map_err(|error| failed(&error))
     }
 
     /// Starts to write to a file that was created.
     pub fn write_to(
-        (file, path): (File, PathBuf),
+        file: File,
+        path: PathBuf,
         settings: &RecordingSettings,
-        (names, given, parameters): (&Names, CommandLineInputs, &Parameters),
+        RecordedNode { names, inputs, parameters }: RecordedNode<'_>,
     ) -> Result<(RecorderHandle, Self), Box<dyn std::error::Error>> {
         let topics = Topics::new(names);
         let measured = file.try_clone()?;
@@ -88,13 +94,13 @@ impl Recorder {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             node: names.full_node_name(),
             parameters: parameters_to_json(parameters),
-            given: given.arguments,
+            given: inputs.arguments,
         };
         let limits =
             Limits { settings: settings.clone(), path: path.clone(), measured, began: Instant::now() };
         log::info!("recording to {}", path.display());
         let record = move || {
-            let begun = given.files.iter().try_for_each(|file| writer.attach(file, file));
+            let begun = inputs.files.iter().try_for_each(|file| writer.attach(file, file));
             let begun = begun.and_then(|()| writer.step(&started, system_time()));
             let written = begun.and_then(|()| follow(&mut writer, &items_in, &backlog, &limits));
             let ended_by = |error: &str| format!("recording to {} ended: {error}", path.display());
@@ -290,17 +296,18 @@ impl Writer {
                         self.original(command, original, now, at)?;
                     }
                 }
-                for (topic, came, cloud) in &clouds {
+                for (topic, received_at, cloud) in &clouds {
                     let topic = self.topics.named(topic);
                     self.message(
                         &topic,
                         "sensor_msgs/msg/PointCloud2",
                         cloud.as_ref(),
-                        before(at, now, *came),
+                        before(at, now, *received_at),
                     )?;
                 }
-                let clouds =
-                    clouds.into_iter().map(|(topic, came, _)| CloudStep { topic, came: came.into() });
+                let clouds = clouds
+                    .into_iter()
+                    .map(|(topic, received_at, _)| CloudStep { topic, received_at: received_at.into() });
                 RecordStep::Pass {
                     now: now.into(),
                     parameters: parameters_to_json(&parameters),
@@ -365,7 +372,9 @@ impl Writer {
         at: u64,
     ) -> Result<(), String> {
         let (topic, at) = match command {
-            RecordedCommand::Scene { by, came, .. } => (by.name(), before(at, now, (*came).into())),
+            RecordedCommand::Scene { by, received_at, .. } => {
+                (by.name(), before(at, now, (*received_at).into()))
+            }
             RecordedCommand::Semantic => ("robot_description_semantic", at),
             _ => ("robot_description", at),
         };
@@ -434,7 +443,7 @@ impl Writer {
 }
 
 /// Time at which something was received, on the recording's clock. That clock shows `at` when the other clocks show `now`.
-fn before(at: u64, now: Now, came: Now) -> u64 {
-    let [now, came] = [now, came].map(|now| Clocks::from(now).steady);
-    at.saturating_sub(now.saturating_sub(came))
+fn before(at: u64, now: Now, received_at: Now) -> u64 {
+    let [now, received_at] = [now, received_at].map(|now| Clocks::from(now).steady);
+    at.saturating_sub(now.saturating_sub(received_at))
 }

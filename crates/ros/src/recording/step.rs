@@ -124,7 +124,8 @@ pub enum RecordedCommand {
     Scene {
         by: SceneSource,
         /// Time of reception.
-        came: Clocks,
+        #[serde(rename = "came")]
+        received_at: Clocks,
         unknown_is_occupied: bool,
         /// Number of messages that were lost right before it.
         #[serde(default)]
@@ -152,7 +153,8 @@ pub enum SceneSource {
 pub struct CloudStep {
     pub topic: String,
     /// Time of reception.
-    pub came: Clocks,
+    #[serde(rename = "came")]
+    pub received_at: Clocks,
 }
 
 impl SceneSource {

@@ -195,16 +195,19 @@ impl Replay {
         let commands =
             commands.into_iter().map(|command| read_command(command, messages)).collect::<Result<_, _>>()?;
         let mut read = BTreeMap::new();
-        for CloudStep { topic, came } in clouds {
+        for CloudStep { topic, received_at } in clouds {
             let cloud = Arc::new(messages.next("a cloud")?);
-            read.insert(topic, CloudMessage { cloud, came: came.into(), since: Instant::now() });
+            read.insert(
+                topic,
+                CloudMessage { cloud, received_at: received_at.into(), since: Instant::now() },
+            );
         }
         let update_context = SceneUpdateContext {
             now: now.into(),
             parameters: parameters_from_json(parameters)?,
             transforms: self.transforms.clone(),
             evaluation: self.evaluation.clone(),
-            places: robots_at_stamps(&read, &self.joint_state_history),
+            robots_at_stamps: robots_at_stamps(&read, &self.joint_state_history),
         };
         Ok(Pass { update_context, commands, clouds: read })
     }

@@ -64,8 +64,8 @@ pub(super) fn read_command(
         RecordedCommand::Frames => LoaderCommand::Frames,
         RecordedCommand::ClearOctomap => LoaderCommand::Scene(Box::new(clear_octomap())),
         RecordedCommand::Unreadable { by } => LoaderCommand::Scene(Box::new(undecodable_command(by))),
-        RecordedCommand::Scene { by, came, unknown_is_occupied, lost } => {
-            let command = read_scene_command(by, came, unknown_is_occupied, messages)?;
+        RecordedCommand::Scene { by, received_at, unknown_is_occupied, lost } => {
+            let command = read_scene_command(by, received_at, unknown_is_occupied, messages)?;
             LoaderCommand::Scene(Box::new(command.after(lost)))
         }
     })
@@ -73,20 +73,20 @@ pub(super) fn read_command(
 
 fn read_scene_command(
     by: SceneSource,
-    came: Clocks,
+    received_at: Clocks,
     unknown: bool,
     messages: &mut StepMessages,
 ) -> Result<SceneCommand, String> {
-    let (name, came) = (by.name(), came.into());
+    let (name, received_at) = (by.name(), received_at.into());
     Ok(match by {
         SceneSource::CollisionObject => object_command(&messages.next(name)?),
         SceneSource::AttachedCollisionObject => attached_command(&messages.next(name)?),
-        SceneSource::PlanningSceneWorld => world_command(messages.next(name)?, unknown, came),
+        SceneSource::PlanningSceneWorld => world_command(messages.next(name)?, unknown, received_at),
         SceneSource::PlanningScene | SceneSource::ApplyPlanningScene | SceneSource::GetPlanningScene => {
-            scene_command(by, messages.next(name)?, unknown, came)
+            scene_command(by, messages.next(name)?, unknown, received_at)
         }
         SceneSource::OctomapBinary | SceneSource::OctomapFull => {
-            octomap_command(by, messages.next(name)?, unknown, came)
+            octomap_command(by, messages.next(name)?, unknown, received_at)
         }
     })
 }

@@ -29,7 +29,7 @@ use crate::monitor_events::monitor_event::MonitorEvent;
 use crate::names::Names;
 use crate::parameters::parameter_set::Parameters;
 use crate::parameters::recording_settings::RecordingSettings;
-use crate::recording::recorder::Recorder;
+use crate::recording::recorder::{RecordedNode, Recorder};
 use crate::recording::recorder_handle::{
     Backlog, CommandLineInputs, OriginalMessage, RecordedEvaluation, RecordedEvent, RecorderHandle,
 };
@@ -100,7 +100,8 @@ impl Cell {
             meshes: meshes.clone(),
         };
         let names = Names::new("clearance", &[]).unwrap();
-        let (recording, recorder) = Recorder::start(&settings, &names, given, &parameters).unwrap();
+        let node = RecordedNode { names: &names, inputs: given, parameters: &parameters };
+        let (recording, recorder) = Recorder::start(&settings, node).unwrap();
         recording.note(|| RecordedEvent::Meshes(meshes.take()));
         Self {
             monitor,
@@ -188,11 +189,11 @@ impl Cell {
     }
 
     fn ball(&mut self, x: f64) {
-        let (came, message) = (self.tick(), ball(x));
+        let (received_at, message) = (self.tick(), ball(x));
         let original = OriginalMessage::Object(Box::new(message.clone()));
         let step = RecordedCommand::Scene {
             by: SceneSource::CollisionObject,
-            came: came.into(),
+            received_at: received_at.into(),
             unknown_is_occupied: false,
             lost: 0,
         };
@@ -220,14 +221,14 @@ impl Cell {
             clouds: cloud.iter().cloned().collect(),
         });
         let clouds: BTreeMap<_, _> = (cloud.into_iter())
-            .map(|(topic, came, cloud)| {
-                (topic, CloudMessage { cloud, came, since: std::time::Instant::now() })
+            .map(|(topic, received_at, cloud)| {
+                (topic, CloudMessage { cloud, received_at, since: std::time::Instant::now() })
             })
             .collect();
         let update_context = SceneUpdateContext {
             transforms: self.transforms.clone(),
             evaluation: self.evaluation.clone(),
-            places: robots_at_stamps(&clouds, &self.joint_state_history),
+            robots_at_stamps: robots_at_stamps(&clouds, &self.joint_state_history),
             ..SceneUpdateContext::first(&self.parameters, now)
         };
         let pass = Pass { update_context, commands, clouds };
@@ -240,7 +241,7 @@ impl Cell {
                     self.recording.note(|| RecordedEvent::MonitorEvent(RecordedMonitorEvent::Checker));
                     self.monitor.set_checker(revision);
                 }
-                MonitorEvent::World { faults: faults, incomplete: incomplete, .. } => {
+                MonitorEvent::World { faults, incomplete, .. } => {
                     self.recording.note(|| RecordedEvent::MonitorEvent(RecordedMonitorEvent::World));
                     self.monitor.note_world_faults(faults, incomplete);
                 }

@@ -18,7 +18,7 @@ pub struct CloudMessages {
 /// A cloud and the time of its reception.
 pub struct CloudMessage {
     pub cloud: Arc<PointCloud2>,
-    pub came: Now,
+    pub received_at: Now,
     pub since: Instant,
 }
 
@@ -27,7 +27,7 @@ impl CloudMessage {
     #[must_use]
     pub fn stamp(&self) -> Time {
         match time_of(&self.cloud.header.stamp) {
-            Time::ZERO => self.came.ros.unwrap_or_default(),
+            Time::ZERO => self.received_at.ros.unwrap_or_default(),
             stamp => stamp,
         }
     }

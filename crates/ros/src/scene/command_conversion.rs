@@ -32,13 +32,19 @@ pub fn attached_command(message: &AttachedCollisionObject) -> SceneCommand {
     }
 }
 
-/// LoaderCommand for a message that was received at `came`.
+/// LoaderCommand for a message that was received at `received_at`.
 #[must_use]
-pub fn world_command(message: PlanningSceneWorld, unknown_is_occupied: bool, came: Now) -> SceneCommand {
+pub fn world_command(
+    message: PlanningSceneWorld,
+    unknown_is_occupied: bool,
+    received_at: Now,
+) -> SceneCommand {
     let read = world_change(&message, unknown_is_occupied);
     let command = SceneCommand::on(SceneSource::PlanningSceneWorld.name());
     let command = command.with_update(SceneUpdate::World(Box::new(read.change)));
-    command.with_rejections(read.rejections).with_octomap(message.octomap, observation(Time::ZERO, came))
+    command
+        .with_rejections(read.rejections)
+        .with_octomap(message.octomap, observation(Time::ZERO, received_at))
 }
 
 /// LoaderCommand to apply a whole or partial scene.
@@ -47,14 +53,14 @@ pub fn scene_command(
     by: SceneSource,
     message: PlanningScene,
     unknown_is_occupied: bool,
-    came: Now,
+    received_at: Now,
 ) -> SceneCommand {
     let mut read = scene_change(&message, unknown_is_occupied);
     read.change.keeps_octomap = by == SceneSource::GetPlanningScene && read.change.world.octomap.is_none();
     let command = SceneCommand::on(by.name()).with_update(SceneUpdate::Scene(Box::new(read.change)));
     command
         .with_rejections(read.rejections)
-        .with_octomap(message.world.octomap, observation(Time::ZERO, came))
+        .with_octomap(message.world.octomap, observation(Time::ZERO, received_at))
 }
 
 #[must_use]
@@ -62,13 +68,13 @@ pub fn octomap_command(
     by: SceneSource,
     message: Octomap,
     unknown_is_occupied: bool,
-    came: Now,
+    received_at: Now,
 ) -> SceneCommand {
     let command = SceneCommand::on(by.name());
     match octomap_placement(&message, unknown_is_occupied) {
         Err(rejection) => command.with_rejections(vec![rejection]),
         Ok(placement) => {
-            let observation = observation(time_of(&message.header.stamp), came);
+            let observation = observation(time_of(&message.header.stamp), received_at);
             let header = message.header.clone();
             let octomap = OctomapWithPose { header, octomap: message, ..OctomapWithPose::default() };
             command.with_update(SceneUpdate::Octomap(Some(placement))).with_octomap(octomap, observation)
@@ -96,7 +102,7 @@ pub fn clear_octomap() -> SceneCommand {
 }
 
 /// Time of the measurement in a message; without a stamp, the time of reception.
-fn observation(stamp: Time, came: Now) -> Observation {
-    let stamp = if stamp == Time::ZERO { came.ros.unwrap_or_default() } else { stamp };
-    Observation { stamp, at: came.steady }
+fn observation(stamp: Time, received_at: Now) -> Observation {
+    let stamp = if stamp == Time::ZERO { received_at.ros.unwrap_or_default() } else { stamp };
+    Observation { stamp, at: received_at.steady }
 }

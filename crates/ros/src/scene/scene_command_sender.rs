@@ -98,12 +98,13 @@ impl SceneCommandSender {
         read: impl FnOnce(M, bool, Now) -> SceneCommand,
     ) -> SceneCommand {
         let SharedState { store, clock, recording, .. } = &self.shared;
-        let (came, unknown_is_occupied) = (clock.read(), store.get().unknown_is_occupied());
+        let (received_at, unknown_is_occupied) = (clock.read(), store.get().unknown_is_occupied());
         let original = recording.is_on().then(|| {
-            let step = RecordedCommand::Scene { by, came: came.into(), unknown_is_occupied, lost: 0 };
+            let step =
+                RecordedCommand::Scene { by, received_at: received_at.into(), unknown_is_occupied, lost: 0 };
             (step, Some(keep(message.clone())))
         });
-        let command = read(message, unknown_is_occupied, came).with_original(original);
+        let command = read(message, unknown_is_occupied, received_at).with_original(original);
         if by != SceneSource::GetPlanningScene && command.concerns_objects() {
             self.object_changes.set(self.object_changes.get() + 1);
         }
@@ -146,12 +147,14 @@ impl SceneCommandSender {
 
     /// Command to apply a whole or partial scene.
     pub fn scene(&self, by: SceneSource, message: PlanningScene) -> SceneCommand {
-        let read = |m, unknown_is_occupied, came| scene_command(by, m, unknown_is_occupied, came);
+        let read =
+            |m, unknown_is_occupied, received_at| scene_command(by, m, unknown_is_occupied, received_at);
         self.command(by, message, |m| OriginalMessage::Scene(Box::new(m)), read)
     }
 
     pub fn octomap(&self, by: SceneSource, message: Octomap) -> SceneCommand {
-        let read = |m, unknown_is_occupied, came| octomap_command(by, m, unknown_is_occupied, came);
+        let read =
+            |m, unknown_is_occupied, received_at| octomap_command(by, m, unknown_is_occupied, received_at);
         self.command(by, message, |m| OriginalMessage::Octomap(Box::new(m)), read)
     }
 }

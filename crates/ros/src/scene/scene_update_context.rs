@@ -33,7 +33,7 @@ pub struct SceneUpdateContext {
     pub transforms: TransformTree,
     pub evaluation: Option<Evaluation>,
     /// Robot and its configuration at the stamp of each point cloud, by topic.
-    pub places: RobotsAtStamps,
+    pub robots_at_stamps: RobotsAtStamps,
 }
 
 impl SceneUpdateContext {
@@ -45,7 +45,7 @@ impl SceneUpdateContext {
             parameters: parameters.clone(),
             transforms: TransformTree::default(),
             evaluation: None,
-            places: RobotsAtStamps::default(),
+            robots_at_stamps: RobotsAtStamps::default(),
         }
     }
 
@@ -59,7 +59,7 @@ impl SceneUpdateContext {
     /// Link poses at the stamp of a cloud, if the joint state history contains it; otherwise the current ones.
     pub(super) fn poses_at(&self, robot: &Arc<RobotModel>, topic: &str) -> Option<LinkPoses> {
         let now = self.checked_state(robot)?;
-        let then = self.places.get(topic).filter(|(of, _)| Arc::ptr_eq(of, robot));
+        let then = self.robots_at_stamps.get(topic).filter(|(of, _)| Arc::ptr_eq(of, robot));
         let Some((_, then)) = then else { return Some(now.poses.clone()) };
         let mut poses = LinkPoses::new(robot);
         robot.forward_kinematics(then, &mut poses);

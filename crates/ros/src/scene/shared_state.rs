@@ -20,7 +20,7 @@ pub struct SharedState {
     pub scene: CurrentScene,
     pub transforms: Transforms,
     /// The frames in which the loader places obstacles.
-    pub grounds: Arc<Mutex<AnchorFrames>>,
+    pub anchor_frames: Arc<Mutex<AnchorFrames>>,
     pub clouds: Arc<CloudMessages>,
     /// History of joint states. Lock order: a holder of both this and the evaluation takes the evaluation first.
     pub joint_state_history: Arc<Mutex<JointStateHistory>>,
@@ -40,7 +40,7 @@ impl SharedState {
         Self {
             scene,
             transforms: Transforms::default(),
-            grounds: Arc::default(),
+            anchor_frames: Arc::default(),
             clouds: Arc::default(),
             joint_state_history: Arc::default(),
             store,

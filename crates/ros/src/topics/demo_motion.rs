@@ -165,13 +165,13 @@ pub async fn play(
 ) {
     let mut ticks = Timer::interval(PERIOD);
     let start = clock.steady();
-    let mut complaint = None;
+    let mut last_error = None;
     loop {
         futures_lite::StreamExt::next(&mut ticks).await;
         let time = clock.steady().saturating_sub(start).as_secs_f64();
         let state = motion.joint_state(robot, time);
         if let Err(error) = &state
-            && complaint.replace(error.to_string()).is_none()
+            && last_error.replace(error.to_string()).is_none()
         {
             log::error!("the demo motion is not published where it contradicts itself: {error}");
         }

@@ -32,15 +32,15 @@ enum MarkerUpdate {
 /// Sending end on the monitor's thread: passes evaluations to the thread that publishes the markers.
 #[derive(Debug)]
 pub struct MarkerFeed {
-    pictures: Sender<MarkerUpdate>,
-    /// Status and steady time of the last queued picture; `None` if nothing is shown.
+    updates: Sender<MarkerUpdate>,
+    /// Status and steady time of the last queued update; `None` if nothing is shown.
     shown: Option<(&'static str, Duration)>,
     dropped: Arc<AtomicU64>,
 }
 
 /// Receiving end: publishes markers until the sending end is dropped.
 pub struct MarkerWorker {
-    pictures: Receiver<MarkerUpdate>,
+    updates: Receiver<MarkerUpdate>,
     publisher: Publisher<MarkerArray>,
     display: MarkerDisplay,
     dropped: Arc<AtomicU64>,
@@ -50,24 +50,24 @@ pub struct MarkerWorker {
 pub fn open(middleware: &Middleware, names: &Names) -> Result<(MarkerFeed, MarkerWorker), MiddlewareError> {
     let kind = TypeName::new("visualization_msgs", "MarkerArray");
     let publisher = middleware.publisher(&names.resolve("~/markers")?, kind, Quality::Reliable)?;
-    let (feed, pictures) = feed();
+    let (feed, updates) = feed();
     let dropped = Arc::clone(&feed.dropped);
-    Ok((feed, MarkerWorker { pictures, publisher, display: MarkerDisplay::default(), dropped }))
+    Ok((feed, MarkerWorker { updates, publisher, display: MarkerDisplay::default(), dropped }))
 }
 
-/// The queue holds one picture: older pictures are of no use.
+/// The queue holds one update: older updates are of no use.
 fn feed() -> (MarkerFeed, Receiver<MarkerUpdate>) {
-    let (sender, pictures) = mailbox::bounded(1);
-    (MarkerFeed { pictures: sender, shown: None, dropped: Arc::default() }, pictures)
+    let (sender, updates) = mailbox::bounded(1);
+    (MarkerFeed { updates: sender, shown: None, dropped: Arc::default() }, updates)
 }
 
 impl MarkerFeed {
     /// Queues an evaluation at every change of status, and otherwise at the marker rate. It is skipped if the queue still holds the last
     /// one.
     pub fn show(&mut self, evaluation: &Evaluation, parameters: &Parameters, steady: Duration) {
-        let judged = || Box::new(evaluation.clone());
+        let boxed = || Box::new(evaluation.clone());
         if !parameters.publish_markers {
-            if self.shown.is_some() && self.pictures.send(MarkerUpdate::Nothing(judged())).is_ok() {
+            if self.shown.is_some() && self.updates.send(MarkerUpdate::Nothing(boxed())).is_ok() {
                 self.shown = None;
             }
             return;
@@ -81,7 +81,7 @@ impl MarkerFeed {
         // the lifetime is longer than the longest time until the next marker
         let heartbeat = parameters.monitor_settings().heartbeat_period();
         let lifetime = 3 * period.max(heartbeat) + Duration::from_secs(1);
-        if self.pictures.send(MarkerUpdate::Of(judged(), lifetime)).is_ok() {
+        if self.updates.send(MarkerUpdate::Of(boxed(), lifetime)).is_ok() {
             self.shown = Some((status, steady));
         }
     }
@@ -94,8 +94,8 @@ impl MarkerFeed {
 
 impl MarkerWorker {
     pub fn run(mut self) {
-        while let Some(Some(picture)) = wait_at_most(Duration::MAX, self.pictures.receive()) {
-            let markers = match picture {
+        while let Some(Some(update)) = wait_at_most(Duration::MAX, self.updates.receive()) {
+            let markers = match update {
                 MarkerUpdate::Of(evaluation, lifetime) => self.display.update(&evaluation, lifetime),
                 MarkerUpdate::Nothing(evaluation) => self.display.clear(&evaluation),
             };
@@ -114,13 +114,13 @@ mod tests {
         Monitor::new(MonitorSettings::default(), || Duration::ZERO).on_heartbeat(Now { ros: None, steady })
     }
 
-    fn taken(pictures: &Receiver<MarkerUpdate>) -> Option<MarkerUpdate> {
-        wait_at_most(Duration::ZERO, pictures.receive()).flatten()
+    fn taken(updates: &Receiver<MarkerUpdate>) -> Option<MarkerUpdate> {
+        wait_at_most(Duration::ZERO, updates.receive()).flatten()
     }
 
     #[test]
     fn pictures_come_at_their_rate_and_none_waits_behind_another() {
-        let (mut feed, pictures) = feed();
+        let (mut feed, updates) = feed();
         let parameters = Parameters { marker_rate: 10.0, ..Parameters::default() };
         let mut show = |milliseconds| {
             let steady = Duration::from_millis(milliseconds);
@@ -128,28 +128,28 @@ mod tests {
         };
         show(0);
         show(99);
-        assert!(taken(&pictures).is_some() && taken(&pictures).is_none());
+        assert!(taken(&updates).is_some() && taken(&updates).is_none());
         show(100);
         show(200);
-        assert!(taken(&pictures).is_some() && taken(&pictures).is_none());
+        assert!(taken(&updates).is_some() && taken(&updates).is_none());
         // the call at 200 ms found the queue full, so it did not count as shown
         show(201);
-        assert!(taken(&pictures).is_some());
+        assert!(taken(&updates).is_some());
     }
 
     #[test]
     fn what_is_turned_off_is_taken_away_once() {
-        let (mut feed, pictures) = feed();
+        let (mut feed, updates) = feed();
         let on = Parameters::default();
         let off = Parameters { publish_markers: false, ..Parameters::default() };
         feed.show(&evaluation(Duration::ZERO), &off, Duration::ZERO);
-        assert!(taken(&pictures).is_none());
+        assert!(taken(&updates).is_none());
         feed.show(&evaluation(Duration::ZERO), &on, Duration::ZERO);
         feed.show(&evaluation(Duration::ZERO), &off, Duration::ZERO);
-        assert!(matches!(taken(&pictures), Some(MarkerUpdate::Of(..))));
+        assert!(matches!(taken(&updates), Some(MarkerUpdate::Of(..))));
         feed.show(&evaluation(Duration::ZERO), &off, Duration::ZERO);
-        assert!(matches!(taken(&pictures), Some(MarkerUpdate::Nothing(_))));
+        assert!(matches!(taken(&updates), Some(MarkerUpdate::Nothing(_))));
         feed.show(&evaluation(Duration::ZERO), &off, Duration::ZERO);
-        assert!(taken(&pictures).is_none());
+        assert!(taken(&updates).is_none());
     }
 }

@@ -30,8 +30,8 @@ const PAUSE: Duration = Duration::from_secs(1);
 
 /// Timeout of a request, and time until the next request if there was no response or it was rejected. It doubles each time, up to
 /// the longest.
-const PATIENCE: Duration = Duration::from_secs(2);
-const LONGEST_PATIENCE: Duration = Duration::from_secs(16);
+const TIMEOUT: Duration = Duration::from_secs(2);
+const LONGEST_TIMEOUT: Duration = Duration::from_secs(16);
 
 /// All components, as in `RViz`.
 const EVERYTHING: u32 = PlanningSceneComponents::SCENE_SETTINGS
@@ -57,7 +57,7 @@ pub struct RequestContext<'n> {
 #[derive(Default)]
 pub struct SceneRequester {
     service: Option<Service>,
-    complaints: DecodeErrorLog,
+    decode_errors: DecodeErrorLog,
 }
 
 /// A service and the nodes that serve it.
@@ -68,7 +68,7 @@ struct Service {
     is_due: bool,
     /// Earliest time of the next request.
     due_at: Instant,
-    patience: Duration,
+    timeout: Duration,
 }
 
 impl SceneRequester {
@@ -76,7 +76,7 @@ impl SceneRequester {
     pub async fn run(mut self, context: RequestContext<'_>) {
         loop {
             if let Err(why) = self.send_due_request(context).await {
-                self.complaints.warn(|| format!("planning_scene_service: {why}"));
+                self.decode_errors.warn(|| format!("planning_scene_service: {why}"));
             }
             Timer::after(if self.service.is_some() { PERIOD } else { PAUSE }).await;
         }
@@ -88,10 +88,10 @@ impl SceneRequester {
         let Some(service) = self.service.as_mut().filter(|_| context.sender.has_robot()) else {
             return Ok(());
         };
-        service.meet(context.middleware.servers_elsewhere(&service.name));
+        service.update_servers(context.middleware.servers_elsewhere(&service.name));
         service.is_due |= context.sender.take_lost();
         if service.is_due && !service.servers.is_empty() && Instant::now() >= service.due_at {
-            return service.ask(context).await.inspect_err(|_| service.be_patient());
+            return service.request(context).await.inspect_err(|_| service.postpone());
         }
         Ok(())
     }
@@ -121,7 +121,7 @@ impl SceneRequester {
                 servers: BTreeSet::new(),
                 is_due: true,
                 due_at: Instant::now(),
-                patience: PATIENCE,
+                timeout: TIMEOUT,
             }),
             None => None,
         };
@@ -131,25 +131,25 @@ impl SceneRequester {
 
 impl Service {
     /// Schedules a request if a new server appeared, since it has another scene.
-    fn meet(&mut self, servers: BTreeSet<SourceId>) {
+    fn update_servers(&mut self, servers: BTreeSet<SourceId>) {
         if servers.difference(&self.servers).next().is_some() {
-            (self.is_due, self.due_at, self.patience) = (true, Instant::now(), PATIENCE);
+            (self.is_due, self.due_at, self.timeout) = (true, Instant::now(), TIMEOUT);
         }
         self.servers = servers;
     }
 
-    fn be_patient(&mut self) {
-        self.due_at = Instant::now() + self.patience;
-        self.patience = (2 * self.patience).min(LONGEST_PATIENCE);
+    fn postpone(&mut self) {
+        self.due_at = Instant::now() + self.timeout;
+        self.timeout = (2 * self.timeout).min(LONGEST_TIMEOUT);
     }
 
     /// Sends a request and has the response applied. If a change was received meanwhile, it may be newer: then the response is
     /// discarded and requested again.
-    async fn ask(&mut self, context: RequestContext<'_>) -> Result<(), String> {
+    async fn request(&mut self, context: RequestContext<'_>) -> Result<(), String> {
         let changes = context.sender.object_changes();
         let components = PlanningSceneComponents { components: EVERYTHING };
-        let answer = self.client.call(GetPlanningSceneRequest { components }, self.patience);
-        let scene = future::or(answer, self.another_server(context)).await?.scene;
+        let response = self.client.call(GetPlanningSceneRequest { components }, self.timeout);
+        let scene = future::or(response, self.another_server(context)).await?.scene;
         if scene.robot_model_name.is_empty() {
             return Err(format!("{} tells the scene of no robot: it has none yet", self.name));
         }
@@ -164,7 +164,7 @@ impl Service {
             return Err(format!("not all of what {} told was taken", self.name));
         }
         log::info!("planning_scene_service: {} told its scene", self.name);
-        (self.is_due, self.patience) = (false, PATIENCE);
+        (self.is_due, self.timeout) = (false, TIMEOUT);
         Ok(())
     }
 

@@ -54,7 +54,7 @@ pub struct SceneTopics {
 
 /// Detects duplicates on a topic with two subscriptions, which must not count twice.
 #[derive(Default)]
-struct Twins {
+struct DuplicateDetector {
     last: Option<(usize, Octomap, Instant)>,
 }
 
@@ -108,7 +108,7 @@ impl SceneTopics {
 
     /// Receives messages. Never returns.
     pub async fn receive(&self) {
-        let twins: [Mutex<Twins>; 2] = Default::default();
+        let detectors: [Mutex<DuplicateDetector>; 2] = Default::default();
         let sender = &self.sender;
         let objects = self.receive_topic(SceneSource::CollisionObject, &self.objects, |m, lost| {
             Some(sender.after(sender.object(m), lost))
@@ -121,19 +121,22 @@ impl SceneTopics {
         let scenes = self.receive_topic(SceneSource::PlanningScene, &self.scenes, |m, lost| {
             Some(sender.after(sender.scene(SceneSource::PlanningScene, m), lost))
         });
-        let octomap = |topic: usize, twin: usize| {
-            let last = &twins[topic];
-            self.receive_topic(OCTOMAP_SOURCES[topic], &self.octomaps[topic][twin], move |m, _| {
+        let octomap = |topic: usize, subscription: usize| {
+            let last = &detectors[topic];
+            self.receive_topic(OCTOMAP_SOURCES[topic], &self.octomaps[topic][subscription], move |m, _| {
                 let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
-                last.is_new(twin, &m).then(|| sender.octomap(OCTOMAP_SOURCES[topic], m))
+                last.is_new(subscription, &m).then(|| sender.octomap(OCTOMAP_SOURCES[topic], m))
             })
         };
         let scenes = future::zip(future::zip(objects, attached), future::zip(worlds, scenes));
         let octomaps =
             future::zip(future::zip(octomap(0, 0), octomap(0, 1)), future::zip(octomap(1, 0), octomap(1, 1)));
-        let transforms = future::zip(self.follow(&self.tf, false), self.follow(&self.tf_static, true));
+        let transforms = future::zip(
+            self.receive_transforms(&self.tf, false),
+            self.receive_transforms(&self.tf_static, true),
+        );
         let requests = RequestContext { middleware: &self.middleware, names: &self.names, sender };
-        let others = future::zip(self.watch(), SceneRequester::default().run(requests));
+        let others = future::zip(self.receive_clouds(), SceneRequester::default().run(requests));
         future::zip(future::zip(scenes, octomaps), future::zip(transforms, others)).await;
     }
 
@@ -144,7 +147,7 @@ impl SceneTopics {
         topic: &Subscription<M>,
         read: impl Fn(M, u64) -> Option<SceneCommand>,
     ) {
-        let mut arrivals = SequenceGaps::default();
+        let mut sequence_gaps = SequenceGaps::default();
         loop {
             let Ok((message, Origin { publisher, number, received })) = topic.next_or_undecodable().await
             else {
@@ -158,7 +161,7 @@ impl SceneTopics {
                 // this node's own scene, if both topics have the same name
                 continue;
             }
-            let lost = number.map_or(0, |number| arrivals.missing_before(publisher, number));
+            let lost = number.map_or(0, |number| sequence_gaps.missing_before(publisher, number));
             self.sender.note_update(received);
             let Some(command) = read(message, lost) else {
                 self.sender.note_update_withdrawn();
@@ -170,13 +173,13 @@ impl SceneTopics {
         }
     }
 
-    async fn follow(&self, topic: &Subscription<TFMessage>, fixed: bool) {
-        let complaints = DecodeErrorLog::default();
+    async fn receive_transforms(&self, topic: &Subscription<TFMessage>, fixed: bool) {
+        let decode_errors = DecodeErrorLog::default();
         loop {
             let (message, _) = topic.next().await;
-            let (fault, is_elsewhere) = self.heed(message, fixed);
+            let (fault, is_elsewhere) = self.store_transforms(message, fixed);
             if let Some(fault) = fault {
-                complaints.warn(|| fault);
+                decode_errors.warn(|| fault);
             }
             if is_elsewhere && !self.sender.send(LoaderCommand::Frames).await {
                 return;
@@ -185,18 +188,18 @@ impl SceneTopics {
     }
 
     /// Stores transforms. Returns what is wrong with them, and whether obstacles have to be moved now.
-    fn heed(&self, message: TFMessage, fixed: bool) -> (Option<String>, bool) {
-        let SharedState { transforms, grounds, clock, recording, .. } = &self.sender.shared;
+    fn store_transforms(&self, message: TFMessage, fixed: bool) -> (Option<String>, bool) {
+        let SharedState { transforms, anchor_frames, clock, recording, .. } = &self.sender.shared;
         let now = clock.now();
         let mut tree = transforms.lock().unwrap_or_else(PoisonError::into_inner);
         // the recording has to contain it before any result that depends on this tree
         recording.note(|| RecordedEvent::Transforms { message: message.clone(), now, fixed });
         let fault = note_transforms(&mut tree, message, now, fixed);
-        (fault, grounds.lock().unwrap_or_else(PoisonError::into_inner).are_elsewhere(&tree))
+        (fault, anchor_frames.lock().unwrap_or_else(PoisonError::into_inner).are_elsewhere(&tree))
     }
 
     /// Subscribes to the clouds that the parameters name. Never returns.
-    async fn watch(&self) {
+    async fn receive_clouds(&self) {
         let mut watched: HashMap<String, Subscription<PointCloud2>> = HashMap::new();
         loop {
             let topics = self.sender.shared.store.get().point_cloud_topics;
@@ -214,7 +217,8 @@ impl SceneTopics {
                     future::pending::<()>().await;
                 }
             };
-            let clouds = watched.iter().map(|(topic, clouds)| self.clouds(topic, clouds).boxed_local());
+            let clouds =
+                watched.iter().map(|(topic, clouds)| self.receive_cloud_topic(topic, clouds).boxed_local());
             let clouds =
                 clouds.fold(future::pending().boxed_local(), |all, one| future::or(all, one).boxed_local());
             future::or(change, clouds).await;
@@ -226,11 +230,11 @@ impl SceneTopics {
         self.middleware.subscription(&self.names.resolve(topic)?, kind, Quality::Bulk)
     }
 
-    async fn clouds(&self, topic: &str, clouds: &Subscription<PointCloud2>) {
+    async fn receive_cloud_topic(&self, topic: &str, clouds: &Subscription<PointCloud2>) {
         loop {
             let (cloud, origin) = clouds.next().await;
-            let (came, since) = (self.sender.shared.clock.read(), origin.received);
-            let message = CloudMessage { cloud: Arc::new(cloud), came, since };
+            let (received_at, since) = (self.sender.shared.clock.read(), origin.received);
+            let message = CloudMessage { cloud: Arc::new(cloud), received_at, since };
             self.sender.shared.clouds.put(topic, message);
             if !self.sender.send(LoaderCommand::Clouds).await {
                 return;
@@ -239,14 +243,15 @@ impl SceneTopics {
     }
 }
 
-impl Twins {
+impl DuplicateDetector {
     /// Whether a message is not the other subscription's copy of the previous one.
-    fn is_new(&mut self, way: usize, message: &Octomap) -> bool {
+    fn is_new(&mut self, subscription: usize, message: &Octomap) -> bool {
         const SOON: Duration = Duration::from_secs(2);
-        let is_copy = (self.last.take())
-            .is_some_and(|(other, before, at)| other != way && at.elapsed() < SOON && before == *message);
+        let is_copy = (self.last.take()).is_some_and(|(other, before, at)| {
+            other != subscription && at.elapsed() < SOON && before == *message
+        });
         if !is_copy {
-            self.last = Some((way, message.clone(), Instant::now()));
+            self.last = Some((subscription, message.clone(), Instant::now()));
         }
         !is_copy
     }

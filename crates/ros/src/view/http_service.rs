@@ -18,7 +18,7 @@ use smol::lock::{Semaphore, SemaphoreGuardArc};
 
 use crate::view::assets::{ASSETS, TEXT};
 use crate::view::geometry_documents;
-use crate::view::latest_evaluation::{Said, Slot};
+use crate::view::latest_evaluation::{EvaluationSlot, TimedEvaluation};
 use crate::view::update_message::update;
 
 /// Shortest time between two updates of one browser.
@@ -27,7 +27,7 @@ const UPDATE_PERIOD: Duration = Duration::from_millis(33);
 /// Longest time between two updates. A page without updates for longer shows that nothing is known.
 const LONGEST_PAUSE: Duration = Duration::from_millis(500);
 
-/// Duration of one stream of updates. Browsers request another one at once, while a browser that reads nothing loses its place. The
+/// Duration of one stream of updates. Browsers request another one at once, while a browser that reads nothing loses its permit. The
 /// buffers of both systems hold megabytes of updates, so the connection itself would not show this for minutes.
 const STREAM_TIME: Duration = Duration::from_secs(4);
 
@@ -48,33 +48,33 @@ const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; c
                       base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 type Chunks = Pin<Box<dyn Stream<Item = Result<Frame<Bytes>, Infallible>> + Send>>;
-pub type Answer = Response<StreamBody<Chunks>>;
+pub type HttpResponse = Response<StreamBody<Chunks>>;
 
 /// Handles all requests.
 #[derive(Debug)]
-pub struct Site {
-    slot: Arc<Slot>,
+pub struct HttpService {
+    slot: Arc<EvaluationSlot>,
     viewers: Arc<Semaphore>,
     documents: Arc<Semaphore>,
 }
 
-impl Site {
-    pub fn new(slot: Arc<Slot>) -> Self {
-        let seats = |count| Arc::new(Semaphore::new(count));
-        Self { slot, viewers: seats(VIEWERS), documents: seats(DOCUMENTS) }
+impl HttpService {
+    pub fn new(slot: Arc<EvaluationSlot>) -> Self {
+        let permits = |count| Arc::new(Semaphore::new(count));
+        Self { slot, viewers: permits(VIEWERS), documents: permits(DOCUMENTS) }
     }
 
-    pub async fn answer<B>(&self, request: Request<B>) -> Answer {
+    pub async fn respond<B>(&self, request: Request<B>) -> HttpResponse {
         if !is_for_this_machine(request.headers()) {
             let why = "open the view by an IP address or as localhost: under any other name it is not served";
-            return refusal(StatusCode::MISDIRECTED_REQUEST, why);
+            return rejection(StatusCode::MISDIRECTED_REQUEST, why);
         }
         if !is_of_same_origin(request.headers()) {
             let why = "pages from elsewhere cannot read the view: open it in a tab of its own";
-            return refusal(StatusCode::FORBIDDEN, why);
+            return rejection(StatusCode::FORBIDDEN, why);
         }
         if request.method() != Method::GET {
-            return refusal(StatusCode::METHOD_NOT_ALLOWED, "there is nothing but GET here");
+            return rejection(StatusCode::METHOD_NOT_ALLOWED, "there is nothing but GET here");
         }
         match request.uri().path() {
             "/robot" => self.geometry(geometry_documents::robot).await,
@@ -82,49 +82,51 @@ impl Site {
             "/updates" => self.updates(),
             path => match ASSETS.iter().find(|asset| asset.path == path) {
                 Some(asset) => whole(StatusCode::OK, asset.kind, Bytes::from_static(asset.content), None),
-                None => refusal(StatusCode::NOT_FOUND, "there is no such page"),
+                None => rejection(StatusCode::NOT_FOUND, "there is no such page"),
             },
         }
     }
 
     /// Document about the robot and world of the last evaluation.
-    async fn geometry(&self, document: fn(&Revision) -> Bytes) -> Answer {
-        let seat = self.documents.acquire_arc().await;
-        let said = self.slot.last().clone();
-        let Some(revision) = said.and_then(|said| said.evaluation.revision.clone()) else {
-            return refusal(StatusCode::NOT_FOUND, "there is no robot yet");
+    async fn geometry(&self, document: fn(&Revision) -> Bytes) -> HttpResponse {
+        let permit = self.documents.acquire_arc().await;
+        let timed_evaluation = self.slot.last().clone();
+        let Some(revision) =
+            timed_evaluation.and_then(|timed_evaluation| timed_evaluation.evaluation.revision.clone())
+        else {
+            return rejection(StatusCode::NOT_FOUND, "there is no robot yet");
         };
         // building large meshes takes a while, so it runs on another thread and other browsers continue
         // the permit belongs to that work, which continues after the browser has disconnected
-        let (document, seat) = smol::unblock(move || (document(&revision), seat)).await;
-        whole(StatusCode::OK, "application/octet-stream", document, Some(seat))
+        let (document, permit) = smol::unblock(move || (document(&revision), permit)).await;
+        whole(StatusCode::OK, "application/octet-stream", document, Some(permit))
     }
 
-    fn updates(&self) -> Answer {
-        let Some(seat) = self.viewers.try_acquire_arc() else {
+    fn updates(&self) -> HttpResponse {
+        let Some(permit) = self.viewers.try_acquire_arc() else {
             let why = "too many browsers watch already: close one of them";
-            return refusal(StatusCode::SERVICE_UNAVAILABLE, why);
+            return rejection(StatusCode::SERVICE_UNAVAILABLE, why);
         };
-        let events = stream::unfold(Viewer::new(Arc::clone(&self.slot), seat), |mut viewer| async {
-            let event = viewer.next_event().await?;
-            Some((Ok(Frame::data(event)), viewer))
+        let events = stream::unfold(UpdateStream::new(Arc::clone(&self.slot), permit), |mut updates| async {
+            let event = updates.next_event().await?;
+            Some((Ok(Frame::data(event)), updates))
         });
         response(StatusCode::OK, "text/event-stream", Box::pin(events))
     }
 }
 
 /// Update stream of one browser.
-struct Viewer {
-    slot: Arc<Slot>,
-    _seat: SemaphoreGuardArc,
+struct UpdateStream {
+    slot: Arc<EvaluationSlot>,
+    _permit: SemaphoreGuardArc,
     since: Instant,
     /// Last update sent, and its time.
-    last: Option<(Option<Arc<Said>>, Instant)>,
+    last: Option<(Option<Arc<TimedEvaluation>>, Instant)>,
 }
 
-impl Viewer {
-    fn new(slot: Arc<Slot>, seat: SemaphoreGuardArc) -> Self {
-        Self { slot, _seat: seat, since: Instant::now(), last: None }
+impl UpdateStream {
+    fn new(slot: Arc<EvaluationSlot>, permit: SemaphoreGuardArc) -> Self {
+        Self { slot, _permit: permit, since: Instant::now(), last: None }
     }
 
     /// Waits for the next update: the newest evaluation once there is one, at most once per `UPDATE_PERIOD`, or the last one
@@ -132,16 +134,16 @@ impl Viewer {
     /// `None` when the stream has reached its duration.
     async fn next_event(&mut self) -> Option<Bytes> {
         while self.since.elapsed() < STREAM_TIME {
-            let said = self.slot.last().clone();
+            let timed_evaluation = self.slot.last().clone();
             let is_due = self.last.as_ref().is_none_or(|(last, at)| {
-                let is_new = last.as_ref().map(Arc::as_ptr) != said.as_ref().map(Arc::as_ptr);
+                let is_new = last.as_ref().map(Arc::as_ptr) != timed_evaluation.as_ref().map(Arc::as_ptr);
                 at.elapsed() >= if is_new { UPDATE_PERIOD } else { LONGEST_PAUSE }
             });
             if is_due {
                 let now = Instant::now();
                 let begin = if self.last.is_none() { RETRY } else { "" };
-                let event = format!("{begin}data: {}\n\n", update(said.as_deref(), now));
-                self.last = Some((said, now));
+                let event = format!("{begin}data: {}\n\n", update(timed_evaluation.as_deref(), now));
+                self.last = Some((timed_evaluation, now));
                 return Some(event.into());
             }
             Timer::after(UPDATE_PERIOD / 4).await;
@@ -179,28 +181,33 @@ fn is_of_same_origin(headers: &HeaderMap) -> bool {
     is_own && another.is_none() && (!is_from_another_site || is_navigation)
 }
 
-fn refusal(status: StatusCode, why: &'static str) -> Answer {
+fn rejection(status: StatusCode, why: &'static str) -> HttpResponse {
     whole(status, TEXT, Bytes::from_static(why.as_bytes()), None)
 }
 
 /// Response of known length, sent piece by piece. Its permit, if it has one, is released once it has been sent.
-fn whole(status: StatusCode, kind: &'static str, content: Bytes, seat: Option<SemaphoreGuardArc>) -> Answer {
+fn whole(
+    status: StatusCode,
+    kind: &'static str,
+    content: Bytes,
+    permit: Option<SemaphoreGuardArc>,
+) -> HttpResponse {
     let length = content.len();
-    let chunks = stream::unfold((content, seat), |(mut left, seat)| async {
+    let chunks = stream::unfold((content, permit), |(mut left, permit)| async {
         if left.is_empty() {
             return None;
         }
         let chunk = left.split_to(left.len().min(CHUNK));
-        Some((Ok(Frame::data(chunk)), (left, seat)))
+        Some((Ok(Frame::data(chunk)), (left, permit)))
     });
-    let mut answer = response(status, kind, Box::pin(chunks));
-    answer.headers_mut().insert(header::CONTENT_LENGTH, length.into());
-    answer
+    let mut response = response(status, kind, Box::pin(chunks));
+    response.headers_mut().insert(header::CONTENT_LENGTH, length.into());
+    response
 }
 
-fn response(status: StatusCode, kind: &'static str, chunks: Chunks) -> Answer {
-    let mut answer = Response::new(StreamBody::new(chunks));
-    *answer.status_mut() = status;
+fn response(status: StatusCode, kind: &'static str, chunks: Chunks) -> HttpResponse {
+    let mut response = Response::new(StreamBody::new(chunks));
+    *response.status_mut() = status;
     for (name, value) in [
         (header::CONTENT_TYPE, kind),
         (header::CACHE_CONTROL, "no-store"),
@@ -209,9 +216,9 @@ fn response(status: StatusCode, kind: &'static str, chunks: Chunks) -> Answer {
         (header::REFERRER_POLICY, "no-referrer"),
         (header::HeaderName::from_static("cross-origin-resource-policy"), "same-origin"),
     ] {
-        answer.headers_mut().insert(name, HeaderValue::from_static(value));
+        response.headers_mut().insert(name, HeaderValue::from_static(value));
     }
-    answer
+    response
 }
 
 #[cfg(test)]

@@ -7,8 +7,8 @@ use std::task::{Context, Poll};
 
 use smol::io::{AsyncRead, AsyncWrite};
 
-use crate::view::http_service::Site;
-use crate::view::latest_evaluation::Slot;
+use crate::view::http_service::HttpService;
+use crate::view::latest_evaluation::EvaluationSlot;
 use crate::view::server::respond;
 
 /// The response of a view without a robot to the bytes of a browser.
@@ -16,7 +16,7 @@ use crate::view::server::respond;
 pub fn respond_in_memory(request: &[u8]) -> Vec<u8> {
     let mut response = Vec::new();
     let stream = InMemory { request, response: &mut response };
-    smol::block_on(respond(stream, &Arc::new(Site::new(Arc::new(Slot::default())))));
+    smol::block_on(respond(stream, &Arc::new(HttpService::new(Arc::new(EvaluationSlot::default())))));
     response
 }
 

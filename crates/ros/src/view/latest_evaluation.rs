@@ -7,7 +7,7 @@ use clearance_monitor::{Evaluation, MonitorSettings};
 
 /// An evaluation and its time.
 #[derive(Debug)]
-pub struct Said {
+pub struct TimedEvaluation {
     pub evaluation: Evaluation,
     pub at: Instant,
     /// Settings in use: they define when the evaluation is stale, and the latest time of the next one.
@@ -16,16 +16,20 @@ pub struct Said {
 
 /// Slot with the last evaluation.
 #[derive(Debug, Default)]
-pub struct Slot(ArcSwapOption<Said>);
+pub struct EvaluationSlot(ArcSwapOption<TimedEvaluation>);
 
-impl Slot {
+impl EvaluationSlot {
     /// Stores an evaluation.
     pub fn put(&self, evaluation: &Evaluation, settings: &MonitorSettings) {
-        let said = Said { evaluation: evaluation.clone(), at: Instant::now(), settings: settings.clone() };
-        self.0.store(Some(said.into()));
+        let timed_evaluation = TimedEvaluation {
+            evaluation: evaluation.clone(),
+            at: Instant::now(),
+            settings: settings.clone(),
+        };
+        self.0.store(Some(timed_evaluation.into()));
     }
 
-    pub fn last(&self) -> Guard<Option<std::sync::Arc<Said>>> {
+    pub fn last(&self) -> Guard<Option<std::sync::Arc<TimedEvaluation>>> {
         self.0.load()
     }
 }

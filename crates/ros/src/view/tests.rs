@@ -16,7 +16,7 @@ use std::time::{Duration, Instant};
 use crate::view::address::ViewAddress;
 use crate::view::geometry_documents;
 use crate::view::http_service::VIEWERS;
-use crate::view::latest_evaluation::Said;
+use crate::view::latest_evaluation::TimedEvaluation;
 use crate::view::server::View;
 use crate::view::update_message::update;
 
@@ -70,8 +70,8 @@ fn told(evaluation: &Evaluation, later: Duration) -> Value {
 
 fn told_with(evaluation: &Evaluation, settings: MonitorSettings, later: Duration) -> Value {
     let at = Instant::now();
-    let said = Said { evaluation: evaluation.clone(), at, settings };
-    serde_json::from_str(&update(Some(&said), at + later)).unwrap()
+    let timed_evaluation = TimedEvaluation { evaluation: evaluation.clone(), at, settings };
+    serde_json::from_str(&update(Some(&timed_evaluation), at + later)).unwrap()
 }
 
 #[test]
@@ -230,7 +230,7 @@ fn read_until(stream: &mut TcpStream, wanted: &str) -> String {
     text
 }
 
-/// Publishes the evaluation and requests updates until there is a free place and an update contains the text.
+/// Publishes the evaluation and requests updates until there is a free permit and an update contains the text.
 fn seated(view: &View, wanted: &str, evaluation: &Evaluation) {
     let socket = view.url().trim_start_matches("http://").trim_end_matches('/').parse().unwrap();
     let deadline = Instant::now() + Duration::from_secs(60);
@@ -281,7 +281,7 @@ fn judgements_reach_browsers_while_others_read_nothing() {
     }
     // a lock, a queue or a write to a browser would take far longer
     assert!(start.elapsed() < Duration::from_secs(10), "{:?}", start.elapsed());
-    // a browser that disconnects frees its place
+    // a browser that disconnects frees its permit
     browsers.pop();
     seated(&view, "FREE", &free);
     seated(&view, "COLLIDING", &evaluation(std::f64::consts::PI));

@@ -9,7 +9,7 @@ use serde::Serialize;
 use std::time::{Duration, Instant};
 
 use crate::view::geometry_documents::{pose_numbers, short};
-use crate::view::latest_evaluation::Said;
+use crate::view::latest_evaluation::TimedEvaluation;
 
 /// Largest number of near pairs, and of colliding pairs, in one update.
 const PAIRS_SHOWN: usize = 200;
@@ -56,22 +56,22 @@ struct Pair<'a> {
 type Name<'a> = (&'static str, &'a str);
 
 /// How long the last evaluation stays valid without a new one.
-fn patience(heartbeat: Duration) -> Duration {
+fn validity_time(heartbeat: Duration) -> Duration {
     2 * heartbeat + Duration::from_secs(1)
 }
 
 /// Current status as JSON; without an evaluation, UNKNOWN.
-pub fn update(said: Option<&Said>, now: Instant) -> String {
-    let Some(Said { evaluation, at, settings }) = said else {
+pub fn update(timed_evaluation: Option<&TimedEvaluation>, now: Instant) -> String {
+    let Some(TimedEvaluation { evaluation, at, settings }) = timed_evaluation else {
         return json(&nothing_known("the node has not said anything yet".to_owned(), "silent"));
     };
-    let silence = now.saturating_duration_since(*at);
-    if silence > patience(settings.heartbeat_period()) {
-        let reason = format!("the node has been silent for {:.1} s", silence.as_secs_f64());
+    let since_evaluation = now.saturating_duration_since(*at);
+    if since_evaluation > validity_time(settings.heartbeat_period()) {
+        let reason = format!("the node has been silent for {:.1} s", since_evaluation.as_secs_f64());
         return json(&nothing_known(reason, "silent"));
     }
-    let age = evaluation.age.map(|age| age + silence.as_secs_f64());
-    if let Some(stale) = age.and_then(|age| gone_stale(evaluation, age, settings)) {
+    let age = evaluation.age.map(|age| age + since_evaluation.as_secs_f64());
+    if let Some(stale) = age.and_then(|age| stale_reason(evaluation, age, settings)) {
         return json(&nothing_known(stale.to_string(), stale.code()));
     }
     let Evaluation { status, placement, checked_state, revision, warnings, .. } = evaluation;
@@ -94,7 +94,7 @@ pub fn update(said: Option<&Said>, now: Instant) -> String {
 }
 
 /// The reason if the evaluation has become stale since it was made.
-fn gone_stale(evaluation: &Evaluation, age: f64, settings: &MonitorSettings) -> Option<Reason> {
+fn stale_reason(evaluation: &Evaluation, age: f64, settings: &MonitorSettings) -> Option<Reason> {
     let stale_after = settings.stale_after;
     let is_stale = evaluation.checked_state.is_some() && age > stale_after;
     is_stale.then(|| Reason::Stale { joints: Vec::new(), age, stale_after, also: None })

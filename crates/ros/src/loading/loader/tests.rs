@@ -56,11 +56,11 @@ impl Cell {
         commands: Vec<LoaderCommand>,
         clouds: BTreeMap<String, CloudMessage>,
     ) {
-        let places = robots_at_stamps(&clouds, &self.joint_state_history);
+        let robots_at_stamps = robots_at_stamps(&clouds, &self.joint_state_history);
         let evaluation = self.evaluation.clone();
         let update_context = SceneUpdateContext {
             evaluation,
-            places,
+            robots_at_stamps,
             ..SceneUpdateContext::first(&self.parameters, now(milliseconds))
         };
         let monitor = &mut self.monitor;
@@ -103,7 +103,7 @@ fn a_robot_that_is_replaced_is_freed() {
     cell.pass(1000, vec![LoaderCommand::Description(urdf("first"))], BTreeMap::new());
     cell.turn(1010);
     let changed =
-        CloudMessage { cloud: Arc::new(cloud()), came: now(1020), since: std::time::Instant::now() };
+        CloudMessage { cloud: Arc::new(cloud()), received_at: now(1020), since: std::time::Instant::now() };
     cell.pass(1020, vec![LoaderCommand::Clouds], BTreeMap::from([("points".to_owned(), changed)]));
     cell.turn(1030);
     let revision = cell.evaluation.as_ref().unwrap().revision.as_ref().unwrap();

@@ -75,8 +75,12 @@ fn a_disk_that_is_full_is_a_fault_of_the_recording() {
     let file = std::fs::OpenOptions::new().write(true).open(&path).unwrap();
     let settings = RecordingSettings { file: path.clone(), max_size: 0.0, max_duration: 0.0 };
     let names = Names::new("clearance", &[]).unwrap();
-    let given = (&names, CommandLineInputs::default(), &Parameters::default());
-    let (recording, recorder) = Recorder::write_to((file, path), &settings, given).unwrap();
+    let node = RecordedNode {
+        names: &names,
+        inputs: CommandLineInputs::default(),
+        parameters: &Parameters::default(),
+    };
+    let (recording, recorder) = Recorder::write_to(file, path, &settings, node).unwrap();
     let fault = fault(&recording);
     assert!(fault.contains("recording to /dev/full ended: "), "{fault}");
     recorder.finish();

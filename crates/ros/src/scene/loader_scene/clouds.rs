@@ -37,14 +37,14 @@ impl LoaderScene {
                 continue;
             }
             let (since, stamp) = (message.since, message.stamp());
-            let seen = check_stamp(stamp, message.came, parameters)
+            let seen = check_stamp(stamp, message.received_at, parameters)
                 .and_then(|()| self.sieve(&topic, &message.cloud, robot, update_context));
             let cloud = self.clouds.entry(topic.clone()).or_default();
             match seen {
                 Ok((obstacle, report)) => {
                     let is_kept = report.blind.is_some() && parameters.blind_makes_unknown();
                     cloud.report = report;
-                    cloud.seen = Some(Observation { stamp, at: message.came.steady });
+                    cloud.seen = Some(Observation { stamp, at: message.received_at.steady });
                     cloud.since = Some(since);
                     if let Some(cause) = cloud.report.blind.clone() {
                         cloud.log_fault(&topic, &cause);
@@ -126,8 +126,8 @@ impl LoaderScene {
 }
 
 /// Rejects a cloud with the stamp of another clock: its age is unknown.
-fn check_stamp(stamp: Time, came: Now, parameters: &Parameters) -> Result<(), String> {
-    let ahead = came.ros.map_or(0.0, |ros| stamp.seconds_since(ros));
+fn check_stamp(stamp: Time, received_at: Now, parameters: &Parameters) -> Result<(), String> {
+    let ahead = received_at.ros.map_or(0.0, |ros| stamp.seconds_since(ros));
     if ahead > parameters.point_cloud_ttl {
         return Err(format!(
             "header.stamp lies {ahead:.3} s in the future: synchronise the clocks, or set use_sim_time if its publisher does"
