@@ -8,7 +8,7 @@ use clearance_geometry::math::Extremes;
 use clearance_robot::{Configuration, LinkPoses};
 use clearance_scene::AnchorFrames;
 
-use super::drift::Drift;
+use super::obstacle_motion::ObstacleMotion;
 use super::{Now, Reason, Status, Time, WorldSource};
 
 /// A checker with its version numbers.
@@ -26,7 +26,7 @@ pub struct Revision {
     /// Further warnings about the world.
     pub warnings: Vec<String>,
     /// The frames that obstacles are placed in.
-    pub grounds: AnchorFrames,
+    pub anchor_frames: AnchorFrames,
     /// Time (steady clock) of the `tf` data that the obstacles were placed with; `None`: the time at which this revision is put
     /// into use.
     pub placed_at: Option<Duration>,
@@ -43,7 +43,7 @@ impl Revision {
             sources: Vec::new(),
             incomplete: None,
             warnings: Vec::new(),
-            grounds: AnchorFrames::default(),
+            anchor_frames: AnchorFrames::default(),
             placed_at: None,
         }
     }
@@ -73,7 +73,7 @@ impl Revision {
 pub struct CheckedState {
     pub report: CollisionReport,
     /// Pairs beyond the reporting distance that may come near before the robot has slowed down.
-    pub coming: Vec<PairDistance>,
+    pub approaching_pairs: Vec<PairDistance>,
     /// The configuration that was checked.
     pub configuration: Configuration,
     /// The link poses of that configuration.
@@ -87,9 +87,9 @@ pub struct CheckedState {
     /// By position: the stamp of the joint state that contains it; `None` for positions from `tf`.
     pub measured: Vec<Option<Time>>,
     /// Motions of the obstacle frames relative to the robot's root, one for each tracked frame.
-    pub drifts: Vec<Drift>,
+    pub obstacle_motions: Vec<ObstacleMotion>,
     /// Distance (m) up to which pairs may slow the robot down.
-    pub slows_within: f64,
+    pub slowdown_range: f64,
     /// Whether all distances are exact; otherwise they are lower bounds within a tolerance.
     pub is_exact: bool,
     /// Whether they are inexact because of the rate of the joint states.
@@ -120,7 +120,7 @@ pub struct Evaluation {
     /// Present exactly when the status is FREE or COLLIDING.
     pub checked_state: Option<Arc<CheckedState>>,
     /// The same, but also present if only the world has become stale: the robot's configuration is still known.
-    pub placement: Option<Arc<CheckedState>>,
+    pub robot_state: Option<Arc<CheckedState>>,
     /// Allowed share of the robot's speed, in [0, 1]; 0 unless the status is FREE.
     pub speed_scale: f64,
     pub left_out: LeftOut,
@@ -140,7 +140,7 @@ pub struct Evaluation {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Expiry {
     /// Time at which the evaluation was published.
-    pub said_at: Duration,
+    pub published_at: Duration,
     /// Expiry of the robot's configuration.
     pub of_robot: Option<Duration>,
     /// Expiry of the obstacles' positions.
@@ -152,16 +152,16 @@ impl Evaluation {
     #[must_use]
     pub fn aged(mut self, now: Now) -> Self {
         let is_over = |end: Option<Duration>| end.is_some_and(|end| now.steady >= end);
-        let since = now.steady.saturating_sub(self.expiry.said_at).as_secs_f64();
+        let since = now.steady.saturating_sub(self.expiry.published_at).as_secs_f64();
         let overdue = Reason::Overdue { since };
         self.age = self.age.map(|age| age + since);
-        if self.placement.is_some() && is_over(self.expiry.of_robot) {
-            self.placement = None;
-            self.know_nothing(overdue.clone());
+        if self.robot_state.is_some() && is_over(self.expiry.of_robot) {
+            self.robot_state = None;
+            self.invalidate(overdue.clone());
         }
         if self.stale_world.is_none() && is_over(self.expiry.of_world) {
             self.stale_world = Some(overdue.clone());
-            self.know_nothing(overdue);
+            self.invalidate(overdue);
         }
         self
     }
@@ -175,7 +175,7 @@ impl Evaluation {
         self
     }
 
-    fn know_nothing(&mut self, why: Reason) {
+    fn invalidate(&mut self, why: Reason) {
         self.checked_state = None;
         self.speed_scale = 0.0;
         if self.status.reason().is_none() {

@@ -7,14 +7,14 @@
 //! | the process takes more memory than it may, and ends | UNKNOWN | `memory` |
 //! | checking was turned off | UNKNOWN | `disabled` |
 //! | no usable robot model | UNKNOWN | `no_model` |
-//! | another robot was described, and its model is being built | UNKNOWN | `model_swap` |
+//! | another robot was received_descriptions, and its model is being built | UNKNOWN | `model_swap` |
 //! | no link of the robot has collision geometry | UNKNOWN | `no_geometry` |
 //! | no joint state has arrived | UNKNOWN | `no_joint_state` |
 //! | the clock was set back by more than `stale_after`, and no joint state has arrived since | UNKNOWN | `clock_jump` |
 //! | simulated time is asked for and none has arrived | UNKNOWN | `no_clock` |
 //! | the last joint state that names some joint, or its stamp, is older than `stale_after` | UNKNOWN | `stale` |
 //! | its stamp lies more than `stale_after` in the future | UNKNOWN | `future_stamp` |
-//! | its stamp is older than that of the last judged one of the same publisher about the same joints | UNKNOWN | `out_of_order` |
+//! | its stamp is older than that of the last evaluated one of the same publisher about the same joints | UNKNOWN | `out_of_order` |
 //! | names and positions differ in number, a joint twice, a name of more than 1024 bytes, a position that no joint can have | UNKNOWN | `malformed` |
 //! | a position of the robot is NaN or infinite | UNKNOWN | `non_finite` |
 //! | `tf` does not tell where a joint is that it has to place, or no more | UNKNOWN | `no_transform` |
@@ -42,27 +42,28 @@
 // minima of floating-point numbers, see `math/extremes.rs` of clearance-geometry
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
-mod approach;
+mod approach_rate;
 mod check_budget;
 pub mod cloud;
 mod contact_watch;
 mod contribution;
-mod drift;
 mod evaluation;
 mod input;
 mod joint_state_history;
+mod joint_state_merger;
 mod look_ahead;
 mod mimic_reports;
 mod monitor;
 mod now;
-mod placement;
+mod obstacle_motion;
 mod received_states;
 mod root_location;
 mod settings;
 mod speed;
+mod speed_settings;
 mod state_evaluator;
 mod status;
-mod tracker;
+mod transform_joints;
 mod world_source;
 mod world_updates;
 
@@ -70,13 +71,14 @@ mod world_updates;
 mod tests;
 
 pub use clearance_scene::Time;
-pub use drift::Drift;
 pub use evaluation::{CheckedState, Evaluation, Expiry, LeftOut, Revision};
 pub use input::{JointStateInput, SourceId};
 pub use joint_state_history::JointStateHistory;
-pub use monitor::{Monitor, Stopwatch};
+pub use monitor::Monitor;
 pub use now::Now;
+pub use obstacle_motion::ObstacleMotion;
 pub use settings::MonitorSettings;
-pub use speed::{SpeedDistances, SpeedSettings};
+pub use speed_settings::{SpeedDistances, SpeedSettings};
+pub use state_evaluator::Stopwatch;
 pub use status::{Reason, Status};
 pub use world_source::{Observation, WorldSource};

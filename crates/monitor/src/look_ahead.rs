@@ -4,11 +4,11 @@ use clearance_checker::{CollisionChecker, CollisionReport, LookAhead, Workspace}
 use clearance_robot::{Configuration, JointKind, RobotModel};
 
 use super::MonitorSettings;
-use super::drift::Drift;
+use super::obstacle_motion::ObstacleMotion;
 
 /// Look-ahead for one checker.
 #[derive(Debug)]
-pub(super) struct Lookout {
+pub(super) struct LookAheadEvaluator {
     /// Its own workspace, so that its motions do not overwrite the data that speeds up the stream of states.
     workspace: Workspace,
     /// By position: acceleration limit (rad/s², m/s²), if it has one.
@@ -18,7 +18,7 @@ pub(super) struct Lookout {
     floats: bool,
 }
 
-impl Lookout {
+impl LookAheadEvaluator {
     pub fn new(checker: &CollisionChecker) -> Self {
         let robot = checker.robot();
         let floats = robot.joints().iter().any(|joint| joint.kind == JointKind::Floating);
@@ -30,7 +30,7 @@ impl Lookout {
         &mut self,
         checker: &CollisionChecker,
         (q, velocities, spread): (&Configuration, Option<&[f64]>, f64),
-        (report, drifts): (&CollisionReport, &[Drift]),
+        (report, obstacle_motions): (&CollisionReport, &[ObstacleMotion]),
         settings: &MonitorSettings,
     ) -> Result<LookAhead, String> {
         let unknown = |why: &str| Err(format!("the time to contact is not known: {why}"));
@@ -40,7 +40,9 @@ impl Lookout {
         if self.floats {
             return unknown("the robot has a floating joint");
         }
-        if let Some(Drift { frame, .. }) = drifts.iter().find(|drift| !drift.is_none()) {
+        if let Some(ObstacleMotion { frame, .. }) =
+            obstacle_motions.iter().find(|obstacle_motion| !obstacle_motion.is_none())
+        {
             return unknown(&format!("the robot's root moves in {frame}"));
         }
         let Some(velocities) = velocities else {

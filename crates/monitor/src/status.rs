@@ -54,7 +54,7 @@ pub enum Reason {
     },
     /// Checking was switched off.
     Disabled,
-    /// Another robot was described, and its model is not built yet.
+    /// Another robot was received_descriptions, and its model is not built yet.
     ModelSwap,
     /// No link of the robot has collision geometry: there is nothing to check.
     NoGeometry,

@@ -30,8 +30,8 @@ impl WorldSource {
     #[must_use]
     pub fn age(&self, now: Now) -> Option<f64> {
         let seen = self.seen?;
-        let silence = now.steady.saturating_sub(seen.at).as_secs_f64();
-        Some(now.ros.map_or(silence, |ros| ros.seconds_since(seen.stamp).greater(silence)))
+        let since_reception = now.steady.saturating_sub(seen.at).as_secs_f64();
+        Some(now.ros.map_or(since_reception, |ros| ros.seconds_since(seen.stamp).greater(since_reception)))
     }
 
     /// Why the data of this sensor is stale, if it is.

@@ -61,12 +61,12 @@ fn may_be_free(heard: &[(JointStateInput, Now)], now: Now) -> bool {
             Time::ZERO => true,
             stamp => ros.seconds_since(stamp).abs() <= 0.5,
         };
-        let silence = now.steady.saturating_sub(came.steady);
+        let since_reception = now.steady.saturating_sub(came.steady);
         input.names.len() == input.positions.len()
             && names(input) == 1
             && input.positions[place].is_finite()
             && fresh
-            && silence <= Duration::from_millis(500)
+            && since_reception <= Duration::from_millis(500)
     })
 }
 
@@ -75,7 +75,7 @@ proptest! {
     fn nothing_panics_and_free_is_never_said_without_a_whole_fresh_joint_state(
         happenings in prop::collection::vec((happening(), now()), 0..30)
     ) {
-        let mut monitor = lookout();
+        let mut monitor = look_ahead();
         let mut heard = Vec::new();
         for (happening, now) in happenings {
             let evaluation = match happening {

@@ -445,7 +445,7 @@ impl Loader {
             sources: self.scene.sources(parameters),
             incomplete: self.scene.incomplete(parameters),
             warnings,
-            grounds: scene.grounds(robot),
+            anchor_frames: scene.grounds(robot),
             placed_at: Some(now.steady),
         });
         (self.model_revision, self.world_revision) = (model, world);

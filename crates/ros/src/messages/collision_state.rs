@@ -155,7 +155,7 @@ mod tests {
             stamp: None,
             age: None,
             checked_state: None,
-            placement: None,
+            robot_state: None,
             speed_scale: 0.0,
             left_out: LeftOut::Nothing,
             is_swapping: false,

@@ -127,7 +127,9 @@ impl MonitorLoop {
             MonitorEvent::Checker(revision) => self.monitor.set_checker(revision),
             MonitorEvent::ModelSwap => self.monitor.note_model_swap(),
             MonitorEvent::DescriptionReceived => self.monitor.note_description(),
-            MonitorEvent::DescriptionsProcessed(descriptions) => self.monitor.note_heeded(descriptions),
+            MonitorEvent::DescriptionsProcessed(descriptions) => {
+                self.monitor.note_processed_descriptions(descriptions)
+            }
             MonitorEvent::WorldUpdate(update) => update.apply_to(&mut self.monitor),
             MonitorEvent::Enabled(enabled, applied) => {
                 self.monitor.set_enabled(enabled);
@@ -168,7 +170,7 @@ impl MonitorLoop {
     }
 
     fn read_transforms(&mut self) {
-        if !self.monitor.heeds_transforms() {
+        if !self.monitor.uses_transforms() {
             return;
         }
         let tree = self.transforms.lock().unwrap_or_else(PoisonError::into_inner);

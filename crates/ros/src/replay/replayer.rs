@@ -243,7 +243,7 @@ impl Replay {
                 self.monitor.note_model_swap()
             }
             (RecordedMonitorEvent::Heeded, Some(MonitorEvent::DescriptionsProcessed(descriptions))) => {
-                self.monitor.note_heeded(descriptions);
+                self.monitor.note_processed_descriptions(descriptions);
             }
             // the text contains folder names of the recording machine, so it is not compared
             (RecordedMonitorEvent::ModelFault(fault), Some(MonitorEvent::ModelFault(_))) => {
@@ -289,7 +289,7 @@ impl Replay {
                 Some(MonitorEvent::DescriptionsProcessed(descriptions))
                     if *recorded != RecordedMonitorEvent::Heeded =>
                 {
-                    self.monitor.note_heeded(*descriptions);
+                    self.monitor.note_processed_descriptions(*descriptions);
                 }
                 Some(MonitorEvent::WorldUpdate(update))
                     if !matches!(recorded, RecordedMonitorEvent::WorldUpdate(_)) =>

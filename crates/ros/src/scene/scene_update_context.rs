@@ -53,7 +53,7 @@ impl SceneUpdateContext {
     pub(super) fn checked_state(&self, robot: &Arc<RobotModel>) -> Option<Arc<CheckedState>> {
         let evaluation = self.evaluation.as_ref()?;
         let same = evaluation.revision.as_ref().is_some_and(|r| Arc::ptr_eq(r.checker.robot(), robot));
-        evaluation.placement.clone().filter(|_| same)
+        evaluation.robot_state.clone().filter(|_| same)
     }
 
     /// Link poses at the stamp of a cloud, if the joint state history contains it; otherwise the current ones.

@@ -42,8 +42,9 @@ impl<'a> RequestContext<'a> {
         if let Some(stale) = evaluation.and_then(|evaluation| evaluation.stale_world.as_ref()) {
             return Err(Rejection::of_world(stale));
         }
-        let placement = evaluation.and_then(|evaluation| evaluation.placement.as_ref());
-        let now = placement.map(|checked_state| &checked_state.configuration).ok_or_else(|| why.to_string());
+        let robot_state = evaluation.and_then(|evaluation| evaluation.robot_state.as_ref());
+        let now =
+            robot_state.map(|checked_state| &checked_state.configuration).ok_or_else(|| why.to_string());
         let is_contradicted = now.is_err() && why.is_about_positions();
         Ok(Self { checker: &revision.checker, now, is_contradicted })
     }

@@ -174,16 +174,16 @@ impl SceneServices {
             return ros2_interfaces_jazzy_serde::moveit_msgs::msg::PlanningScene::default();
         };
         let evaluation = self.evaluation.lock().unwrap_or_else(PoisonError::into_inner).clone();
-        let placement = evaluation.and_then(|evaluation| {
+        let robot_state = evaluation.and_then(|evaluation| {
             let same = evaluation.revision?.model == scene.revision.model;
-            evaluation.placement.filter(|_| same)
+            evaluation.robot_state.filter(|_| same)
         });
         let ActiveScene { revision, scene: state, octomap, parameters, .. } = scene.as_ref();
         let writer = SceneMessages {
             robot: revision.checker.robot(),
             scene: state,
             padding: parameters.padding,
-            configuration: placement.as_ref().map(|checked_state| &checked_state.configuration),
+            configuration: robot_state.as_ref().map(|checked_state| &checked_state.configuration),
             octomap: octomap.as_deref(),
         };
         scene_message(&writer, components)

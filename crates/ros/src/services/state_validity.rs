@@ -178,7 +178,7 @@ fn configuration(
     let (names, positions): (Vec<&str>, Vec<f64>) = single.chain(several).unzip();
     let named = robot.named_joints(names).map_err(reject)?;
     let default;
-    let rest = if let Some(checked_state) = placement(context) {
+    let rest = if let Some(checked_state) = current_state(context) {
         &checked_state.configuration
     } else {
         let missing = undecided(robot, &named);
@@ -195,10 +195,10 @@ fn configuration(
 }
 
 /// Current configuration of the robot, if it is known.
-fn placement<'s>(context: &ValidityContext<'s>) -> Option<&'s CheckedState> {
+fn current_state<'s>(context: &ValidityContext<'s>) -> Option<&'s CheckedState> {
     let evaluation = context.evaluation?;
     let same = evaluation.revision.as_ref()?.model == context.scene.revision.model;
-    evaluation.placement.as_deref().filter(|_| same)
+    evaluation.robot_state.as_deref().filter(|_| same)
 }
 
 /// Positions of planar and floating joints, by name. The virtual joint, which places the root in the world, must be at zero.
@@ -250,8 +250,8 @@ fn with_request(
     let context_at = |poses| SceneContext::new(robot, poses, transforms, now, parameters.transform_ttl);
     let requested_context = context_at(Some(poses));
     // objects attached from the world are attached at the robot's current configuration
-    let placement = placement(context);
-    let current_context = context_at(placement.map(|checked_state| &checked_state.poses));
+    let robot_state = current_state(context);
+    let current_context = context_at(robot_state.map(|checked_state| &checked_state.poses));
     let (mut changed, mut applied) = (scene.clone(), Applied::default());
     let attached = std::mem::take(&mut read.change.attached);
     // operations that a complete state must not contain are rejected together with the rest of the state

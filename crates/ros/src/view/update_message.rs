@@ -74,11 +74,11 @@ pub fn update(timed_evaluation: Option<&TimedEvaluation>, now: Instant) -> Strin
     if let Some(stale) = age.and_then(|age| stale_reason(evaluation, age, settings)) {
         return json(&nothing_known(stale.to_string(), stale.code()));
     }
-    let Evaluation { status, placement, checked_state, revision, warnings, .. } = evaluation;
+    let Evaluation { status, robot_state, checked_state, revision, warnings, .. } = evaluation;
     let reason = status.reason();
     let (model, world) = revision.as_ref().map_or((0, 0), |r| (r.model, r.world));
     let both = |checked_state: &'_ Option<_>| checked_state.clone().zip(revision.as_ref());
-    let poses = both(placement).map(|(placement, revision)| poses(revision, &placement.poses));
+    let poses = both(robot_state).map(|(robot_state, revision)| poses(revision, &robot_state.poses));
     let findings = checked_state.as_deref().zip(revision.as_deref());
     json(&Update {
         status: status.word(),

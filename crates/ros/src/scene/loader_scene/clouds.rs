@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use clearance_geometry::Shape;
 use clearance_geometry::math::Pose;
-use clearance_monitor::cloud::{SelfFilter, Sieve};
+use clearance_monitor::cloud::{CloudFilter, SelfFilter};
 use clearance_monitor::{Now, Observation, Time};
 use clearance_robot::RobotModel;
 use clearance_scene::Obstacle;
@@ -38,7 +38,7 @@ impl LoaderScene {
             }
             let (since, stamp) = (message.since, message.stamp());
             let seen = check_stamp(stamp, message.received_at, parameters)
-                .and_then(|()| self.sieve(&topic, &message.cloud, robot, update_context));
+                .and_then(|()| self.filter_cloud(&topic, &message.cloud, robot, update_context));
             let cloud = self.clouds.entry(topic.clone()).or_default();
             match seen {
                 Ok((obstacle, report)) => {
@@ -86,7 +86,7 @@ impl LoaderScene {
         !gone.is_empty()
     }
 
-    fn sieve(
+    fn filter_cloud(
         &mut self,
         topic: &str,
         message: &PointCloud2,
@@ -108,19 +108,19 @@ impl LoaderScene {
         };
         let filter = self.filter.insert(filter);
         filter.hold(&self.state.world);
-        let sieve = sieve(parameters);
-        let sifted = sieve.sift(&points.points, points.rounding, &pose_rc, (filter, &poses))?;
-        let is_origin_cropped = |p: &[f32; 3]| is_at_origin(p) && sieve.crops(*p, &pose_rc);
-        let others_cropped = sifted.cropped - points.points.iter().filter(|p| is_origin_cropped(p)).count();
+        let cloud_filter = cloud_filter(parameters);
+        let filtered = cloud_filter.apply(&points.points, points.rounding, &pose_rc, (filter, &poses))?;
+        let is_origin_cropped = |p: &[f32; 3]| is_at_origin(p) && cloud_filter.crops(*p, &pose_rc);
+        let others_cropped = filtered.cropped - points.points.iter().filter(|p| is_origin_cropped(p)).count();
         let report = CloudReport {
-            points: sifted.cloud.as_ref().map_or(0, |cloud| cloud.points().len()),
+            points: filtered.cloud.as_ref().map_or(0, |cloud| cloud.points().len()),
             not_finite: points.dropped,
-            cropped: sifted.cropped,
-            of_robot: sifted.of_robot,
+            cropped: filtered.cropped,
+            of_robot: filtered.of_robot,
             blind: blindness(points.dropped, &points.points, others_cropped),
             ..CloudReport::default()
         };
-        let shape = sifted.cloud.map(Shape::Points);
+        let shape = filtered.cloud.map(Shape::Points);
         Ok((shape.map(|shape| Obstacle::of_shape(topic, Pose::identity(), shape)), report))
     }
 }
@@ -136,9 +136,9 @@ fn check_stamp(stamp: Time, received_at: Now, parameters: &Parameters) -> Result
     Ok(())
 }
 
-fn sieve(parameters: &Parameters) -> Sieve {
+fn cloud_filter(parameters: &Parameters) -> CloudFilter {
     let corner = |numbers: &[f64]| <[f64; 3]>::try_from(numbers).ok();
-    Sieve {
+    CloudFilter {
         point_radius: parameters.point_radius,
         crop_min: corner(&parameters.cloud_crop_min),
         crop_max: corner(&parameters.cloud_crop_max),

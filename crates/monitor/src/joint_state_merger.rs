@@ -7,21 +7,17 @@ use clearance_geometry::math::{Extremes, without_whole_turns};
 use clearance_robot::{Configuration, RobotModel, check_name_length, quoted, quoted_list};
 
 use super::contribution::{Contribution, Contributions};
-use super::mimic_reports::{Follower, MimicReports, Naming};
-use super::placement::Placed;
-use super::received_states::ReceivedState;
+use super::mimic_reports::{MimicJoint, MimicReports, Naming};
+use super::received_states::{LAG, ReceivedState, SAME_TIME};
+use super::transform_joints::Placed;
 use super::{JointStateInput, MonitorSettings, Reason, SourceId, Time};
 
 /// Tolerance (rad, m) between two publishers' reports of a joint with almost the same time (s); the joint's motion during a lag is
 /// added.
 const CONTRADICTION: f64 = 0.05;
-pub(super) const SAME_TIME: f64 = 0.1;
-
-/// Largest lag (s) of a publisher that relays another publisher's messages ten times a second.
-pub(super) const LAG: f64 = 0.2;
 
 /// Limits for unknown joint names that are stored of a message, and for their length: the message may be another robot's.
-const MOST_STRANGERS: usize = 1000;
+const MOST_UNKNOWN_JOINTS: usize = 1000;
 const LONGEST_NAME: usize = 100;
 
 /// Meaning of a name in a joint state.
@@ -30,7 +26,7 @@ enum Slot {
     /// The position with this index in a configuration.
     Position(usize),
     /// The mimic joint with this index among the robot's mimic joints.
-    Follows(usize),
+    Mimic(usize),
     /// A joint without a position under this name.
     Nothing,
 }
@@ -40,16 +36,16 @@ const BY_TF: usize = usize::MAX;
 
 /// Reads joint states for one robot.
 #[derive(Clone, Debug)]
-pub(super) struct Tracker {
+pub(super) struct JointStateMerger {
     slots: HashMap<String, Slot>,
     /// By position: whether values that differ by a full turn are equivalent, also for the joints that mimic it.
     turns: Vec<bool>,
-    followers: Vec<Follower>,
+    mimic_joints: Vec<MimicJoint>,
 }
 
 /// A merged configuration, with warnings about its messages.
 #[derive(Clone, Debug)]
-pub(super) struct Reading {
+pub(super) struct MergedState {
     pub configuration: Configuration,
     /// Velocity of each position, if all are given and finite.
     pub velocities: Option<Vec<f64>>,
@@ -64,19 +60,19 @@ pub(super) struct Reading {
     pub warnings: Vec<String>,
 }
 
-impl Tracker {
+impl JointStateMerger {
     pub fn new(robot: &RobotModel) -> Self {
-        let (mut slots, mut followers) = (HashMap::new(), Vec::new());
+        let (mut slots, mut mimic_joints) = (HashMap::new(), Vec::new());
         for id in robot.joint_ids() {
-            let follower = Follower::of(robot, id);
-            let slot = follower.as_ref().map_or(Slot::Nothing, |_| Slot::Follows(followers.len()));
-            followers.extend(follower);
+            let mimic_joint = MimicJoint::of(robot, id);
+            let slot = mimic_joint.as_ref().map_or(Slot::Nothing, |_| Slot::Mimic(mimic_joints.len()));
+            mimic_joints.extend(mimic_joint);
             slots.insert(robot.joint(id).name.clone(), slot);
         }
         for (index, name) in robot.position_names().iter().enumerate() {
             slots.insert(name.clone(), Slot::Position(index));
         }
-        Self { slots, turns: robot.whole_turns(), followers }
+        Self { slots, turns: robot.whole_turns(), mimic_joints }
     }
 
     /// Merges messages, given in the order of reception. For each joint, the last message with its name counts, unless its position
@@ -84,15 +80,15 @@ impl Tracker {
     pub fn read(
         &self,
         robot: &RobotModel,
-        heard: &[ReceivedState],
+        received: &[ReceivedState],
         is_fresh: impl Fn(&ReceivedState) -> bool,
         (placed, unplaced): (Vec<Placed>, Option<Reason>),
         settings: &MonitorSettings,
-    ) -> (Result<Reading, Reason>, Contributions) {
+    ) -> (Result<MergedState, Reason>, Contributions) {
         let mut merge = Merge::new(self, &settings.joint_prefix);
         merge.place(&placed);
-        for (message, heard) in heard.iter().enumerate().rev() {
-            merge.take(message, heard, is_fresh(heard));
+        for (message, received) in received.iter().enumerate().rev() {
+            merge.take(message, received, is_fresh(received));
         }
         let contributions = std::mem::take(&mut merge.contributions);
         let mimic_is_unknown = settings.mimic_contradiction_is_unknown;
@@ -103,36 +99,36 @@ impl Tracker {
 /// A message during the processing of its names.
 struct Message<'h> {
     number: usize,
-    heard: &'h ReceivedState,
+    received: &'h ReceivedState,
     is_fresh: bool,
     fault: Option<Reason>,
     /// Indices of the positions for which it is the last message.
     mine: Vec<usize>,
     /// Mimic joints that it names, with their indices in the message.
-    followers: Vec<(usize, usize)>,
+    mimic_joints: Vec<(usize, usize)>,
     /// Positions in it, with which mimic joints have to agree.
     leaders: Vec<(usize, f64)>,
     /// Whether a newer message names one of its joints.
     is_superseded: bool,
     /// Whether it is the last message with the name of a mimic joint.
-    decides_followers: bool,
+    decides_mimic_joints: bool,
 }
 
 impl Message<'_> {
     /// Whether it has a position for each name.
     fn is_whole(&self) -> bool {
-        self.heard.input.names.len() == self.heard.input.positions.len()
+        self.received.input.names.len() == self.received.input.positions.len()
     }
 
     fn note_twice(&mut self, place: usize) {
-        let twice = format!("joint {} stands in it twice", quoted(&self.heard.input.names[place]));
+        let twice = format!("joint {} stands in it twice", quoted(&self.received.input.names[place]));
         self.fault = first(self.fault.take(), Some(Reason::Malformed(twice)));
     }
 
     /// Records an error of one of its positions, if it has one for each name.
     fn note_value(&mut self, place: usize) {
         if self.is_whole() {
-            let JointStateInput { names, positions, .. } = &self.heard.input;
+            let JointStateInput { names, positions, .. } = &self.received.input;
             self.fault = first(self.fault.take(), fault_of(&names[place], positions[place]));
         }
     }
@@ -140,13 +136,13 @@ impl Message<'_> {
 
 /// Merge of messages into one state, the newest first.
 struct Merge<'t> {
-    tracker: &'t Tracker,
+    joint_state_merger: &'t JointStateMerger,
     /// Prefix of the robot's joint names; other names belong to another robot.
     prefix: &'t str,
     /// By position: index of the message in use.
     named_by: Vec<Option<usize>>,
     /// By position: publisher and stamp of that message.
-    told: Vec<Option<(SourceId, Time)>>,
+    sources: Vec<Option<(SourceId, Time)>>,
     positions: Vec<f64>,
     velocities: Vec<f64>,
     rates: Vec<f64>,
@@ -154,27 +150,27 @@ struct Merge<'t> {
     contributions: Contributions,
     /// Error of the newest message with an error.
     fault: Option<Reason>,
-    strangers: Vec<String>,
+    unknown_joints: Vec<String>,
     warnings: Vec<String>,
     /// By position: the two contradicting values.
     contradictions: BTreeMap<usize, [f64; 2]>,
 }
 
 impl<'t> Merge<'t> {
-    fn new(tracker: &'t Tracker, prefix: &'t str) -> Self {
-        let count = tracker.turns.len();
+    fn new(joint_state_merger: &'t JointStateMerger, prefix: &'t str) -> Self {
+        let count = joint_state_merger.turns.len();
         Self {
-            tracker,
+            joint_state_merger,
             prefix,
             named_by: vec![None; count],
-            told: vec![None; count],
+            sources: vec![None; count],
             positions: vec![f64::NAN; count],
             velocities: vec![f64::NAN; count],
             rates: vec![f64::NAN; count],
-            mimic: MimicReports::new(&tracker.followers),
+            mimic: MimicReports::new(&joint_state_merger.mimic_joints),
             contributions: Contributions::default(),
             fault: None,
-            strangers: Vec::new(),
+            unknown_joints: Vec::new(),
             warnings: Vec::new(),
             contradictions: BTreeMap::new(),
         }
@@ -190,10 +186,10 @@ impl<'t> Merge<'t> {
         }
     }
 
-    fn take(&mut self, number: usize, heard: &ReceivedState, is_fresh: bool) {
-        let JointStateInput { names, positions, stamp, .. } = &heard.input;
+    fn take(&mut self, number: usize, received: &ReceivedState, is_fresh: bool) {
+        let JointStateInput { names, positions, stamp, .. } = &received.input;
         let is_whole = names.len() == positions.len();
-        let mut fault = heard.behind.map(|behind| Reason::OutOfOrder { behind });
+        let mut fault = received.behind.map(|behind| Reason::OutOfOrder { behind });
         if !is_whole {
             let counts = format!("it has {} names and {} positions", names.len(), positions.len());
             fault = first(fault, Some(Reason::Malformed(counts)));
@@ -203,37 +199,37 @@ impl<'t> Merge<'t> {
         }
         let mut message = Message {
             number,
-            heard,
+            received,
             is_fresh,
             fault,
             mine: Vec::new(),
-            followers: Vec::new(),
+            mimic_joints: Vec::new(),
             leaders: Vec::new(),
             is_superseded: false,
-            decides_followers: false,
+            decides_mimic_joints: false,
         };
-        let mut strangers = Vec::new();
+        let mut unknown_joints = Vec::new();
         for (place, name) in names.iter().enumerate() {
-            match self.tracker.slots.get(name) {
+            match self.joint_state_merger.slots.get(name) {
                 Some(&Slot::Position(index)) => self.take_position(&mut message, index, place),
-                Some(&Slot::Follows(index)) => self.take_follower(&mut message, index, place),
-                None if strangers.len() < MOST_STRANGERS && name.starts_with(self.prefix) => {
-                    strangers.push(name.chars().take(LONGEST_NAME).collect());
+                Some(&Slot::Mimic(index)) => self.take_mimic_joint(&mut message, index, place),
+                None if unknown_joints.len() < MOST_UNKNOWN_JOINTS && name.starts_with(self.prefix) => {
+                    unknown_joints.push(name.chars().take(LONGEST_NAME).collect());
                 }
                 Some(Slot::Nothing) | None => {}
             }
         }
-        let Message { mine, followers, leaders, is_superseded, decides_followers, fault, .. } = message;
+        let Message { mine, mimic_joints, leaders, is_superseded, decides_mimic_joints, fault, .. } = message;
         if is_whole && is_fresh {
-            self.mimic.take(heard, &followers, &leaders);
+            self.mimic.take(received, &mimic_joints, &leaders);
         }
         if !mine.is_empty() || (is_fresh && !is_superseded) {
-            self.strangers.append(&mut strangers);
+            self.unknown_joints.append(&mut unknown_joints);
         }
-        if !mine.is_empty() || (is_fresh && decides_followers) {
+        if !mine.is_empty() || (is_fresh && decides_mimic_joints) {
             self.fault = first(self.fault.take(), fault);
         } else if is_fresh && !is_superseded && !is_whole {
-            self.note_malformed_stranger(names, fault);
+            self.note_malformed_unknown(names, fault);
         }
         if mine.is_empty() {
             return;
@@ -242,16 +238,16 @@ impl<'t> Merge<'t> {
             let warning = "the joint state has no stamp: it counts as measured when it came";
             self.warnings.push(warning.to_owned());
         }
-        let ReceivedState { stamp, at, .. } = *heard;
+        let ReceivedState { stamp, at, .. } = *received;
         self.contributions.0.push(Contribution { stamp, at, positions: mine });
     }
 
     fn take_position(&mut self, message: &mut Message, index: usize, place: usize) {
-        let &mut Message { number, heard, is_fresh, .. } = message;
+        let &mut Message { number, received, is_fresh, .. } = message;
         let is_whole = message.is_whole();
-        let JointStateInput { names, positions, velocities, .. } = &heard.input;
-        let rate = heard.rates.get(place).copied().unwrap_or(f64::NAN);
-        if is_whole && !self.tracker.followers.is_empty() {
+        let JointStateInput { names, positions, velocities, .. } = &received.input;
+        let rate = received.rates.get(place).copied().unwrap_or(f64::NAN);
+        if is_whole && !self.joint_state_merger.mimic_joints.is_empty() {
             message.leaders.push((index, positions[place]));
         }
         match self.named_by[index] {
@@ -259,13 +255,13 @@ impl<'t> Merge<'t> {
             Some(_) => {
                 message.is_superseded = true;
                 if is_whole && is_fresh {
-                    let from = (heard.input.source, heard.stamp);
+                    let from = (received.input.source, received.stamp);
                     self.note_contradiction(index, from, (positions[place], rate));
                 }
             }
             None => {
                 self.named_by[index] = Some(number);
-                self.told[index] = Some((heard.input.source, heard.stamp));
+                self.sources[index] = Some((received.input.source, received.stamp));
                 message.mine.push(index);
                 if is_whole {
                     self.positions[index] = positions[place];
@@ -278,13 +274,13 @@ impl<'t> Merge<'t> {
         }
     }
 
-    fn take_follower(&mut self, message: &mut Message, index: usize, place: usize) {
+    fn take_mimic_joint(&mut self, message: &mut Message, index: usize, place: usize) {
         match self.mimic.note_name(index, message.number) {
             Naming::Twice => message.note_twice(place),
-            Naming::Superseded => message.followers.push((index, place)),
+            Naming::Superseded => message.mimic_joints.push((index, place)),
             Naming::InForce => {
-                message.followers.push((index, place));
-                message.decides_followers = true;
+                message.mimic_joints.push((index, place));
+                message.decides_mimic_joints = true;
                 message.note_value(place);
             }
         }
@@ -292,7 +288,7 @@ impl<'t> Merge<'t> {
 
     /// Warns about a malformed message that names no joint of the robot, unless its names have another robot's prefix. Such a message
     /// does not make the status UNKNOWN.
-    fn note_malformed_stranger(&mut self, names: &[String], fault: Option<Reason>) {
+    fn note_malformed_unknown(&mut self, names: &[String], fault: Option<Reason>) {
         let is_of_another = !names.is_empty() && !names.iter().any(|name| name.starts_with(self.prefix));
         if let Some(Reason::Malformed(what)) = fault.filter(|_| !is_of_another) {
             self.warnings
@@ -308,13 +304,13 @@ impl<'t> Merge<'t> {
         (source, stamp): (SourceId, Time),
         (position, rate): (f64, f64),
     ) {
-        let Some((other, told)) = self.told[index] else { return };
+        let Some((other, sources)) = self.sources[index] else { return };
         let counts = self.positions[index];
-        let at_once = other != source && told.seconds_since(stamp).abs() < SAME_TIME;
+        let at_once = other != source && sources.seconds_since(stamp).abs() < SAME_TIME;
         let rates = [rate, self.rates[index]].into_iter().filter(|rate| rate.is_finite());
         let fastest = rates.map(f64::abs).fold(0.0, f64::greater);
         let way = position - counts;
-        let way = if self.tracker.turns[index] { without_whole_turns(way) } else { way };
+        let way = if self.joint_state_merger.turns[index] { without_whole_turns(way) } else { way };
         if at_once && way.abs() > CONTRADICTION + fastest * LAG {
             self.contradictions.entry(index).or_insert([counts, position]);
         }
@@ -325,7 +321,7 @@ impl<'t> Merge<'t> {
         robot: &RobotModel,
         unplaced: Option<Reason>,
         (contributions, mimic_is_unknown): (&Contributions, bool),
-    ) -> Result<Reading, Reason> {
+    ) -> Result<MergedState, Reason> {
         if let Some(fault) = self.fault.or(unplaced) {
             return Err(fault);
         }
@@ -339,17 +335,17 @@ impl<'t> Merge<'t> {
             let joint = robot.position_names()[index].clone();
             return Err(Reason::Contradiction { joint, positions, more: self.contradictions.len() - 1 });
         }
-        let mimic = self.mimic.contradictions(&self.positions, &self.rates, &self.told);
+        let mimic = self.mimic.contradictions(&self.positions, &self.rates, &self.sources);
         if let Some(contradiction) = mimic.first().filter(|_| mimic_is_unknown) {
             return Err(contradiction.reason(robot, mimic.len() - 1));
         }
         let configuration =
             (robot.configuration(&self.positions)).map_err(|error| Reason::Malformed(error.to_string()))?;
         self.warnings.extend(robot.outside_limits(configuration.positions()).map(|joint| joint.to_string()));
-        if !self.strangers.is_empty() {
-            self.strangers.sort_unstable();
-            self.strangers.dedup();
-            self.warnings.push(format!("the robot has no joint {}", quoted_list(&self.strangers)));
+        if !self.unknown_joints.is_empty() {
+            self.unknown_joints.sort_unstable();
+            self.unknown_joints.dedup();
+            self.warnings.push(format!("the robot has no joint {}", quoted_list(&self.unknown_joints)));
         }
         self.warnings.extend(mimic.iter().map(|contradiction| contradiction.reason(robot, 0).to_string()));
         let all = |numbers: Vec<f64>| numbers.iter().all(|v| v.is_finite()).then_some(numbers);
@@ -357,12 +353,12 @@ impl<'t> Merge<'t> {
         // for one stream without velocities, the motion follows from its complete states
         let are_of_joints = velocities.is_some() || contributions.0.len() > 1;
         let rates = all(self.rates);
-        Ok(Reading {
+        Ok(MergedState {
             configuration,
             velocities,
             rates,
             are_of_joints,
-            measured: self.told.iter().map(|told| told.map(|(_, stamp)| stamp)).collect(),
+            measured: self.sources.iter().map(|sources| sources.map(|(_, stamp)| stamp)).collect(),
             spread: contributions.spread(),
             warnings: self.warnings,
         })

@@ -1,11 +1,12 @@
-//! Approach rate: how fast two bodies approach each other.
+//! Approach rate: how fast two bodies approach_rate each other.
 use clearance_checker::{CollisionChecker, PairDistance};
 use clearance_geometry::math::{Extremes, Point, Pose, Vector};
 use clearance_robot::{Configuration, JointKind, LinkId, LinkPoses, RobotModel};
 use clearance_scene::BodyId;
 
-use super::drift::Drift;
-use super::{CheckedState, SpeedSettings};
+use super::CheckedState;
+use super::obstacle_motion::ObstacleMotion;
+use super::speed_settings::SpeedSettings;
 
 /// Time step (s) over which links are moved by their velocities: far above rounding errors, short enough for a straight motion.
 const STEP: f64 = 1e-5;
@@ -13,14 +14,14 @@ const STEP: f64 = 1e-5;
 /// Below this distance (m) the direction between two points is undefined.
 const LEAST_DISTANCE: f64 = 1e-9;
 
-/// Largest approach distance (m) that the range of `slows_within` adds to the slow-down distance.
-const LONGEST_WAY: f64 = 1.0;
+/// Largest approach_rate distance (m) that the range of `slowdown_range` adds to the slow-down distance.
+const LONGEST_MOTION: f64 = 1.0;
 
 /// Distance (m) up to which pairs may slow the robot down: moving bodies may be nearer once the reaction time is over.
-pub(super) fn slows_within(
+pub(super) fn slowdown_range(
     checker: &CollisionChecker,
     (configuration, poses): (&Configuration, &LinkPoses),
-    (rates, drifts): (Option<&[f64]>, &[Drift]),
+    (rates, obstacle_motions): (Option<&[f64]>, &[ObstacleMotion]),
     settings: &SpeedSettings,
 ) -> f64 {
     let reach = settings.reach();
@@ -32,21 +33,23 @@ pub(super) fn slows_within(
         positions.iter().zip(rates).map(|(q, rate)| q + settings.reaction_time * rate).collect()
     };
     let of_joints = rates.map_or(0.0, |rates| checker.travel(positions, &later(rates)));
-    let moving = drifts.iter().filter(|drift| !drift.is_none());
-    let of_root = moving.map(|drift| drift.farthest(checker.extent(poses), settings.reaction_time));
-    reach + (of_joints + of_root.fold(0.0, f64::greater)).lesser(LONGEST_WAY)
+    let moving = obstacle_motions.iter().filter(|obstacle_motion| !obstacle_motion.is_none());
+    let of_root = moving.map(|obstacle_motion| {
+        obstacle_motion.largest_displacement(checker.extent(poses), settings.reaction_time)
+    });
+    reach + (of_joints + of_root.fold(0.0, f64::greater)).lesser(LONGEST_MOTION)
 }
 
 /// Link poses at another time.
 #[derive(Clone, Debug)]
-pub(super) struct OtherTime {
+pub(super) struct PosesAtOtherTime {
     pub poses: LinkPoses,
     /// Time difference (s): positive if later, negative if earlier.
     pub after: f64,
 }
 
 /// Link poses `STEP` later, from the rates of all positions; `None` if these are unknown or are not derivatives of the positions.
-pub(super) fn a_moment_later(robot: &RobotModel, checked_state: &CheckedState) -> Option<OtherTime> {
+pub(super) fn poses_after_step(robot: &RobotModel, checked_state: &CheckedState) -> Option<PosesAtOtherTime> {
     if robot.joints().iter().any(|joint| joint.kind == JointKind::Floating) {
         return None;
     }
@@ -56,27 +59,28 @@ pub(super) fn a_moment_later(robot: &RobotModel, checked_state: &CheckedState) -
     let moved: Configuration = robot.configuration(&moved).ok()?;
     let mut poses = LinkPoses::new(robot);
     robot.forward_kinematics(&moved, &mut poses);
-    Some(OtherTime { poses, after: STEP })
+    Some(PosesAtOtherTime { poses, after: STEP })
 }
 
 /// Rate (m/s) at which the distance of a pair shrinks; negative when it grows, `None` when the bodies touch.
 ///
-/// Obstacles are at rest in the frames that they are placed in. If there are several such frames, the fastest approach counts.
+/// Obstacles are at rest in the frames that they are placed in. If there are several such frames, the fastest approach_rate counts.
 pub(super) fn approach_rate(
     checker: &CollisionChecker,
     pair: &PairDistance,
     checked_state: &CheckedState,
-    other: &OtherTime,
+    other: &PosesAtOtherTime,
 ) -> Option<f64> {
-    let rate = |drift| approach_rate_in(checker, pair, (&checked_state.poses, other), drift);
+    let rate =
+        |obstacle_motion| approach_rate_in(checker, pair, (&checked_state.poses, other), obstacle_motion);
     let is_of_world = [pair.a, pair.b].iter().any(|body| matches!(body, BodyId::Obstacle(_)));
-    if !is_of_world || checked_state.drifts.is_empty() {
+    if !is_of_world || checked_state.obstacle_motions.is_empty() {
         return rate(None);
     }
     checked_state
-        .drifts
+        .obstacle_motions
         .iter()
-        .map(|drift| rate(Some(drift)))
+        .map(|obstacle_motion| rate(Some(obstacle_motion)))
         .collect::<Option<Vec<f64>>>()?
         .into_iter()
         .reduce(f64::greater)
@@ -86,8 +90,8 @@ pub(super) fn approach_rate(
 fn approach_rate_in(
     checker: &CollisionChecker,
     pair: &PairDistance,
-    (now, other): (&LinkPoses, &OtherTime),
-    drift: Option<&Drift>,
+    (now, other): (&LinkPoses, &PosesAtOtherTime),
+    obstacle_motion: Option<&ObstacleMotion>,
 ) -> Option<f64> {
     let [a, b] = pair.witness_points;
     let way = b - a;
@@ -96,7 +100,8 @@ fn approach_rate_in(
     }
     let moved = |body, point| match carrier(checker, body) {
         Some(link) => displacement(&point, now.pose(link), other.poses.pose(link)),
-        None => drift.map_or_else(Vector::zeros, |drift| drift.way_of(&point, other.after)),
+        None => obstacle_motion
+            .map_or_else(Vector::zeros, |obstacle_motion| obstacle_motion.displacement(&point, other.after)),
     };
     let rate = way.normalize().dot(&(moved(pair.a, a) - moved(pair.b, b))) / other.after;
     rate.is_finite().then_some(rate)

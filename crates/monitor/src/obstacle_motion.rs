@@ -12,12 +12,12 @@ const WINDOW: f64 = 0.1;
 
 /// Recent poses of a frame in its parent, from `tf`.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Track {
+pub(super) struct FramePoses {
     /// Poses by stamp. If there are several, the first is at least one window older than the last, or the oldest known.
     places: VecDeque<(Time, Pose)>,
 }
 
-impl Track {
+impl FramePoses {
     /// Records a pose from `tf`. A transform with the same stamp contains no motion.
     pub fn note(&mut self, stamp: Time, pose_pf: Pose) {
         match self.places.back_mut() {
@@ -40,14 +40,14 @@ impl Track {
 
 /// Motion of all obstacles in a frame, relative to the root.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Drift {
+pub struct ObstacleMotion {
     pub frame: String,
     /// Motions of the frame's points, in the root frame, with the time (s) that each took. There is one for each moving transform;
     /// none if the frame is at rest.
     pub(super) motions: Vec<(Pose, f64)>,
 }
 
-impl Drift {
+impl ObstacleMotion {
     #[must_use]
     pub fn is_none(&self) -> bool {
         self.motions.is_empty()
@@ -55,14 +55,14 @@ impl Drift {
 
     /// Displacement (m) of an obstacle at a point if the motion continues for this time (s).
     #[must_use]
-    pub fn way_of(&self, point_r: &Point, time: f64) -> Vector {
+    pub fn displacement(&self, point_r: &Point, time: f64) -> Vector {
         self.motions.iter().map(|(way, taken)| (way * point_r - point_r) * (time / taken)).sum()
     }
 
     /// Upper bound (m) on the displacement of a point at this distance (m) from the root, if the motion continues for this time
     /// (s).
     #[must_use]
-    pub fn farthest(&self, radius: f64, time: f64) -> f64 {
+    pub fn largest_displacement(&self, radius: f64, time: f64) -> f64 {
         let of = |(way, taken): &(Pose, f64)| {
             (way.translation.vector.norm() + way.rotation.angle() * radius) * (time / taken)
         };
@@ -74,15 +74,15 @@ impl Drift {
 mod tests {
     use super::*;
 
-    fn tracked(places: impl IntoIterator<Item = (i64, f64)>) -> Drift {
-        let mut track = Track::default();
+    fn tracked(places: impl IntoIterator<Item = (i64, f64)>) -> ObstacleMotion {
+        let mut track = FramePoses::default();
         for (milliseconds, x) in places {
             track.note(Time::from_nanoseconds(milliseconds * 1_000_000), Pose::translation(x, 0.0, 0.0));
         }
         let moved = track
             .before()
             .map(|(before, taken)| (track.places[track.places.len() - 1].1 * before.inverse(), taken));
-        Drift { frame: "map".to_owned(), motions: moved.into_iter().collect() }
+        ObstacleMotion { frame: "map".to_owned(), motions: moved.into_iter().collect() }
     }
 
     /// The track is sampled every 5 ms; the pose changes every 20 or 200 ms.
@@ -94,7 +94,7 @@ mod tests {
                 let at = |i: i64| (i / looks_a_step) * step;
                 #[expect(clippy::cast_precision_loss, reason = "seconds")]
                 let steps = (0..=end).map(|i| (at(i), -1e-3 * at(i) as f64));
-                let way = tracked(steps).way_of(&Point::new(3.0, 0.0, 0.0), 0.5);
+                let way = tracked(steps).displacement(&Point::new(3.0, 0.0, 0.0), 0.5);
                 assert!((way.x + 0.5).abs() < 1e-9 && way.y == 0.0, "{way} after {end} looks");
             }
         }
@@ -112,8 +112,10 @@ mod tests {
     #[test]
     fn a_turn_moves_what_is_far_away() {
         let turn = clearance_geometry::math::pose_from_xyz_rpy([0.0; 3], [0.0, 0.0, 0.1]);
-        let drift = Drift { frame: String::new(), motions: vec![(turn, 0.1)] };
-        let way = drift.way_of(&Point::new(2.0, 0.0, 0.0), 0.1);
-        assert!((way.norm() - 0.2).abs() < 1e-3 && way.norm() <= drift.farthest(2.0, 0.1));
+        let obstacle_motion = ObstacleMotion { frame: String::new(), motions: vec![(turn, 0.1)] };
+        let way = obstacle_motion.displacement(&Point::new(2.0, 0.0, 0.0), 0.1);
+        assert!(
+            (way.norm() - 0.2).abs() < 1e-3 && way.norm() <= obstacle_motion.largest_displacement(2.0, 0.1)
+        );
     }
 }

@@ -11,7 +11,7 @@ use super::SelfFilter;
 
 /// Filter settings for clouds. Lengths in metres, corners in the root frame.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Sieve {
+pub struct CloudFilter {
     /// Radius of the ball around each point.
     pub point_radius: f64,
     /// Lower corner of the crop box: points outside are removed.
@@ -26,7 +26,7 @@ pub struct Sieve {
 
 /// Result of the filter.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Sieved {
+pub struct FilteredCloud {
     /// Remaining points in the root frame; `None` when there are none.
     pub cloud: Option<Arc<PointCloud>>,
     /// Number of points outside the crop box.
@@ -35,19 +35,19 @@ pub struct Sieved {
     pub of_robot: usize,
 }
 
-impl Sieve {
+impl CloudFilter {
     /// Balls that contain every point that is neither cropped nor part of the robot, each point with its radius. `pose_rc` is the
     /// pose of the cloud in the root frame; `rounding` (m) is the possible error of its points.
     ///
     /// # Errors
     /// When a point is too far away for the computation.
-    pub fn sift(
+    pub fn apply(
         &self,
         points: &[[f32; 3]],
         rounding: f64,
         pose_rc: &Pose,
         robot: (&SelfFilter, &LinkPoses),
-    ) -> Result<Sieved, String> {
+    ) -> Result<FilteredCloud, String> {
         let all = points.iter().map(|p| pose_rc * Point::from(p.map(f64::from)));
         let mut kept: Vec<Point> = all.filter(|p| self.is_inside(p)).collect();
         let cropped = points.len() - kept.len();
@@ -57,11 +57,11 @@ impl Sieve {
         let of_robot = points.len() - cropped - kept.len();
         let mut radius = self.point_radius + rounding;
         if self.voxel_size > 0.0 {
-            kept = thinned(&kept, self.voxel_size);
+            kept = voxel_centres(&kept, self.voxel_size);
             radius += 0.5 * 3.0_f64.sqrt() * self.voxel_size;
         }
         let cloud = cloud(&kept, radius)?;
-        Ok(Sieved { cloud, cropped, of_robot })
+        Ok(FilteredCloud { cloud, cropped, of_robot })
     }
 
     /// Whether a point of a cloud at this pose (root frame) is outside the crop box.
@@ -77,7 +77,7 @@ impl Sieve {
 }
 
 /// Centres of all grid cubes that contain points, sorted, so that the order of the points has no effect.
-fn thinned(points: &[Point], edge: f64) -> Vec<Point> {
+fn voxel_centres(points: &[Point], edge: f64) -> Vec<Point> {
     let mut cubes: Vec<[f64; 3]> = points.iter().map(|p| (p / edge).coords.map(f64::floor).into()).collect();
     cubes.sort_unstable_by(|a, b| {
         a.iter()
@@ -140,20 +140,21 @@ mod tests {
         (SelfFilter::new(Arc::new(robot)), poses)
     }
 
-    fn sift(sieve: &Sieve, points: &[[f32; 3]], pose_rc: &Pose) -> Sieved {
+    fn apply(cloud_filter: &CloudFilter, points: &[[f32; 3]], pose_rc: &Pose) -> FilteredCloud {
         let (filter, poses) = robot();
-        sieve.sift(points, 0.0, pose_rc, (&filter, &poses)).unwrap()
+        cloud_filter.apply(points, 0.0, pose_rc, (&filter, &poses)).unwrap()
     }
 
-    fn points(sieved: &Sieved) -> Vec<[f32; 3]> {
+    fn points(sieved: &FilteredCloud) -> Vec<[f32; 3]> {
         sieved.cloud.as_ref().map_or(Vec::new(), |cloud| cloud.points().to_vec())
     }
 
     #[test]
     fn points_of_the_robot_and_of_what_it_holds_are_left_out_and_counted() {
-        let sieve = Sieve { point_radius: 0.01, self_filter_padding: 0.1, ..Sieve::default() };
+        let cloud_filter =
+            CloudFilter { point_radius: 0.01, self_filter_padding: 0.1, ..CloudFilter::default() };
         let seen = [[2.0, 0.0, 0.0], [2.0, 0.59, 0.0], [2.0, 0.61, 0.0], [2.0, 0.0, 2.0], [0.0; 3]];
-        let sieved = sift(&sieve, &seen, &Pose::identity());
+        let sieved = apply(&cloud_filter, &seen, &Pose::identity());
         assert_eq!((sieved.of_robot, sieved.cropped), (2, 0));
         assert_eq!(points(&sieved), [[2.0, 0.61, 0.0], [2.0, 0.0, 2.0], [0.0; 3]]);
         assert!((sieved.cloud.unwrap().radius() - 0.01).abs() < 1e-12);
@@ -172,7 +173,7 @@ mod tests {
             })
             .unwrap();
         filter.hold(&world);
-        let sieved = sieve.sift(&seen, 0.0, &Pose::identity(), (&filter, &poses)).unwrap();
+        let sieved = cloud_filter.apply(&seen, 0.0, &Pose::identity(), (&filter, &poses)).unwrap();
         assert_eq!(sieved.of_robot, 3);
         // an attached plane hides no measured points
         let plane = Shape::Plane(Plane::from_coefficients([0.0, 0.0, 1.0, 0.0]).unwrap());
@@ -182,24 +183,29 @@ mod tests {
         world.attach(AttachedObject { shapes: shapes.into(), ..part }).unwrap();
         filter.hold(&world);
         let wall = [[9.0, 9.0, 2.0], [2.0, 0.0, 2.0]];
-        let sieved = sieve.sift(&wall, 0.0, &Pose::identity(), (&filter, &poses)).unwrap();
+        let sieved = cloud_filter.apply(&wall, 0.0, &Pose::identity(), (&filter, &poses)).unwrap();
         assert_eq!((sieved.of_robot, points(&sieved)), (1, vec![[9.0, 9.0, 2.0]]));
         filter.hold(&World::default());
-        let sieved = sieve.sift(&seen, 0.0, &Pose::identity(), (&filter, &poses)).unwrap();
+        let sieved = cloud_filter.apply(&seen, 0.0, &Pose::identity(), (&filter, &poses)).unwrap();
         assert_eq!(sieved.of_robot, 2);
     }
 
     #[test]
     fn clouds_are_placed_and_cropped() {
-        let sieve = Sieve { crop_min: Some([-1.0; 3]), crop_max: Some([1.0, 1.0, 5.0]), ..Sieve::default() };
+        let cloud_filter = CloudFilter {
+            crop_min: Some([-1.0; 3]),
+            crop_max: Some([1.0, 1.0, 5.0]),
+            ..CloudFilter::default()
+        };
         let place = Pose::translation(0.0, 0.0, 4.0);
-        let sieved = sift(&sieve, &[[0.0; 3], [0.0, 0.0, 1.5], [0.0, -1.5, 0.0], [0.0, 0.0, -4.5]], &place);
+        let sieved =
+            apply(&cloud_filter, &[[0.0; 3], [0.0, 0.0, 1.5], [0.0, -1.5, 0.0], [0.0, 0.0, -4.5]], &place);
         assert_eq!((points(&sieved), sieved.cropped), (vec![[0.0, 0.0, 4.0], [0.0, 0.0, -0.5]], 2));
-        let nothing = sift(&sieve, &[[9.0; 3]], &place);
+        let nothing = apply(&cloud_filter, &[[9.0; 3]], &place);
         assert_eq!((nothing.cloud, nothing.cropped), (None, 1));
         let (filter, poses) = robot();
         let far = Pose::translation(1e9, 0.0, 0.0);
-        assert!(Sieve::default().sift(&[[0.0; 3]], 0.0, &far, (&filter, &poses)).is_err());
+        assert!(CloudFilter::default().apply(&[[0.0; 3]], 0.0, &far, (&filter, &poses)).is_err());
     }
 
     proptest! {
@@ -209,9 +215,9 @@ mod tests {
             turn in prop::array::uniform3(-3.0..3.0f64),
             voxel_size in prop_oneof![Just(0.0), 0.01..3.0f64],
         ) {
-            let sieve = Sieve { point_radius: 0.05, voxel_size, ..Sieve::default() };
+            let cloud_filter = CloudFilter { point_radius: 0.05, voxel_size, ..CloudFilter::default() };
             let pose_rc = Pose::new(turn.into(), turn.into());
-            let sieved = sift(&sieve, &seen, &pose_rc);
+            let sieved = apply(&cloud_filter, &seen, &pose_rc);
             let (filter, poses) = robot();
             let placed: Vec<Point> = seen.iter().map(|p| pose_rc * Point::from(p.map(f64::from))).collect();
             let is_robot = filter.is_robot(&placed, &poses, 0.0);

@@ -94,7 +94,7 @@ fn a_transform_that_is_old_or_leaves_the_plane_places_nothing() {
     let due = monitor.time_to_heartbeat(at(1.0));
     assert!(due < Duration::from_millis(2), "{due:?}");
     let evaluation = monitor.on_heartbeat(at(1.01));
-    assert!(evaluation.placement.is_none() && code(&evaluation) == "no_transform");
+    assert!(evaluation.robot_state.is_none() && code(&evaluation) == "no_transform");
     assert!(evaluation.status.reason().unwrap().to_string().contains("1.010 s old"));
     monitor.note_transforms(&tree(1.1, pose([3.0, 0.0, 0.0], [0.0; 3])));
     assert_eq!(code(&monitor.on_heartbeat(at(1.1))), "FREE");

@@ -13,7 +13,7 @@ const PLANE_SLACK: f64 = 1e-3;
 
 /// Transform of a joint from `tf`.
 #[derive(Clone, Debug, PartialEq)]
-struct Placement {
+struct TransformJoint {
     joint: JointId,
     /// Pose of the child link in the parent link, and its stamp; `None` while no transform connects the two links.
     found: Option<(Pose, Option<Time>)>,
@@ -23,8 +23,8 @@ struct Placement {
 
 /// All joints whose positions come from `tf`.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Placements {
-    placements: Vec<Placement>,
+pub(super) struct TransformJoints {
+    transform_joints: Vec<TransformJoint>,
     /// Warnings about settings that cannot be applied.
     pub warnings: Vec<String>,
 }
@@ -32,7 +32,7 @@ pub(super) struct Placements {
 /// Values of a configuration, and the index of the first one.
 pub(super) type Placed = (usize, Vec<f64>);
 
-impl Placements {
+impl TransformJoints {
     /// Looks up the current transforms of the joints in the settings.
     pub fn look_up(robot: &RobotModel, settings: &MonitorSettings, tree: &TransformTree) -> Self {
         let mut all = Self::default();
@@ -47,42 +47,44 @@ impl Placements {
             };
             let [parent, child] = frames(robot, joint);
             let found = tree.way(parent, child).map(|way| (way.pose(), way.oldest()));
-            all.placements.push(Placement { joint, found, since: None });
+            all.transform_joints.push(TransformJoint { joint, found, since: None });
         }
         all
     }
 
     /// Keeps the times of first use of transforms that have not changed.
     pub fn inherit(&mut self, before: &Self) {
-        for placement in &mut self.placements {
-            let same =
-                before.placements.iter().find(|b| b.joint == placement.joint && b.found == placement.found);
-            placement.since = same.and_then(|same| same.since);
+        for transform_joint in &mut self.transform_joints {
+            let same = before
+                .transform_joints
+                .iter()
+                .find(|b| b.joint == transform_joint.joint && b.found == transform_joint.found);
+            transform_joint.since = same.and_then(|same| same.since);
         }
     }
 
     /// Starts the age of new transforms.
     pub fn note_seen(&mut self, now: Now) {
-        for placement in &mut self.placements {
-            placement.since.get_or_insert(now.steady);
+        for transform_joint in &mut self.transform_joints {
+            transform_joint.since.get_or_insert(now.steady);
         }
     }
 
     /// Stamp of the newest transform, if any has one.
     pub fn newest_stamp(&self) -> Option<Time> {
-        self.placements.iter().filter_map(|p| p.found?.1).max()
+        self.transform_joints.iter().filter_map(|p| p.found?.1).max()
     }
 
     /// Whether all positions of the robot come from `tf`.
     pub fn place_all(&self, robot: &RobotModel) -> bool {
         let placed: usize =
-            self.placements.iter().map(|p| robot.joint(p.joint).kind.position_suffixes().len()).sum();
+            self.transform_joints.iter().map(|p| robot.joint(p.joint).kind.position_suffixes().len()).sum();
         placed > 0 && placed == robot.position_names().len()
     }
 
     /// Stamp of the oldest transform, if any has one.
     pub fn stamp(&self) -> Option<Time> {
-        self.placements.iter().filter_map(|p| p.found?.1).min()
+        self.transform_joints.iter().filter_map(|p| p.found?.1).min()
     }
 
     /// Positions of the joints, NaN where unknown, and the reason for the first unknown one.
@@ -93,15 +95,15 @@ impl Placements {
         settings: &MonitorSettings,
     ) -> (Vec<Placed>, Option<Reason>) {
         let mut unplaced = None;
-        let read = |placement: &Placement| match placement.read(robot, now, settings) {
+        let read = |transform_joint: &TransformJoint| match transform_joint.read(robot, now, settings) {
             Ok(placed) => Some(placed),
             Err(why) => {
                 unplaced.get_or_insert(why);
-                let count = robot.joint(placement.joint).kind.position_suffixes().len();
-                Some((robot.first_position(placement.joint)?, vec![f64::NAN; count]))
+                let count = robot.joint(transform_joint.joint).kind.position_suffixes().len();
+                Some((robot.first_position(transform_joint.joint)?, vec![f64::NAN; count]))
             }
         };
-        let placed = self.placements.iter().filter_map(read).collect();
+        let placed = self.transform_joints.iter().filter_map(read).collect();
         (placed, unplaced)
     }
 
@@ -109,15 +111,18 @@ impl Placements {
     pub fn time_to_stale(&self, now: Now, settings: &MonitorSettings) -> f64 {
         let age =
             now.ros.zip(self.stamp()).map_or(f64::NEG_INFINITY, |(ros, stamp)| ros.seconds_since(stamp));
-        let silence =
-            self.placements.iter().filter_map(|p| p.silence(now)).fold(f64::NEG_INFINITY, f64::greater);
-        settings.transform_ttl - age.greater(silence)
+        let since_reception = self
+            .transform_joints
+            .iter()
+            .filter_map(|p| p.since_reception(now))
+            .fold(f64::NEG_INFINITY, f64::greater);
+        settings.transform_ttl - age.greater(since_reception)
     }
 }
 
-impl Placement {
+impl TransformJoint {
     /// Time (s) since the last new transform; `None` for a transform that cannot become stale.
-    fn silence(&self, now: Now) -> Option<f64> {
+    fn since_reception(&self, now: Now) -> Option<f64> {
         self.found?.1?;
         Some(now.steady.saturating_sub(self.since?).as_secs_f64())
     }
@@ -134,7 +139,7 @@ impl Placement {
             self.found.ok_or_else(|| unknown("nothing connects these frames".to_owned()))?;
         let ros = now.ros.ok_or(Reason::NoClock)?;
         let by_stamp = stamp.map_or(0.0, |stamp| ros.seconds_since(stamp));
-        let age = by_stamp.greater(self.silence(now).unwrap_or(f64::NEG_INFINITY));
+        let age = by_stamp.greater(self.since_reception(now).unwrap_or(f64::NEG_INFINITY));
         let ttl = settings.transform_ttl;
         if age > ttl {
             return Err(unknown(format!("it is {age:.3} s old, and transform_ttl is {ttl} s")));
