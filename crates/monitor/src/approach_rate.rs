@@ -1,4 +1,4 @@
-//! Approach rate: how fast two bodies approach_rate each other.
+//! Approach rate: how fast two bodies approach each other.
 use clearance_checker::{CollisionChecker, PairDistance};
 use clearance_geometry::math::{Extremes, Point, Pose, Vector};
 use clearance_robot::{Configuration, JointKind, LinkId, LinkPoses, RobotModel};
@@ -14,14 +14,22 @@ const STEP: f64 = 1e-5;
 /// Below this distance (m) the direction between two points is undefined.
 const LEAST_DISTANCE: f64 = 1e-9;
 
-/// Largest approach_rate distance (m) that the range of `slowdown_range` adds to the slow-down distance.
+/// Largest approach distance (m) that the range of `slowdown_range` adds to the slow-down distance.
 const LONGEST_MOTION: f64 = 1.0;
+
+/// State of the robot with its velocities.
+pub(super) struct MovingState<'s> {
+    pub configuration: &'s Configuration,
+    pub poses: &'s LinkPoses,
+    /// Velocity of each position, if known.
+    pub rates: Option<&'s [f64]>,
+    pub obstacle_motions: &'s [ObstacleMotion],
+}
 
 /// Distance (m) up to which pairs may slow the robot down: moving bodies may be nearer once the reaction time is over.
 pub(super) fn slowdown_range(
     checker: &CollisionChecker,
-    (configuration, poses): (&Configuration, &LinkPoses),
-    (rates, obstacle_motions): (Option<&[f64]>, &[ObstacleMotion]),
+    &MovingState { configuration, poses, rates, obstacle_motions }: &MovingState,
     settings: &SpeedSettings,
 ) -> f64 {
     let reach = settings.reach();
@@ -64,7 +72,7 @@ pub(super) fn poses_after_step(robot: &RobotModel, checked_state: &CheckedState)
 
 /// Rate (m/s) at which the distance of a pair shrinks; negative when it grows, `None` when the bodies touch.
 ///
-/// Obstacles are at rest in the frames that they are placed in. If there are several such frames, the fastest approach_rate counts.
+/// Obstacles are at rest in the frames that they are placed in. If there are several such frames, the fastest approach counts.
 pub(super) fn approach_rate(
     checker: &CollisionChecker,
     pair: &PairDistance,

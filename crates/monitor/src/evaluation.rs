@@ -14,6 +14,7 @@ use super::{Now, Reason, Status, Time, WorldSource};
 /// A checker with its version numbers.
 #[derive(Debug)]
 pub struct Revision {
+    /// Checks the robot in this world.
     pub checker: CollisionChecker,
     /// Number of the robot model, counted since the start; the first is 1.
     pub model: u64,
@@ -71,6 +72,7 @@ impl Revision {
 /// Result of the check of one joint state.
 #[derive(Clone, Debug)]
 pub struct CheckedState {
+    /// Pairs and distances.
     pub report: CollisionReport,
     /// Pairs beyond the reporting distance that may come near before the robot has slowed down.
     pub approaching_pairs: Vec<PairDistance>,
@@ -102,6 +104,7 @@ pub struct CheckedState {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum LeftOut {
     #[default]
+    /// Everything was computed.
     Nothing,
     /// The time to contact was not computed.
     LookAhead,
@@ -112,6 +115,7 @@ pub enum LeftOut {
 /// Current evaluation of the robot's state. Cheap to clone.
 #[derive(Clone, Debug)]
 pub struct Evaluation {
+    /// FREE, COLLIDING or UNKNOWN.
     pub status: Status,
     /// Stamp of the evaluated joint state, if there is one.
     pub stamp: Option<Time>,
@@ -123,6 +127,7 @@ pub struct Evaluation {
     pub robot_state: Option<Arc<CheckedState>>,
     /// Allowed share of the robot's speed, in [0, 1]; 0 unless the status is FREE.
     pub speed_scale: f64,
+    /// The part that was left out because of the deadline.
     pub left_out: LeftOut,
     /// Whether another robot model is being built, so that this one is no longer valid. Independent of the status.
     pub is_swapping: bool,

@@ -9,7 +9,7 @@ use clearance_robot::{Configuration, RobotModel, check_name_length, quoted, quot
 use super::contribution::{Contribution, Contributions};
 use super::mimic_reports::{MimicJoint, MimicReports, Naming};
 use super::received_states::{LAG, ReceivedState, SAME_TIME};
-use super::transform_joints::Placed;
+use super::transform_joints::{PlacedPositions, TransformReading};
 use super::{JointStateInput, MonitorSettings, Reason, SourceId, Time};
 
 /// Tolerance (rad, m) between two publishers' reports of a joint with almost the same time (s); the joint's motion during a lag is
@@ -82,17 +82,17 @@ impl JointStateMerger {
         robot: &RobotModel,
         received: &[ReceivedState],
         is_fresh: impl Fn(&ReceivedState) -> bool,
-        (placed, unplaced): (Vec<Placed>, Option<Reason>),
+        from_transforms: TransformReading,
         settings: &MonitorSettings,
     ) -> (Result<MergedState, Reason>, Contributions) {
         let mut merge = Merge::new(self, &settings.joint_prefix);
-        merge.place(&placed);
+        merge.place(&from_transforms.placed);
         for (message, received) in received.iter().enumerate().rev() {
             merge.take(message, received, is_fresh(received));
         }
         let contributions = std::mem::take(&mut merge.contributions);
         let mimic_is_unknown = settings.mimic_contradiction_is_unknown;
-        (merge.finish(robot, unplaced, (&contributions, mimic_is_unknown)), contributions)
+        (merge.finish(robot, from_transforms.unknown, (&contributions, mimic_is_unknown)), contributions)
     }
 }
 
@@ -132,6 +132,14 @@ impl Message<'_> {
             self.fault = first(self.fault.take(), fault_of(&names[place], positions[place]));
         }
     }
+}
+
+/// Report of one position by a publisher.
+struct PositionReport {
+    source: SourceId,
+    stamp: Time,
+    position: f64,
+    rate: f64,
 }
 
 /// Merge of messages into one state, the newest first.
@@ -177,8 +185,8 @@ impl<'t> Merge<'t> {
     }
 
     /// Takes the positions from `tf`; joint states do not affect them.
-    fn place(&mut self, placed: &[Placed]) {
-        for (first, positions) in placed {
+    fn place(&mut self, placed: &[PlacedPositions]) {
+        for PlacedPositions { first, positions } in placed {
             for (index, &position) in positions.iter().enumerate().map(|(i, p)| (first + i, p)) {
                 self.named_by[index] = Some(BY_TF);
                 self.positions[index] = position;
@@ -255,8 +263,9 @@ impl<'t> Merge<'t> {
             Some(_) => {
                 message.is_superseded = true;
                 if is_whole && is_fresh {
-                    let from = (received.input.source, received.stamp);
-                    self.note_contradiction(index, from, (positions[place], rate));
+                    let (source, stamp) = (received.input.source, received.stamp);
+                    let report = PositionReport { source, stamp, position: positions[place], rate };
+                    self.note_contradiction(index, report);
                 }
             }
             None => {
@@ -301,8 +310,7 @@ impl<'t> Merge<'t> {
     fn note_contradiction(
         &mut self,
         index: usize,
-        (source, stamp): (SourceId, Time),
-        (position, rate): (f64, f64),
+        PositionReport { source, stamp, position, rate }: PositionReport,
     ) {
         let Some((other, sources)) = self.sources[index] else { return };
         let counts = self.positions[index];

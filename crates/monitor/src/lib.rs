@@ -7,7 +7,7 @@
 //! | the process takes more memory than it may, and ends | UNKNOWN | `memory` |
 //! | checking was turned off | UNKNOWN | `disabled` |
 //! | no usable robot model | UNKNOWN | `no_model` |
-//! | another robot was received_descriptions, and its model is being built | UNKNOWN | `model_swap` |
+//! | another robot was described, and its model is being built | UNKNOWN | `model_swap` |
 //! | no link of the robot has collision geometry | UNKNOWN | `no_geometry` |
 //! | no joint state has arrived | UNKNOWN | `no_joint_state` |
 //! | the clock was set back by more than `stale_after`, and no joint state has arrived since | UNKNOWN | `clock_jump` |
@@ -41,6 +41,7 @@
 
 // minima of floating-point numbers, see `math/extremes.rs` of clearance-geometry
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+#![deny(missing_docs)]
 
 mod approach_rate;
 mod check_budget;

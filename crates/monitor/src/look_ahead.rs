@@ -18,6 +18,18 @@ pub(super) struct LookAheadEvaluator {
     floats: bool,
 }
 
+/// State that a look-ahead starts from.
+pub(super) struct LookAheadInput<'i> {
+    pub configuration: &'i Configuration,
+    /// Velocities of the positions, if all are known.
+    pub velocities: Option<&'i [f64]>,
+    /// Difference (s) between the times of measurement of the joints.
+    pub spread: f64,
+    /// Result of the check of this state.
+    pub report: &'i CollisionReport,
+    pub obstacle_motions: &'i [ObstacleMotion],
+}
+
 impl LookAheadEvaluator {
     pub fn new(checker: &CollisionChecker) -> Self {
         let robot = checker.robot();
@@ -29,10 +41,10 @@ impl LookAheadEvaluator {
     pub fn look(
         &mut self,
         checker: &CollisionChecker,
-        (q, velocities, spread): (&Configuration, Option<&[f64]>, f64),
-        (report, obstacle_motions): (&CollisionReport, &[ObstacleMotion]),
+        input: &LookAheadInput,
         settings: &MonitorSettings,
     ) -> Result<LookAhead, String> {
+        let &LookAheadInput { configuration, velocities, spread, report, obstacle_motions } = input;
         let unknown = |why: &str| Err(format!("the time to contact is not known: {why}"));
         if let Some(&pair) = report.colliding_pairs.first() {
             return Ok(LookAhead { free_for: 0.0, first: Some(pair) });
@@ -55,7 +67,7 @@ impl LookAheadEvaluator {
         let usual = settings.look_ahead_acceleration;
         let accelerations: Vec<f64> = self.limits.iter().map(|limit| limit.unwrap_or(usual)).collect();
         let horizon = settings.look_ahead_horizon;
-        (checker.look_ahead(q, velocities, &accelerations, horizon, &mut self.workspace))
+        (checker.look_ahead(configuration, velocities, &accelerations, horizon, &mut self.workspace))
             .or_else(|error| unknown(&error.to_string()))
     }
 }

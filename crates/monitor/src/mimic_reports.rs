@@ -85,9 +85,9 @@ pub(super) enum Naming {
 #[derive(Debug)]
 pub(super) struct MimicReports<'t> {
     mimic_joints: &'t [MimicJoint],
-    /// By mimic_joint: the last processed message with its name.
+    /// By mimic joint: the last processed message with its name.
     named_by: Vec<Option<usize>>,
-    /// By mimic_joint: publisher and stamp of the report in force.
+    /// By mimic joint: publisher and stamp of the report in force.
     in_force: Vec<Option<(SourceId, Time)>>,
     reports: Vec<Report>,
 }
@@ -106,7 +106,7 @@ impl<'t> MimicReports<'t> {
         }
     }
 
-    /// Processes one message. `named` contains mimic_joints with their index in the message, `leaders` the positions of leaders in it.
+    /// Processes one message. `named` contains mimic joints with their index in the message, `leaders` the positions of leaders in it.
     pub fn take(&mut self, received: &ReceivedState, named: &[(usize, usize)], leaders: &[(usize, f64)]) {
         let (source, stamp) = (received.input.source, received.stamp);
         for &(mimic_joint, place) in named {

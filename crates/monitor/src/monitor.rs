@@ -14,7 +14,7 @@ use super::look_ahead::LookAheadEvaluator;
 use super::received_states::{ReceivedState, ReceivedStates};
 use super::root_location::RootLocationWatch;
 use super::speed::SpeedGovernor;
-use super::state_evaluator::{CheckResult, StateEvaluator, Stopwatch};
+use super::state_evaluator::{CheckResult, EvaluationInput, StateEvaluator, Stopwatch};
 use super::transform_joints::TransformJoints;
 use super::world_updates::WorldUpdates;
 use super::{
@@ -68,6 +68,7 @@ pub struct Monitor {
 }
 
 impl Monitor {
+    /// Creates a monitor without a robot.
     #[must_use]
     pub fn new(settings: MonitorSettings, stopwatch: Stopwatch) -> Self {
         Self {
@@ -131,7 +132,7 @@ impl Monitor {
         self.outdated = true;
     }
 
-    /// Another robot was received_descriptions: the status is UNKNOWN until its checker is set or it is rejected.
+    /// Another robot was described: the status is UNKNOWN until its checker is set or it is rejected.
     pub fn note_model_swap(&mut self) {
         self.swapping = true;
         self.outdated = true;
@@ -227,6 +228,7 @@ impl Monitor {
         self.world_updates.note_completing(updates);
     }
 
+    /// Changes the settings. The last joint state is evaluated again at the next heartbeat.
     pub fn set_settings(&mut self, settings: MonitorSettings) {
         self.settings = settings;
         self.outdated = true;
@@ -387,9 +389,15 @@ impl Monitor {
         self.check_result = self.decide(now).unwrap_or_else(CheckResult::unknown);
         match &self.evaluator {
             Some(StateEvaluator { revision, .. }) => {
-                let evaluated = (&self.check_result.status, self.check_result.checked_state.as_ref());
+                let CheckResult { status, checked_state, .. } = &self.check_result;
                 let stamp = self.contributions.newest_stamp().max(self.transform_joints.newest_stamp());
-                self.speed_governor.update(&revision.checker, evaluated, stamp, &self.settings.speed);
+                self.speed_governor.update(
+                    &revision.checker,
+                    status,
+                    checked_state.as_ref(),
+                    stamp,
+                    &self.settings.speed,
+                );
             }
             None => self.speed_governor.stop(),
         }
@@ -418,23 +426,24 @@ impl Monitor {
         }
         self.transform_joints.note_seen(now);
         self.root_location.note_seen(now);
-        let placed = self.transform_joints.read(robot, now, &self.settings);
+        let from_transforms = self.transform_joints.read(robot, now, &self.settings);
         let is_fresh = |received: &ReceivedState| received.since_reception(now) <= self.settings.stale_after;
         let (merged, contributions) =
-            evaluator.joint_state_merger.read(robot, messages, is_fresh, placed, &self.settings);
+            evaluator.joint_state_merger.read(robot, messages, is_fresh, from_transforms, &self.settings);
         self.contributions = contributions;
         let mut merged = merged?;
         merged.warnings.extend_from_slice(&self.transform_joints.warnings);
         merged.warnings.extend(self.root_location.warning());
         // a stale state is not checked
         self.contributions.freshness(now, &self.settings, robot.position_names())?;
-        let knowledge = (merged, self.root_location.obstacle_motions());
-        let check_result = evaluator.evaluate(
-            knowledge,
-            (&self.settings, &self.check_budget),
-            self.left_out,
-            self.stopwatch,
-        );
+        let check_result = evaluator.evaluate(EvaluationInput {
+            merged,
+            obstacle_motions: self.root_location.obstacle_motions(),
+            settings: &self.settings,
+            check_budget: &self.check_budget,
+            fixed: self.left_out,
+            stopwatch: self.stopwatch,
+        });
         self.received_states.note_evaluated();
         Ok(check_result)
     }
@@ -511,7 +520,7 @@ impl Monitor {
             self.contributions.freshness(now, &self.settings, robot.position_names())?;
         }
         if self.check_result.checked_state.is_some() {
-            return self.transform_joints.read(robot, now, &self.settings).1.map_or(Ok(()), Err);
+            return self.transform_joints.read(robot, now, &self.settings).unknown.map_or(Ok(()), Err);
         }
         Ok(())
     }

@@ -9,6 +9,6 @@ use super::Time;
 pub struct Now {
     /// ROS time, which message stamps use; `None` while simulated time is in use and none was received.
     pub ros: Option<Time>,
-    /// Steady clock with an arbitrary origin. It measures since_reception even when ROS time stands still or jumps.
+    /// Steady clock with an arbitrary origin. It measures silence even when ROS time stands still or jumps.
     pub steady: Duration,
 }

@@ -41,6 +41,7 @@ impl FramePoses {
 /// Motion of all obstacles in a frame, relative to the root.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObstacleMotion {
+    /// Name of the frame.
     pub frame: String,
     /// Motions of the frame's points, in the root frame, with the time (s) that each took. There is one for each moving transform;
     /// none if the frame is at rest.
@@ -48,6 +49,7 @@ pub struct ObstacleMotion {
 }
 
 impl ObstacleMotion {
+    /// Whether the frame is at rest.
     #[must_use]
     pub fn is_none(&self) -> bool {
         self.motions.is_empty()

@@ -21,7 +21,7 @@ pub struct SpeedSettings {
     pub own: SpeedDistances,
     /// Distances between the robot and its surroundings.
     pub world: SpeedDistances,
-    /// Time (s) for which an approach_rate is assumed to continue at the same rate.
+    /// Time (s) for which an approach is assumed to continue at the same rate.
     pub reaction_time: f64,
     /// Number of states in a row after which the robot slows down.
     pub trigger_count: u32,

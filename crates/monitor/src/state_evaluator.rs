@@ -10,10 +10,10 @@ use clearance_geometry::math::Extremes;
 use clearance_proximity::Effort;
 use clearance_robot::LinkPoses;
 
-use super::approach_rate::slowdown_range;
+use super::approach_rate::{MovingState, slowdown_range};
 use super::check_budget::CheckBudget;
 use super::joint_state_merger::{JointStateMerger, MergedState};
-use super::look_ahead::LookAheadEvaluator;
+use super::look_ahead::{LookAheadEvaluator, LookAheadInput};
 use super::obstacle_motion::ObstacleMotion;
 use super::{CheckedState, LeftOut, MonitorSettings, Reason, Revision, Status};
 
@@ -29,6 +29,17 @@ pub(super) struct StateEvaluator {
     pub joint_state_merger: JointStateMerger,
     pub workspace: Workspace,
     pub look_ahead: LookAheadEvaluator,
+}
+
+/// Input of one evaluation.
+pub(super) struct EvaluationInput<'i> {
+    pub merged: MergedState,
+    pub obstacle_motions: Vec<ObstacleMotion>,
+    pub settings: &'i MonitorSettings,
+    pub check_budget: &'i CheckBudget,
+    /// The part to leave out, regardless of the time; `None`: the deadline decides.
+    pub fixed: Option<LeftOut>,
+    pub stopwatch: Stopwatch,
 }
 
 /// An evaluation without its age.
@@ -51,10 +62,7 @@ impl StateEvaluator {
     /// Checks a complete joint state.
     pub fn evaluate(
         &mut self,
-        (merged, obstacle_motions): (MergedState, Vec<ObstacleMotion>),
-        (settings, check_budget): (&MonitorSettings, &CheckBudget),
-        fixed: Option<LeftOut>,
-        stopwatch: Stopwatch,
+        EvaluationInput { merged, obstacle_motions, settings, check_budget, fixed, stopwatch }: EvaluationInput,
     ) -> CheckResult {
         let MergedState { configuration, velocities, rates, are_of_joints, measured, spread, mut warnings } =
             merged;
@@ -62,14 +70,19 @@ impl StateEvaluator {
         let started = stopwatch();
         let mut poses = LinkPoses::new(checker.robot());
         checker.robot().forward_kinematics(&configuration, &mut poses);
-        let motion = (rates.as_deref(), obstacle_motions.as_slice());
-        let slowdown_range = slowdown_range(checker, (&configuration, &poses), motion, &settings.speed);
+        let moving = MovingState {
+            configuration: &configuration,
+            poses: &poses,
+            rates: rates.as_deref(),
+            obstacle_motions: &obstacle_motions,
+        };
+        let slowdown_range = slowdown_range(checker, &moving, &settings.speed);
         let survey = Question::Survey {
             influence_distance: settings.influence_distance.greater(slowdown_range),
             limit: settings.distance_limit,
         };
         let effort = if fixed.is_some() { settings.unhurried_effort() } else { settings.effort() };
-        // the approach_rate rate follows from the nearest points, so these have to be exact; longer distances do not affect the speed
+        // the approach rate follows from the nearest points, so these have to be exact; longer distances do not affect the speed
         let exact_within = if slowdown_range > 0.0 { slowdown_range + CONTACT_DISTANCE } else { 0.0 };
         let effort = Effort { exact_within, ..check_budget.limit(effort, settings.exact_distance_share) };
         let mut report = checker.check_with(&configuration, survey, &effort, &mut self.workspace);
@@ -88,8 +101,14 @@ impl StateEvaluator {
             left_out = left_out.max(LeftOut::LookAhead);
             warnings.push("the time to contact is not known: check_deadline has passed".to_owned());
         } else if settings.look_ahead_horizon > 0.0 {
-            let state = (&configuration, velocities.as_deref(), spread);
-            match self.look_ahead.look(checker, state, (&report, &obstacle_motions), settings) {
+            let state = LookAheadInput {
+                configuration: &configuration,
+                velocities: velocities.as_deref(),
+                spread,
+                report: &report,
+                obstacle_motions: &obstacle_motions,
+            };
+            match self.look_ahead.look(checker, &state, settings) {
                 Ok(found) => look_ahead = Some(found),
                 Err(why) => warnings.push(why),
             }

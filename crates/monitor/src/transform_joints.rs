@@ -29,8 +29,20 @@ pub(super) struct TransformJoints {
     pub warnings: Vec<String>,
 }
 
-/// Values of a configuration, and the index of the first one.
-pub(super) type Placed = (usize, Vec<f64>);
+/// Successive positions of a configuration.
+#[derive(Clone, Debug)]
+pub(super) struct PlacedPositions {
+    /// Index of the first position in a configuration.
+    pub first: usize,
+    pub positions: Vec<f64>,
+}
+
+/// Positions of all joints from `tf`, NaN where unknown, and the reason for the first unknown one.
+#[derive(Debug)]
+pub(super) struct TransformReading {
+    pub placed: Vec<PlacedPositions>,
+    pub unknown: Option<Reason>,
+}
 
 impl TransformJoints {
     /// Looks up the current transforms of the joints in the settings.
@@ -88,23 +100,19 @@ impl TransformJoints {
     }
 
     /// Positions of the joints, NaN where unknown, and the reason for the first unknown one.
-    pub fn read(
-        &self,
-        robot: &RobotModel,
-        now: Now,
-        settings: &MonitorSettings,
-    ) -> (Vec<Placed>, Option<Reason>) {
-        let mut unplaced = None;
+    pub fn read(&self, robot: &RobotModel, now: Now, settings: &MonitorSettings) -> TransformReading {
+        let mut unknown = None;
         let read = |transform_joint: &TransformJoint| match transform_joint.read(robot, now, settings) {
             Ok(placed) => Some(placed),
             Err(why) => {
-                unplaced.get_or_insert(why);
+                unknown.get_or_insert(why);
                 let count = robot.joint(transform_joint.joint).kind.position_suffixes().len();
-                Some((robot.first_position(transform_joint.joint)?, vec![f64::NAN; count]))
+                let first = robot.first_position(transform_joint.joint)?;
+                Some(PlacedPositions { first, positions: vec![f64::NAN; count] })
             }
         };
         let placed = self.transform_joints.iter().filter_map(read).collect();
-        (placed, unplaced)
+        TransformReading { placed, unknown }
     }
 
     /// Time (s) until the oldest transform becomes stale; infinite if none can become stale.
@@ -127,7 +135,12 @@ impl TransformJoint {
         Some(now.steady.saturating_sub(self.since?).as_secs_f64())
     }
 
-    fn read(&self, robot: &RobotModel, now: Now, settings: &MonitorSettings) -> Result<Placed, Reason> {
+    fn read(
+        &self,
+        robot: &RobotModel,
+        now: Now,
+        settings: &MonitorSettings,
+    ) -> Result<PlacedPositions, Reason> {
         let [parent, child] = frames(robot, self.joint);
         let joint = robot.joint(self.joint);
         let unknown = |why: String| Reason::NoTransform {
@@ -155,7 +168,7 @@ impl TransformJoint {
         if apart > PLANE_SLACK {
             return Err(unknown(format!("it leaves the joint's plane by {apart:.4} (m, rad)")));
         }
-        Ok((first, positions))
+        Ok(PlacedPositions { first, positions })
     }
 }
 

@@ -9,6 +9,7 @@ use super::{Now, Reason, Time};
 /// A sensor that publishes the world repeatedly: the topic of a point cloud, or the octomap.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WorldSource {
+    /// Name of the topic, or of the octomap.
     pub name: String,
     /// Times of its last measurement; `None` before the first one.
     pub seen: Option<Observation>,

@@ -1,4 +1,4 @@
-//! Status while another robot model is received_descriptions and built.
+//! Status while another robot model is described and built.
 
 use super::*;
 
