@@ -240,7 +240,7 @@ impl OfflineNode {
             MonitorEvent::ModelSwap => monitor.note_model_swap(),
             MonitorEvent::ModelFault(fault) => monitor.note_model_fault(fault),
             MonitorEvent::DescriptionsProcessed(descriptions) => {
-                monitor.note_processed_descriptions(descriptions)
+                monitor.note_processed_descriptions(descriptions);
             }
             MonitorEvent::World { faults, incomplete, .. } => monitor.note_world_faults(faults, incomplete),
             MonitorEvent::WorldUpdate(update) => update.apply_to(monitor),

@@ -128,7 +128,7 @@ impl MonitorLoop {
             MonitorEvent::ModelSwap => self.monitor.note_model_swap(),
             MonitorEvent::DescriptionReceived => self.monitor.note_description(),
             MonitorEvent::DescriptionsProcessed(descriptions) => {
-                self.monitor.note_processed_descriptions(descriptions)
+                self.monitor.note_processed_descriptions(descriptions);
             }
             MonitorEvent::WorldUpdate(update) => update.apply_to(&mut self.monitor),
             MonitorEvent::Enabled(enabled, applied) => {

@@ -197,9 +197,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     parts.push(task("services", &stopped, async move || Box::pin(services.run()).await));
 
     let node = names.full_node_name();
-    if let Some(on_start) = options.on_start {
-        on_start();
-    }
+    options.on_start.into_iter().for_each(|on_start| on_start());
     log::info!("{node} listens to {joint_states} in domain {domain}");
     drop(options.startup);
     run_parts(parts, &end, recorder)?;

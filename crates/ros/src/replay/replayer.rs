@@ -240,7 +240,7 @@ impl Replay {
                 self.monitor.set_checker(revision);
             }
             (RecordedMonitorEvent::ModelSwap, Some(MonitorEvent::ModelSwap)) => {
-                self.monitor.note_model_swap()
+                self.monitor.note_model_swap();
             }
             (RecordedMonitorEvent::Heeded, Some(MonitorEvent::DescriptionsProcessed(descriptions))) => {
                 self.monitor.note_processed_descriptions(descriptions);
