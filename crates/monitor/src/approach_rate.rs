@@ -8,7 +8,8 @@ use super::CheckedState;
 use super::obstacle_motion::ObstacleMotion;
 use super::speed_settings::SpeedSettings;
 
-/// Time step (s) over which links are moved by their velocities: far above rounding errors, short enough for a straight motion.
+/// Time step (s) over which links are moved by their velocities: far above rounding errors, short enough for a straight
+/// motion.
 const STEP: f64 = 1e-5;
 
 /// Below this distance (m) the direction between two points is undefined.
@@ -56,7 +57,8 @@ pub(super) struct PosesAtOtherTime {
     pub after: f64,
 }
 
-/// Link poses `STEP` later, from the rates of all positions; `None` if these are unknown or are not derivatives of the positions.
+/// Link poses `STEP` later, from the rates of all positions; `None` if these are unknown or are not derivatives of the
+/// positions.
 pub(super) fn poses_after_step(robot: &RobotModel, checked_state: &CheckedState) -> Option<PosesAtOtherTime> {
     if robot.joints().iter().any(|joint| joint.kind == JointKind::Floating) {
         return None;
@@ -72,7 +74,8 @@ pub(super) fn poses_after_step(robot: &RobotModel, checked_state: &CheckedState)
 
 /// Rate (m/s) at which the distance of a pair shrinks; negative when it grows, `None` when the bodies touch.
 ///
-/// Obstacles are at rest in the frames that they are placed in. If there are several such frames, the fastest approach counts.
+/// Obstacles are at rest in the frames that they are placed in. If there are several such frames, the fastest approach
+/// counts.
 pub(super) fn approach_rate(
     checker: &CollisionChecker,
     pair: &PairDistance,

@@ -5,7 +5,8 @@ use std::time::Duration;
 
 use clearance_proximity::Effort;
 
-/// Volume tests per second on an ordinary machine. Tests are counted instead of timed, so that repeated checks give equal results.
+/// Volume tests per second on an ordinary machine. Tests are counted instead of timed, so that repeated checks give
+/// equal results.
 const TESTS_PER_SECOND: f64 = 2e7;
 
 /// Number of joint states over which the interval is averaged. Until this number is reached there is no limit.
@@ -58,8 +59,8 @@ impl CheckBudget {
         (self.receptions.len() > AVERAGED).then_some(mean)
     }
 
-    /// Effort limit of a check whose exact distances may take this share of the time between joint states. The effort is unchanged
-    /// if the share is 0, or if exact distances are not requested anyway.
+    /// Effort limit of a check whose exact distances may take this share of the time between joint states. The effort
+    /// is unchanged if the share is 0, or if exact distances are not requested anyway.
     pub fn limit(&self, effort: Effort, share: f64) -> Effort {
         match self.interval() {
             Some(interval) if share > 0.0 && effort.is_exact() => {

@@ -28,8 +28,8 @@ pub struct Revision {
     pub warnings: Vec<String>,
     /// The frames that obstacles are placed in.
     pub anchor_frames: AnchorFrames,
-    /// Time (steady clock) of the `tf` data that the obstacles were placed with; `None`: the time at which this revision is put
-    /// into use.
+    /// Time (steady clock) of the `tf` data that the obstacles were placed with; `None`: the time at which this
+    /// revision is put into use.
     pub placed_at: Option<Duration>,
 }
 
@@ -199,7 +199,8 @@ impl Evaluation {
         }
     }
 
-    /// Description of the first colliding pair, otherwise of the nearest pair with its distance; `None` if none is known or near.
+    /// Description of the first colliding pair, otherwise of the nearest pair with its distance; `None` if none is
+    /// known or near.
     #[must_use]
     pub fn foremost(&self) -> Option<String> {
         let report = &self.checked_state.as_ref()?.report;

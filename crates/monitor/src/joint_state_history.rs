@@ -14,8 +14,8 @@ const LONGEST: f64 = 3.0;
 /// Shortest time (s) between two stored values.
 const STEP: f64 = 0.002;
 
-/// Positions of one robot by the stamps of their joint states. Each position has its own history, since drivers measure at
-/// different times.
+/// Positions of one robot by the stamps of their joint states. Each position has its own history, since drivers measure
+/// at different times.
 #[derive(Debug, Default)]
 pub struct JointStateHistory {
     /// Weak reference: a replaced robot model is not kept in memory for the history.
@@ -52,8 +52,8 @@ impl JointStateHistory {
         }
     }
 
-    /// The robot and its configuration at a time. Each position is interpolated linearly between the values before and after it;
-    /// before the first and after the last value it is constant. `None` where nothing is known.
+    /// The robot and its configuration at a time. Each position is interpolated linearly between the values before and
+    /// after it; before the first and after the last value it is constant. `None` where nothing is known.
     #[must_use]
     pub fn at(&self, time: Time) -> Option<(Arc<RobotModel>, Configuration)> {
         let robot = self.robot.upgrade()?;

@@ -12,11 +12,12 @@ use super::received_states::{LAG, ReceivedState, SAME_TIME};
 use super::transform_joints::{PlacedPositions, TransformReading};
 use super::{JointStateInput, MonitorSettings, Reason, SourceId, Time};
 
-/// Tolerance (rad, m) between two publishers' reports of a joint with almost the same time (s); the joint's motion during a lag is
-/// added.
+/// Tolerance (rad, m) between two publishers' reports of a joint with almost the same time (s); the joint's motion
+/// during a lag is added.
 const CONTRADICTION: f64 = 0.05;
 
-/// Limits for unknown joint names that are stored of a message, and for their length: the message may be another robot's.
+/// Limits for unknown joint names that are stored of a message, and for their length: the message may be another
+/// robot's.
 const MOST_UNKNOWN_JOINTS: usize = 1000;
 const LONGEST_NAME: usize = 100;
 
@@ -51,7 +52,8 @@ pub(super) struct MergedState {
     pub velocities: Option<Vec<f64>>,
     /// The same, with velocities of other streams computed from successive messages.
     pub rates: Option<Vec<f64>>,
-    /// Whether the rates can be used for each joint: they come from several streams, or from one stream with velocities.
+    /// Whether the rates can be used for each joint: they come from several streams, or from one stream with
+    /// velocities.
     pub are_of_joints: bool,
     /// By position: the stamp of its message; `None` for positions from `tf`.
     pub measured: Vec<Option<Time>>,
@@ -75,8 +77,8 @@ impl JointStateMerger {
         Self { slots, turns: robot.whole_turns(), mimic_joints }
     }
 
-    /// Merges messages, given in the order of reception. For each joint, the last message with its name counts, unless its position
-    /// comes from `tf`. Also returns the messages in use.
+    /// Merges messages, given in the order of reception. For each joint, the last message with its name counts, unless
+    /// its position comes from `tf`. Also returns the messages in use.
     pub fn read(
         &self,
         robot: &RobotModel,
@@ -295,8 +297,8 @@ impl<'t> Merge<'t> {
         }
     }
 
-    /// Warns about a malformed message that names no joint of the robot, unless its names have another robot's prefix. Such a message
-    /// does not make the status UNKNOWN.
+    /// Warns about a malformed message that names no joint of the robot, unless its names have another robot's prefix.
+    /// Such a message does not make the status UNKNOWN.
     fn note_malformed_unknown(&mut self, names: &[String], fault: Option<Reason>) {
         let is_of_another = !names.is_empty() && !names.iter().any(|name| name.starts_with(self.prefix));
         if let Some(Reason::Malformed(what)) = fault.filter(|_| !is_of_another) {
@@ -305,8 +307,8 @@ impl<'t> Merge<'t> {
         }
     }
 
-    /// Detects that another publisher reports a different position of a joint. One of the two is wrong, and which one is in use is
-    /// random.
+    /// Detects that another publisher reports a different position of a joint. One of the two is wrong, and which one
+    /// is in use is random.
     fn note_contradiction(
         &mut self,
         index: usize,

@@ -13,8 +13,8 @@ pub(super) struct LookAheadEvaluator {
     workspace: Workspace,
     /// By position: acceleration limit (rad/s², m/s²), if it has one.
     limits: Vec<Option<f64>>,
-    /// Whether the robot has a floating joint. Its velocity is not the derivative of its seven positions, so there is no look-ahead
-    /// for such a robot.
+    /// Whether the robot has a floating joint. Its velocity is not the derivative of its seven positions, so there is
+    /// no look-ahead for such a robot.
     floats: bool,
 }
 

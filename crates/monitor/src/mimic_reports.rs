@@ -1,5 +1,5 @@
-//! Reported positions of mimic joints. Checks use the position that follows from the leader joint, so the reports have to agree
-//! with it.
+//! Reported positions of mimic joints. Checks use the position that follows from the leader joint, so the reports have
+//! to agree with it.
 
 use clearance_geometry::math::{Extremes, without_whole_turns};
 use clearance_robot::{JointId, JointKind, RobotModel};
@@ -7,12 +7,13 @@ use clearance_robot::{JointId, JointKind, RobotModel};
 use super::received_states::{LAG, ReceivedState, SAME_TIME};
 use super::{Reason, SourceId, Time};
 
-/// Tolerance (rad; m for a sliding joint) between the reported position of a mimic joint and the position that follows from its
-/// leader. Gears have play, and fingers are elastic.
+/// Tolerance (rad; m for a sliding joint) between the reported position of a mimic joint and the position that follows
+/// from its leader. Gears have play, and fingers are elastic.
 const MIMIC_SLACK: f64 = 0.02;
 const SLIDING_MIMIC_SLACK: f64 = 0.002;
 
-/// Largest motion (rad; m for a sliding joint) of a mimic joint between its report and another message's report of its leader.
+/// Largest motion (rad; m for a sliding joint) of a mimic joint between its report and another message's report of its
+/// leader.
 const LONGEST_MOTION: f64 = 0.5;
 const LONGEST_SLIDING_MOTION: f64 = 0.05;
 
@@ -106,7 +107,8 @@ impl<'t> MimicReports<'t> {
         }
     }
 
-    /// Processes one message. `named` contains mimic joints with their index in the message, `leaders` the positions of leaders in it.
+    /// Processes one message. `named` contains mimic joints with their index in the message, `leaders` the positions of
+    /// leaders in it.
     pub fn take(&mut self, received: &ReceivedState, named: &[(usize, usize)], leaders: &[(usize, f64)]) {
         let (source, stamp) = (received.input.source, received.stamp);
         for &(mimic_joint, place) in named {
@@ -126,8 +128,9 @@ impl<'t> MimicReports<'t> {
         }
     }
 
-    /// Reports that disagree with their leaders, at most one for each joint: the reported position, and the position that follows
-    /// from the leader. Indexed by position: `positions` of leaders, their `rates`, and the stamps `sources` of their messages.
+    /// Reports that disagree with their leaders, at most one for each joint: the reported position, and the position
+    /// that follows from the leader. Indexed by position: `positions` of leaders, their `rates`, and the stamps
+    /// `sources` of their messages.
     pub fn contradictions(
         &self,
         positions: &[f64],

@@ -138,7 +138,8 @@ impl Monitor {
         self.outdated = true;
     }
 
-    /// Another robot description was received and waits for the current build. The status is UNKNOWN until it is processed.
+    /// Another robot description was received and waits for the current build. The status is UNKNOWN until it is
+    /// processed.
     pub fn note_description(&mut self) {
         self.received_descriptions += 1;
         self.outdated = true;
@@ -179,14 +180,14 @@ impl Monitor {
         self.outdated = true;
     }
 
-    /// Makes checks leave out this part from now on, as in a recorded run. A deadline would leave out different parts on each
-    /// machine.
+    /// Makes checks leave out this part from now on, as in a recorded run. A deadline would leave out different parts
+    /// on each machine.
     pub fn leave_out(&mut self, left_out: LeftOut) {
         self.left_out = Some(left_out);
     }
 
-    /// Sets the faults of the last changes of the world, which become warnings, and the reason why the world is incomplete, if it is.
-    /// The rest of the world stays in use.
+    /// Sets the faults of the last changes of the world, which become warnings, and the reason why the world is
+    /// incomplete, if it is. The rest of the world stays in use.
     pub fn note_world_faults(&mut self, faults: Vec<String>, incomplete: Option<Reason>) {
         self.world_faults = faults;
         let was_late = self
@@ -205,8 +206,8 @@ impl Monitor {
         }
     }
 
-    /// A message about the world was received at this time (steady clock). Until it is in force, the world differs from the
-    /// announced one.
+    /// A message about the world was received at this time (steady clock). Until it is in force, the world differs from
+    /// the announced one.
     pub fn note_world_update(&mut self, at: Duration) {
         let is_late = |updates: &WorldUpdates| {
             updates.due().zip(self.published_at).is_some_and(|(lags, published_at)| lags <= published_at)
@@ -222,8 +223,8 @@ impl Monitor {
         self.world_updates.note_withdrawn();
     }
 
-    /// This number of messages about the world, the oldest ones, is in force once a checker is set, or once it is reported that
-    /// none is needed.
+    /// This number of messages about the world, the oldest ones, is in force once a checker is set, or once it is
+    /// reported that none is needed.
     pub fn note_world_updates_completing(&mut self, updates: usize) {
         self.world_updates.note_completing(updates);
     }
@@ -259,8 +260,8 @@ impl Monitor {
 
     /// Stores a joint state that is not evaluated by itself. Returns whether it contains positions.
     ///
-    /// A joint state without positions is skipped, with its velocities. The positions received before stay in force, and their age
-    /// grows.
+    /// A joint state without positions is skipped, with its velocities. The positions received before stay in force,
+    /// and their age grows.
     pub fn receive(&mut self, mut input: JointStateInput, now: Now) -> bool {
         self.note_clock(now);
         if input.positions.is_empty() && !input.names.is_empty() {
@@ -305,8 +306,8 @@ impl Monitor {
         }
     }
 
-    /// Returns the last evaluation again, or reports that it is stale. Evaluates again if the model, a setting or the clock
-    /// changed, if the robot's root moves, or if there was no time for exact distances.
+    /// Returns the last evaluation again, or reports that it is stale. Evaluates again if the model, a setting or the
+    /// clock changed, if the robot's root moves, or if there was no time for exact distances.
     pub fn on_heartbeat(&mut self, now: Now) -> Evaluation {
         self.note_clock(now);
         let waits_for_clock = self.check_result.status.reason().is_some_and(Reason::is_about_time);
@@ -367,8 +368,8 @@ impl Monitor {
         }
     }
 
-    /// Detects that the clock was set back. Earlier stamps then no longer define an order. If it was set back by more than `stale_after`,
-    /// all received joint states are discarded.
+    /// Detects that the clock was set back. Earlier stamps then no longer define an order. If it was set back by more
+    /// than `stale_after`, all received joint states are discarded.
     fn note_clock(&mut self, now: Now) {
         if now.ros < self.latest_ros_time {
             self.received_states.discard_order();

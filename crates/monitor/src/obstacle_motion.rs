@@ -43,8 +43,8 @@ impl FramePoses {
 pub struct ObstacleMotion {
     /// Name of the frame.
     pub frame: String,
-    /// Motions of the frame's points, in the root frame, with the time (s) that each took. There is one for each moving transform;
-    /// none if the frame is at rest.
+    /// Motions of the frame's points, in the root frame, with the time (s) that each took. There is one for each moving
+    /// transform; none if the frame is at rest.
     pub(super) motions: Vec<(Pose, f64)>,
 }
 
@@ -61,8 +61,8 @@ impl ObstacleMotion {
         self.motions.iter().map(|(way, taken)| (way * point_r - point_r) * (time / taken)).sum()
     }
 
-    /// Upper bound (m) on the displacement of a point at this distance (m) from the root, if the motion continues for this time
-    /// (s).
+    /// Upper bound (m) on the displacement of a point at this distance (m) from the root, if the motion continues for
+    /// this time (s).
     #[must_use]
     pub fn largest_displacement(&self, radius: f64, time: f64) -> f64 {
         let of = |(way, taken): &(Pose, f64)| {

@@ -31,7 +31,8 @@ pub(super) struct ReceivedState {
     pub behind: Option<f64>,
     /// Newest evaluated stamp of its stream.
     evaluated: Option<Time>,
-    /// By name: velocity of the joint (rad/s, m/s), from the message or from the previous message of the stream; NaN if unknown.
+    /// By name: velocity of the joint (rad/s, m/s), from the message or from the previous message of the stream; NaN if
+    /// unknown.
     pub rates: Vec<f64>,
 }
 
@@ -49,8 +50,8 @@ impl ReceivedState {
     }
 }
 
-/// The last message of each stream, in the order of reception. A stream is a publisher with a set of joint names: several drivers
-/// may share the topic, and a played bag is one publisher with the messages of several.
+/// The last message of each stream, in the order of reception. A stream is a publisher with a set of joint names:
+/// several drivers may share the topic, and a played bag is one publisher with the messages of several.
 #[derive(Debug, Default)]
 pub(super) struct ReceivedStates(Vec<ReceivedState>);
 

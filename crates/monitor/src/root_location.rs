@@ -1,5 +1,5 @@
-//! Tracks whether the pose of the robot's root in the obstacle frames is known. If `tf` published it repeatedly and then stops, or
-//! no longer connects the frames, the root may be anywhere.
+//! Tracks whether the pose of the robot's root in the obstacle frames is known. If `tf` published it repeatedly and
+//! then stops, or no longer connects the frames, the root may be anywhere.
 
 use std::collections::BTreeMap;
 use std::time::Duration;

@@ -1,11 +1,12 @@
-//! Speed scale: the share of its speed that the robot may have, from the distances of its bodies and their approach rates.
+//! Speed scale: the share of its speed that the robot may have, from the distances of its bodies and their approach
+//! rates.
 //!
-//! Each near pair requests a share: 1 from the slow-down distance on, 0 up to the stop distance, linear between them. The distance
-//! of an approaching pair is reduced by its motion in the reaction time, also from beyond the slow-down distance. A pair that moves
-//! apart requests no reduction. The least share counts.
-//! If the approach rate of a near pair is unknown, the share does not rise, except for a first state, which counts as at rest.
-//! The share falls once a number of states in a row, the trigger count, request less: to the largest of their requests. It rises
-//! once a number of states, the release count, request more: to the least of their requests. If the status is not FREE, it is 0 at
+//! Each near pair requests a share: 1 from the slow-down distance on, 0 up to the stop distance, linear between them.
+//! The distance of an approaching pair is reduced by its motion in the reaction time, also from beyond the slow-down
+//! distance. A pair that moves apart requests no reduction. The least share counts. If the approach rate of a near pair
+//! is unknown, the share does not rise, except for a first state, which counts as at rest. The share falls once a
+//! number of states in a row, the trigger count, request less: to the largest of their requests. It rises once a number
+//! of states, the release count, request more: to the least of their requests. If the status is not FREE, it is 0 at
 //! once.
 
 use clearance_checker::{CollisionChecker, PairDistance};
@@ -87,7 +88,8 @@ impl SpeedGovernor {
             ));
         }
         let is_new = stamp.zip(self.last.as_ref()).is_none_or(|(stamp, (last, _))| stamp != *last);
-        // a state that is evaluated again, or with unknown approach rates, never raises the share; a first state has distances only
+        // a state that is evaluated again, or with unknown approach rates, never raises the share; a first state has
+        // distances only
         if (is_new && (are_known || self.last.is_none())) || requested < self.share {
             self.follow(requested, settings);
         }

@@ -82,7 +82,8 @@ impl StateEvaluator {
             limit: settings.distance_limit,
         };
         let effort = if fixed.is_some() { settings.unhurried_effort() } else { settings.effort() };
-        // the approach rate follows from the nearest points, so these have to be exact; longer distances do not affect the speed
+        // the approach rate follows from the nearest points, so these have to be exact; longer distances do not affect
+        // the speed
         let exact_within = if slowdown_range > 0.0 { slowdown_range + CONTACT_DISTANCE } else { 0.0 };
         let effort = Effort { exact_within, ..check_budget.limit(effort, settings.exact_distance_share) };
         let mut report = checker.check_with(&configuration, survey, &effort, &mut self.workspace);
@@ -138,7 +139,8 @@ impl StateEvaluator {
     }
 }
 
-/// A colliding pair decides the status even if other pairs are undecided. With any undecided pair, the least distance is unknown.
+/// A colliding pair decides the status even if other pairs are undecided. With any undecided pair, the least distance
+/// is unknown.
 fn status_of(report: &CollisionReport, checker: &CollisionChecker, settings: &MonitorSettings) -> Status {
     if report.self_collision || report.world_collision {
         return Status::Colliding;

@@ -72,8 +72,8 @@ pub enum Reason {
         /// Time (s) by which the clock was set back.
         back: f64,
     },
-    /// The joint state is `age` seconds old, or none was received for this time; `also` is a further fault of it. If this applies
-    /// to some joints only, `joints` names them.
+    /// The joint state is `age` seconds old, or none was received for this time; `also` is a further fault of it. If
+    /// this applies to some joints only, `joints` names them.
     Stale {
         /// Names of the stale joints; empty if all are stale.
         joints: Vec<String>,
@@ -99,7 +99,8 @@ pub enum Reason {
         /// Time (s) between the two stamps.
         behind: f64,
     },
-    /// The joint state is invalid: numbers of names and positions differ, a name occurs twice or is too long, or a position is out of range.
+    /// The joint state is invalid: numbers of names and positions differ, a name occurs twice or is too long, or a
+    /// position is out of range.
     Malformed(String),
     /// A position is NaN or infinite.
     NonFinite {
@@ -122,8 +123,8 @@ pub enum Reason {
         /// Number of further joints.
         more: usize,
     },
-    /// A mimic joint is reported at the first of `positions`, while its leader takes it to the second; `more` counts further such
-    /// joints.
+    /// A mimic joint is reported at the first of `positions`, while its leader takes it to the second; `more` counts
+    /// further such joints.
     MimicContradiction {
         /// Name of the mimic joint.
         joint: String,
@@ -152,8 +153,8 @@ pub enum Reason {
         /// Age limit (s).
         ttl: f64,
     },
-    /// The last message of a sensor, the topic `source`, contains no points of the surroundings; `cause` has the reason with
-    /// counts. `more` counts further such sensors.
+    /// The last message of a sensor, the topic `source`, contains no points of the surroundings; `cause` has the reason
+    /// with counts. `more` counts further such sensors.
     BlindCloud {
         /// Topic of the sensor.
         source: String,
@@ -162,8 +163,8 @@ pub enum Reason {
         /// Number of further sensors.
         more: usize,
     },
-    /// An announced object is missing from the world, or is at another pose, because a change was rejected. `fault` names one such
-    /// object and its error; `more` counts further ones.
+    /// An announced object is missing from the world, or is at another pose, because a change was rejected. `fault`
+    /// names one such object and its error; `more` counts further ones.
     RejectedObstacle {
         /// The object and its error.
         fault: String,

@@ -27,7 +27,8 @@ pub struct Observation {
 }
 
 impl WorldSource {
-    /// Age (s) of the last message: by its stamp, or since its reception if that is longer; `None` before the first one.
+    /// Age (s) of the last message: by its stamp, or since its reception if that is longer; `None` before the first
+    /// one.
     #[must_use]
     pub fn age(&self, now: Now) -> Option<f64> {
         let seen = self.seen?;

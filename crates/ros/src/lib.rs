@@ -1,4 +1,5 @@
-//! The ROS 2 node: connects subscriptions to the monitor, and evaluations to publishers. This crate makes no safety decisions.
+//! The ROS 2 node: connects subscriptions to the monitor, and evaluations to publishers. This crate makes no safety
+//! decisions.
 //!
 //! ```text
 //! robot_description, parameters ──> loader ──────┐ checkers
@@ -12,9 +13,9 @@
 //! monitor loop, loader, world ──> recorder, if recording is on
 //! ```
 //!
-//! Each box is a thread; the threads communicate through channels. With the option `view`, every evaluation is also passed to the
-//! view, which shows it in web browsers. `threading::thread_priority` documents the priorities of the threads, and why no thread may
-//! wait for another one by yielding.
+//! Each box is a thread; the threads communicate through channels. With the option `view`, every evaluation is also
+//! passed to the view, which shows it in web browsers. `threading::thread_priority` documents the priorities of the
+//! threads, and why no thread may wait for another one by yielding.
 //!
 //! A folder uses only folders above it in this table:
 //!

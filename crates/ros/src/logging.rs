@@ -16,8 +16,8 @@ const WAITING: usize = 1000;
 /// Sender of lines to `/rosout`, once it is set up.
 static ROSOUT: Mutex<Option<Sender<LogLine>>> = Mutex::new(None);
 
-/// Sets up the log. Only errors of the DDS library are logged: it warns about every datagram over 1500 bytes, and about every message on an
-/// interface without multicast.
+/// Sets up the log. Only errors of the DDS library are logged: it warns about every datagram over 1500 bytes, and about
+/// every message on an interface without multicast.
 pub fn start_logging(level: LevelFilter) {
     let quiet = level.min(LevelFilter::Warn);
     let very_quiet = level.min(LevelFilter::Error);

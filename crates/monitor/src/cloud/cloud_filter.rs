@@ -36,8 +36,8 @@ pub struct FilteredCloud {
 }
 
 impl CloudFilter {
-    /// Balls that contain every point that is neither cropped nor part of the robot, each point with its radius. `pose_rc` is the
-    /// pose of the cloud in the root frame; `rounding` (m) is the possible error of its points.
+    /// Balls that contain every point that is neither cropped nor part of the robot, each point with its radius.
+    /// `pose_rc` is the pose of the cloud in the root frame; `rounding` (m) is the possible error of its points.
     ///
     /// # Errors
     /// When a point is too far away for the computation.

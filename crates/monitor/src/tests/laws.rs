@@ -48,7 +48,8 @@ fn now() -> impl Strategy<Value = Now> {
     (ros, 0..2000u64).prop_map(|(ros, ms)| Now { ros, steady: Duration::from_millis(ms) })
 }
 
-/// Whether FREE is allowed at `now`, after these messages with their times of reception: the last one with each joint counts.
+/// Whether FREE is allowed at `now`, after these messages with their times of reception: the last one with each joint
+/// counts.
 fn may_be_free(heard: &[(JointStateInput, Now)], now: Now) -> bool {
     let Some(ros) = now.ros else { return false };
     ["shoulder", "elbow"].into_iter().all(|name| {

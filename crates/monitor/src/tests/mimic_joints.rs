@@ -162,7 +162,8 @@ fn mimic_contradictions_may_be_warnings_but_no_number_is_never_one() {
     }
 }
 
-/// Sliding fingers, and mimic joints of mimic joints, of fixed joints and of continuous ones, with multiplier and offset.
+/// Sliding fingers, and mimic joints of mimic joints, of fixed joints and of continuous ones, with multiplier and
+/// offset.
 #[test]
 fn mimic_joints_of_every_kind_are_compared_with_where_they_are_checked() {
     let joint = |name: &str, kind: &str, mimic: &str| {

@@ -25,7 +25,8 @@ use std::time::Duration;
 
 use super::*;
 
-/// Two arms of one metre that fold: free at zero, the second on the base at pi. The joint `mimic_joint` mimics the elbow.
+/// Two arms of one metre that fold: free at zero, the second on the base at pi. The joint `mimic_joint` mimics the
+/// elbow.
 const URDF: &str = r#"<robot name="folder">
   <link name="base"><collision><geometry><box size="0.4 0.4 0.4"/></geometry></collision></link>
   <link name="upper"/>

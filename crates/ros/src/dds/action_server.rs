@@ -1,7 +1,8 @@
 //! Action server: receives goals and cancellations, publishes feedback and results.
 //!
-//! The asynchronous action server of `ros2_client` keeps each goal until a client requests its result, and reads result requests
-//! only while it sends a result. Therefore only its endpoints are used here. The caller of this module manages the goals.
+//! The asynchronous action server of `ros2_client` keeps each goal until a client requests its result, and reads result
+//! requests only while it sends a result. Therefore only its endpoints are used here. The caller of this module manages
+//! the goals.
 
 use std::future::poll_fn;
 use std::pin::pin;
@@ -169,7 +170,7 @@ where
 
     fn check<E: std::fmt::Display>(&self, sent: Result<(), E>) {
         if let Err(error) = sent {
-            log::warn!("an answer of {} was dropped: {error}", self.name);
+            log::warn!("a response of {} was dropped: {error}", self.name);
         }
     }
 }

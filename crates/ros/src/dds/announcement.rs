@@ -18,10 +18,10 @@ const DISCOVERY_DELAY: Duration = Duration::from_millis(200);
 
 /// An announced DDS participant without endpoints.
 ///
-/// A peer that discovers endpoints before their participant has to request them again. If two such participants appear at once,
-/// Fast DDS then drops some of the endpoints, and those topics are never matched. Captures show this: all of discovery is
-/// acknowledged, and one early endpoint is ignored. So the participant is announced as early as possible, and its endpoints a
-/// little later.
+/// A peer that discovers endpoints before their participant has to request them again. If two such participants appear
+/// at once, Fast DDS then drops some of the endpoints, and those topics are never matched. Captures show this: all of
+/// discovery is acknowledged, and one early endpoint is ignored. So the participant is announced as early as possible,
+/// and its endpoints a little later.
 pub struct Announcement {
     environment: Environment,
     priority: ThreadPriority,
@@ -68,9 +68,9 @@ impl Announcement {
     }
 }
 
-/// Starts threads that receive no signals. A `RustDDS` thread ends when a signal interrupts its wait (see `receive_thread_watch`). The system
-/// delivers a signal to any thread that accepts it while the main thread does not, for example while the main thread starts another
-/// thread.
+/// Starts threads that receive no signals. A `RustDDS` thread ends when a signal interrupts its wait (see
+/// `receive_thread_watch`). The system delivers a signal to any thread that accepts it while the main thread does not,
+/// for example while the main thread starts another thread.
 #[cfg(unix)]
 fn without_signals<T>(start: impl FnOnce() -> T) -> T {
     use nix::sys::signal::{SigSet, SigmaskHow};

@@ -37,8 +37,8 @@ impl io::Write for Counter {
     }
 }
 
-/// The message that is decoded from zero bytes: empty text, empty lists, zero numbers. Fails for a message with a large array of fixed
-/// length.
+/// The message that is decoded from zero bytes: empty text, empty lists, zero numbers. Fails for a message with a large
+/// array of fixed length.
 pub fn blank<M: DeserializeOwned>() -> Result<M, String> {
     const ZEROS: [u8; 4096] = [0; 4096];
     cdr_encoding::from_bytes::<M, LittleEndian>(&ZEROS)

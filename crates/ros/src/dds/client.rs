@@ -25,8 +25,8 @@ impl<Request: Message + 'static, Response: Message + 'static> Client<Request, Re
         Self { inner, name, priority }
     }
 
-    /// Sends a request and waits at most `timeout` for the response. The error describes why there is none. A server that has not
-    /// discovered this client yet may not receive the request: the caller has to send it again.
+    /// Sends a request and waits at most `timeout` for the response. The error describes why there is none. A server
+    /// that has not discovered this client yet may not receive the request: the caller has to send it again.
     pub async fn call(&self, request: Request, timeout: Duration) -> Result<Response, String> {
         let response = async {
             wakeup::wait(self.priority, self.inner.async_call_service(request))

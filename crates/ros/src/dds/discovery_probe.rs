@@ -1,11 +1,12 @@
 //! Discovery probe: learns local Fast DDS participants early, so that `RustDDS` does not miss their first heartbeats.
 //!
-//! When Fast DDS discovers a participant, it sends at once how many endpoints there are to request (a HEARTBEAT of each discovery
-//! writer), and repeats it a second later. `RustDDS` discards these messages in the first millisecond after the discovery. A node,
-//! which always starts last, would then receive its joint states a second late, and its clients would receive their responses a
-//! second late. Therefore a discovery probe is sent first: a participant without endpoints, of which only the announcement exists.
-//! Each participant that discovers the probe announces itself to it. The probe forwards these announcements to `RustDDS`, whose own
-//! announcement follows. The probe is never announced again, so others remove it after its lease.
+//! When Fast DDS discovers a participant, it sends at once how many endpoints there are to request (a HEARTBEAT of each
+//! discovery writer), and repeats it a second later. `RustDDS` discards these messages in the first millisecond after
+//! the discovery. A node, which always starts last, would then receive its joint states a second late, and its clients
+//! would receive their responses a second late. Therefore a discovery probe is sent first: a participant without
+//! endpoints, of which only the announcement exists. Each participant that discovers the probe announces itself to it.
+//! The probe forwards these announcements to `RustDDS`, whose own announcement follows. The probe is never announced
+//! again, so others remove it after its lease.
 
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr, UdpSocket};
@@ -17,12 +18,12 @@ use crate::dds::rtps::{Entity, message, sequence_number};
 /// Vendor identifier of eProsima, with which the identifiers of Fast DDS participants begin.
 const FAST_DDS: [u8; 2] = [0x01, 0x0f];
 
-/// Number of participants of one machine that the probe looks for. The forwarded announcements go to the ports of all of them,
-/// since any may be that of our own participant.
+/// Number of participants of one machine that the probe looks for. The forwarded announcements go to the ports of all
+/// of them, since any may be that of our own participant.
 const PARTICIPANTS: u16 = 16;
 
-/// How long the probe waits for announcements. `RustDDS` receives the announcement of the probe too, and announces itself some 10
-/// ms later. A participant that responds to the probe after that is discovered a second late.
+/// How long the probe waits for announcements. `RustDDS` receives the announcement of the probe too, and announces
+/// itself some 10 ms later. A participant that responds to the probe after that is discovered a second late.
 const PATIENCE: Duration = Duration::from_millis(60);
 
 /// Largest announcement that is read (bytes); real ones are far shorter.
@@ -33,11 +34,12 @@ const ANY_READER: [u8; 4] = [0; 4];
 const PARTICIPANT: [u8; 4] = [0, 0, 1, 0xc1];
 const ANNOUNCER: [u8; 4] = [0, 1, 0, 0xc2];
 
-/// Sends a discovery probe for `own`, a participant of that domain that was made just now. Does not wait for the probe to end.
+/// Sends a discovery probe for `own`, a participant of that domain that was made just now. Does not wait for the probe
+/// to end.
 pub fn start_probe(own: Entity, domain: u16) {
     let run_probe = move || {
         if let Err(error) = run_probe(&own, &discovery_addresses(domain), PATIENCE) {
-            log::debug!("others are met a second later: {error}");
+            log::debug!("participants are discovered a second later: {error}");
         }
     };
     // without a thread for the probe, local participants are discovered a second later
@@ -66,15 +68,16 @@ fn run_probe(own: &Entity, addresses: &[SocketAddr], timeout: Duration) -> io::R
     }
 }
 
-/// Addresses at which participants of a domain on this machine receive discovery messages (DDSI-RTPS 2.5, 9.6.2.4). The library
-/// does not publish which of these ports is its own.
+/// Addresses at which participants of a domain on this machine receive discovery messages (DDSI-RTPS 2.5, 9.6.2.4). The
+/// library does not publish which of these ports is its own.
 fn discovery_addresses(domain: u16) -> Vec<SocketAddr> {
     // a domain that has no ports has no participants
     let port = |number: u16| 7410_u16.checked_add(domain.checked_mul(250)?)?.checked_add(2 * number);
     (0..PARTICIPANTS).filter_map(port).map(|port| SocketAddr::from((Ipv4Addr::LOCALHOST, port))).collect()
 }
 
-/// Identifier of the probe, which differs from those of all `RustDDS` participants: these begin with its vendor and are random.
+/// Identifier of the probe, which differs from those of all `RustDDS` participants: these begin with its vendor and are
+/// random.
 fn probe_id(own: &Entity) -> Entity {
     let mut discovery_probe = *own;
     for byte in &mut discovery_probe[2..12] {
@@ -84,8 +87,8 @@ fn probe_id(own: &Entity) -> Entity {
     discovery_probe
 }
 
-/// Announcement of the participant `discovery_probe`: it receives discovery messages at this port of this machine, and has no
-/// endpoints.
+/// Announcement of the participant `discovery_probe`: it receives discovery messages at this port of this machine, and
+/// has no endpoints.
 fn announcement(discovery_probe: &Entity, port: u16) -> Vec<u8> {
     const DATA: (u8, u8) = (0x15, 0x04);
     /// No extra flags, and no quality of service before the data.

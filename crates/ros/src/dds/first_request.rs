@@ -1,12 +1,14 @@
 //! Requests samples that a Fast DDS writer sent before `RustDDS` knew that writer.
 //!
-//! A client calls a service as soon as it has discovered it, some 10 ms before `RustDDS` has discovered the client's writer, and `RustDDS`
-//! discards what comes from an unknown writer. A reliable reader then requests the sample again. The library's own ACKNACK (base 1, count 0)
-//! does not make Fast DDS resend; its next heartbeat follows 3 s later. So this module sends its own requests in addition.
+//! A client calls a service as soon as it has discovered it, some 10 ms before `RustDDS` has discovered the client's
+//! writer, and `RustDDS` discards what comes from an unknown writer. A reliable reader then requests the sample again.
+//! The library's own ACKNACK (base 1, count 0) does not make Fast DDS resend; its next heartbeat follows 3 s later. So
+//! this module sends its own requests in addition.
 //!
-//! One request is not enough. Fast DDS ignores an ACKNACK for a sample that it is still sending (status `UNDERWAY`, up to some
-//! milliseconds after the write), but records its count. It then ignores `RustDDS`'s next ACKNACK too, since that has the same count. The
-//! call takes two heartbeat periods, 6 s (4 % to 8 % of new clients). So the request is repeated with growing counts.
+//! One request is not enough. Fast DDS ignores an ACKNACK for a sample that it is still sending (status `UNDERWAY`, up
+//! to some milliseconds after the write), but records its count. It then ignores `RustDDS`'s next ACKNACK too, since
+//! that has the same count. The call takes two heartbeat periods, 6 s (4 % to 8 % of new clients). So the request is
+//! repeated with growing counts.
 
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
@@ -20,9 +22,11 @@ const FAST_DDS: [u8; 2] = [0x01, 0x0f];
 
 const ACKNACK: (u8, u8) = (0x06, 0);
 
-/// Intervals before each request (ms); the first one starts at the match. They exceed the 5 ms in which Fast DDS collects requests.
+/// Intervals before each request (ms); the first one starts at the match. They exceed the 5 ms in which Fast DDS
+/// collects requests.
 ///
-/// Each request makes Fast DDS ignore one request of `RustDDS`, which matters only if a packet is lost soon after. So there are few.
+/// Each request makes Fast DDS ignore one request of `RustDDS`, which matters only if a packet is lost soon after. So
+/// there are few.
 const INTERVALS: [u64; 4] = [0, 10, 40, 200];
 
 /// Largest number of writers with outstanding requests, so that a hostile network cannot use up the memory.

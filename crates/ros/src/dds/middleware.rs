@@ -1,4 +1,5 @@
-//! Wrapper of the ROS 2 client library: participants, topics, services, qualities of service. No other module uses that library.
+//! Wrapper of the ROS 2 client library: participants, topics, services, qualities of service. No other module uses that
+//! library.
 //!
 //! A new release of ros2-client, or another middleware, needs changes only here.
 
@@ -60,9 +61,9 @@ impl Middleware {
 
     /// Leaves the network, so that peers notice at once. All endpoints have to be dropped before.
     ///
-    /// `RustDDS` ends its sending thread when it drops the participant, even if the last messages are not sent yet. On a busy
-    /// machine the messages that announce the end are lost, and peers keep the node until its lease expires. No call waits for that
-    /// thread, so this function gives it time to send what the dropped endpoints queued.
+    /// `RustDDS` ends its sending thread when it drops the participant, even if the last messages are not sent yet. On
+    /// a busy machine the messages that announce the end are lost, and peers keep the node until its lease expires. No
+    /// call waits for that thread, so this function gives it time to send what the dropped endpoints queued.
     pub fn leave(self) {
         const GRACE: Duration = Duration::from_millis(100);
         std::thread::sleep(GRACE);
@@ -258,7 +259,8 @@ impl Middleware {
             .collect()
     }
 
-    /// Handles discovery of other nodes, and logs which of them can never exchange messages with this node, and why. Never returns.
+    /// Handles discovery of other nodes, and logs which of them can never exchange messages with this node, and why.
+    /// Never returns.
     pub async fn watch_peers(&self) {
         self.peers.watch(&self.context.domain_participant(), self.priority).await;
     }

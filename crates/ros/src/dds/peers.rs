@@ -20,8 +20,8 @@ use crate::threading::thread_priority::ThreadPriority;
 /// Largest number of logged mismatches, so that a hostile network cannot use up the memory.
 const MOST_WARNINGS: usize = 1000;
 
-/// Largest number of addresses of a reader that messages are sent to. Otherwise a participant that announces thousands could make
-/// this node flood other machines.
+/// Largest number of addresses of a reader that messages are sent to. Otherwise a participant that announces thousands
+/// could make this node flood other machines.
 const MOST_ADDRESSES: usize = 16;
 
 /// Endpoints of this node, to be compared with the endpoints of other nodes.
@@ -48,8 +48,8 @@ pub struct MatchedReader {
 }
 
 impl MatchedReader {
-    /// Whether this reader receives the responses for a client. The requests of Fast DDS name this reader; those of others name a
-    /// writer of the same participant.
+    /// Whether this reader receives the responses for a client. The requests of Fast DDS name this reader; those of
+    /// others name a writer of the same participant.
     pub fn is_of(&self, client: GUID) -> bool {
         if is_reader(client) { self.reader == client } else { self.reader.prefix == client.prefix }
     }
@@ -88,8 +88,8 @@ impl Peers {
         lock(&self.reliably_read).insert(dds_topic);
     }
 
-    /// Waits until the client's reader of responses is known. This may happen later than its first request; responses sent before
-    /// are lost.
+    /// Waits until the client's reader of responses is known. This may happen later than its first request; responses
+    /// sent before are lost.
     pub async fn await_reader(&self, client: GUID, service: &FullName) {
         const PERIOD: Duration = Duration::from_millis(2);
         const PERIODS: usize = 500;
@@ -103,7 +103,7 @@ impl Peers {
             }
             Timer::after(PERIOD).await;
         }
-        log::warn!("a client of {service} does not listen to answers");
+        log::warn!("the response reader of a client of {service} is not discovered");
     }
 
     /// Readers of a DDS topic of this node.
@@ -234,7 +234,7 @@ impl Peers {
                 offered_qos,
                 ..
             } => Some(format!(
-                "a subscription of {} can not hear this node: it requests {}, but {} is offered",
+                "a subscription of {} is incompatible with this node: it requests {}, but {} is offered",
                 name(local_writer)?,
                 in_words(requested_qos),
                 in_words(offered_qos),
@@ -245,7 +245,7 @@ impl Peers {
                 offered_qos,
                 ..
             } => Some(format!(
-                "a publisher of {} can not be heard: it offers {}, but this node requests {}",
+                "a publisher of {} is incompatible with this node: it offers {}, but this node requests {}",
                 name(local_reader)?,
                 in_words(offered_qos),
                 in_words(requested_qos),
@@ -256,7 +256,7 @@ impl Peers {
                 let ours = endpoints.values().find(|e| e.name == name)?;
                 (ours.dds_type != peer.type_name).then(|| {
                     format!(
-                        "{name} has the type {} elsewhere, but {} here: they can not talk",
+                        "{name} has the type {} elsewhere, but {} here: they cannot exchange messages",
                         peer.type_name, ours.dds_type
                     )
                 })
@@ -266,8 +266,8 @@ impl Peers {
     }
 }
 
-/// Unicast IPv4 addresses at which an endpoint receives, at most `MOST_ADDRESSES`. Its locators also include shared memory and other
-/// transports.
+/// Unicast IPv4 addresses at which an endpoint receives, at most `MOST_ADDRESSES`. Its locators also include shared
+/// memory and other transports.
 fn addresses<L: Copy + Into<SocketAddr>>(locators: &[L]) -> Vec<SocketAddr> {
     (locators.iter())
         .map(|locator| (*locator).into())

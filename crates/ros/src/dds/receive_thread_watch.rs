@@ -1,8 +1,8 @@
 //! Detects that the receive threads of `RustDDS` have ended.
 //!
-//! `RustDDS` 0.15.1 ends its threads when a wait of theirs is interrupted, and only logs it. This happens when the process is
-//! stopped and continued (Ctrl-Z and `fg`, a debugger). The threads can also panic. A node that continued would neither receive nor
-//! send anything, and would still look alive.
+//! `RustDDS` 0.15.1 ends its threads when a wait of theirs is interrupted, and only logs it. This happens when the
+//! process is stopped and continued (Ctrl-Z and `fg`, a debugger). The threads can also panic. A node that continued
+//! would neither receive nor send anything, and would still look alive.
 
 use std::sync::LazyLock;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -48,7 +48,8 @@ impl LongResponse<'_> {
             .concat()
     }
 
-    /// Identity of the request, as parameters of every fragment. It is repeated under the identifier of the standard (DDS-RPC,
+    /// Identity of the request, as parameters of every fragment. It is repeated under the identifier of the standard
+    /// (DDS-RPC,
     /// 7.8.2) and under the identifier that Fast DDS used before it. Then follows the end of the list.
     fn request_identity(&self) -> Vec<u8> {
         const IDENTIFIERS: [u16; 2] = [0x0083, 0x800f];

@@ -1,10 +1,10 @@
 //! Sends service responses to clients, also responses that are longer than a datagram.
 //!
-//! `RustDDS` 0.15.1 corrupts the fragments of responses (decision 18). So a response that does not fit into a datagram is sent
-//! beside the library: in fragments made here, with the GUID of the library's writer and the sequence number of its next sample.
-//! Then the library sends an empty response with that sequence number, to a request that no client made. A client with all
-//! fragments already has that sequence number and discards the empty response. A client that lost a fragment receives no response,
-//! as if the response had been lost.
+//! `RustDDS` 0.15.1 corrupts the fragments of responses (decision 18). So a response that does not fit into a datagram
+//! is sent beside the library: in fragments made here, with the GUID of the library's writer and the sequence number of
+//! its next sample. Then the library sends an empty response with that sequence number, to a request that no client
+//! made. A client with all fragments already has that sequence number and discards the empty response. A client that
+//! lost a fragment receives no response, as if the response had been lost.
 
 use std::fmt;
 use std::sync::Arc;
@@ -77,8 +77,8 @@ impl ResponseSender {
         }
     }
 
-    /// Sends the response to a request, as soon as the client's reader is known. `write` sends a sample through the library. A
-    /// response that cannot be sent is logged.
+    /// Sends the response to a request, as soon as the client's reader is known. `write` sends a sample through the
+    /// library. A response that cannot be sent is logged.
     pub async fn send<Response, Fault>(
         &self,
         id: RmwRequestId,
@@ -92,7 +92,7 @@ impl ResponseSender {
         self.peers.await_reader(client, &self.name).await;
         let mut numbers = self.numbers.lock().await;
         if let Err(why) = self.send_next(id, response, &mut numbers, write).await {
-            self.decode_errors.warn(|| format!("an answer of {} was dropped: {why}", self.name));
+            self.decode_errors.warn(|| format!("a response of {} was dropped: {why}", self.name));
         }
     }
 
@@ -173,8 +173,8 @@ impl ResponseSender {
 }
 
 impl Numbers {
-    /// Has the library use the sequence number that the fragments took, with an empty response. While its send window is full it
-    /// accepts no sample, so this retries.
+    /// Has the library use the sequence number that the fragments took, with an empty response. While its send window
+    /// is full it accepts no sample, so this retries.
     async fn release_number(&mut self, send_empty: impl Fn() -> Result<(), String>) -> Result<(), String> {
         const TRIES: usize = 100;
         let mut written = send_empty();

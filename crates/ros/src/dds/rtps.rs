@@ -21,7 +21,7 @@ impl RtpsSocket {
         match UdpSocket::bind((address, 0)) {
             Ok(socket) => Some(Self(socket)),
             Err(error) => {
-                log::warn!("first calls of services will take seconds, and long answers are lost: {error}");
+                log::warn!("first calls of services will take seconds, and long responses are lost: {error}");
                 None
             }
         }

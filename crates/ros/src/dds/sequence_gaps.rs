@@ -12,8 +12,8 @@ const MOST: usize = 100;
 pub struct SequenceGaps(BTreeMap<SourceId, i64>);
 
 impl SequenceGaps {
-    /// Number of missing messages of a publisher directly before its message `number`. Messages before the first received one are not
-    /// counted.
+    /// Number of missing messages of a publisher directly before its message `number`. Messages before the first
+    /// received one are not counted.
     pub fn missing_before(&mut self, publisher: SourceId, number: i64) -> u64 {
         if self.0.len() >= MOST && !self.0.contains_key(&publisher) {
             self.0.clear();

@@ -44,8 +44,8 @@ pub struct Undecodable;
 
 /// Subscription to one topic: returns the messages of each publisher in the order in which they were sent.
 ///
-/// A best-effort sample that arrives after a newer one of the same publisher is skipped, as RTPS 2.5, 8.4.12.1 requires of
-/// best-effort readers; `RustDDS` 0.15.1 delivers it as if it were newer. It counts as lost.
+/// A best-effort sample that arrives after a newer one of the same publisher is skipped, as RTPS 2.5, 8.4.12.1 requires
+/// of best-effort readers; `RustDDS` 0.15.1 delivers it as if it were newer. It counts as lost.
 pub struct Subscription<M> {
     pub(super) inner: ros2_client::Subscription<M>,
     pub(super) name: FullName,

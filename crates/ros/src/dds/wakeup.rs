@@ -1,7 +1,7 @@
 //! Wakes the node's executor only for endpoints with data, and raises the thread priority while polling.
 //!
-//! A task of the node waits for two dozen endpoints at once. Without this, each wake-up would poll all of them. Polling has a cost
-//! beside them, above all the change of thread priority; with this it is paid only once for each message.
+//! A task of the node waits for two dozen endpoints at once. Without this, each wake-up would poll all of them. Polling
+//! has a cost beside them, above all the change of thread priority; with this it is paid only once for each message.
 
 use std::future::{Future, poll_fn};
 use std::sync::atomic::{AtomicBool, Ordering};

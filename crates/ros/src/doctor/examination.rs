@@ -1,4 +1,5 @@
-//! `clearance doctor`: receives from the ROS network for a limited time and reports the causes that keep the node from working.
+//! `clearance doctor`: receives from the ROS network for a limited time and reports the causes that keep the node from
+//! working.
 
 use std::time::Duration;
 

@@ -52,7 +52,8 @@ pub fn receive_topics(
     (describe, use_sim_time): (bool, bool),
     duration: Duration,
 ) -> Result<ReceivedTopics, NodeError> {
-    /// Limits for the joint states that are kept for the monitor: their number, and the number of names and values in all of them.
+    /// Limits for the joint states that are kept for the monitor: their number, and the number of names and values in
+    /// all of them.
     const MOST: usize = 10_000;
     const MOST_NUMBERS: usize = 1_000_000;
     const MOST_WARNINGS: usize = 100;

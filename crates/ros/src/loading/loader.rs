@@ -1,5 +1,5 @@
-//! Builds checkers from robot descriptions and scene messages, on a separate thread. Meanwhile, the monitor uses the previous model and
-//! world.
+//! Builds checkers from robot descriptions and scene messages, on a separate thread. Meanwhile, the monitor uses the
+//! previous model and world.
 
 use clearance_monitor::Revision;
 use clearance_robot::{MeshFiles, RobotModel, RobotText};
@@ -30,10 +30,12 @@ use crate::threading::mailbox;
 use crate::topics::link_volumes::LinkVolumes;
 use crate::topics::monitored_scene::MonitoredScene;
 
-/// Reads the obstacles around a robot from scene files. Their poses refer to the robot, so they are read again for each new robot.
+/// Reads the obstacles around a robot from scene files. Their poses refer to the robot, so they are read again for each
+/// new robot.
 pub type Surroundings = Box<dyn Fn(&RobotModel) -> Result<Scene, String> + Send>;
 
-/// Waits until the monitor has published its evaluation of all earlier events; returns whether the monitor still exists.
+/// Waits until the monitor has published its evaluation of all earlier events; returns whether the monitor still
+/// exists.
 fn await_publication(events: &mailbox::Sender<MonitorEvent>) -> bool {
     let (published, is_published) = mailbox::bounded(1);
     events.send(MonitorEvent::PublishNow(published)).is_ok()
@@ -216,7 +218,8 @@ impl Loader {
         });
     }
 
-    /// Rebuilds the changed parts and returns the error if something was rejected. A new robot includes all other changes.
+    /// Rebuilds the changed parts and returns the error if something was rejected. A new robot includes all other
+    /// changes.
     fn rebuild_changed(
         &mut self,
         is_new_robot: bool,
@@ -236,7 +239,7 @@ impl Loader {
             None
         });
         if let Some(fault) = &refused {
-            log::error!("the robot model was refused: {fault}");
+            log::error!("the robot model was rejected: {fault}");
         }
         (built, refused)
     }
@@ -309,7 +312,7 @@ impl Loader {
             LoaderCommand::Semantic(text) => (&mut self.semantic, text, SEMANTIC),
         };
         if self.given.is_some() {
-            log::info!("{topic} is not heeded: the robot was given on the command line");
+            log::info!("{topic} is ignored: the robot was given on the command line");
             return Change::Nothing;
         }
         if known.as_ref() == Some(&text) {
@@ -349,7 +352,11 @@ impl Loader {
         let mut robot = load(&text)?;
         if let Some(srdf) = robot.srdf().filter(|srdf| srdf.robot_name != robot.name()) {
             // this SRDF belongs to the previous robot: its pairs are meaningless for this one
-            log::warn!("{SEMANTIC} is of robot '{}', not of '{}': not heeded", srdf.robot_name, robot.name());
+            log::warn!(
+                "{SEMANTIC} is of robot '{}', not of '{}': it is ignored",
+                srdf.robot_name,
+                robot.name()
+            );
             robot = load(&RobotText { srdf: None, ..text })?;
         }
         self.use_robot(robot, update_context).map(Some)

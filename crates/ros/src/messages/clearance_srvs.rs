@@ -1,9 +1,9 @@
 //! The services and the action of the ROS package `clearance_msgs`, as serde structs.
 //!
-//! The fields have the same order as in `interfaces/clearance_msgs/srv/*.srv` and `action/*.action`. Those files also define the unit, the
-//! frame and the meaning of every field.
-//! Fields that several services share are a separate struct here: CDR encodes a nested struct like its fields in the same position.
-//! A goal of the action is the request of the service with the same name; a result is its response.
+//! The fields have the same order as in `interfaces/clearance_msgs/srv/*.srv` and `action/*.action`. Those files also
+//! define the unit, the frame and the meaning of every field. Fields that several services share are a separate struct
+//! here: CDR encodes a nested struct like its fields in the same position. A goal of the action is the request of the
+//! service with the same name; a result is its response.
 
 use ros2_client::Message;
 use ros2_interfaces_jazzy_serde::geometry_msgs::msg::Point;
@@ -162,7 +162,8 @@ pub struct GetDistancesRequest {
     pub timeout: f64,
 }
 
-/// Distances in one state. The default status is `ERROR`; the status constants are the same as in [`CheckStatesResponse`].
+/// Distances in one state. The default status is `ERROR`; the status constants are the same as in
+/// [`CheckStatesResponse`].
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct GetDistancesResponse {
     pub verdict: u8,

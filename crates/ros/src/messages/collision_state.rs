@@ -1,4 +1,5 @@
-//! Conversion of evaluations to ROS messages, except markers and diagnostics; and of joint state messages to monitor input.
+//! Conversion of evaluations to ROS messages, except markers and diagnostics; and of joint state messages to monitor
+//! input.
 use clearance_checker::{CollisionChecker, CollisionReport, PairDistance};
 use clearance_monitor::{Evaluation, Status};
 use clearance_scene::BodyId;

@@ -15,8 +15,8 @@ pub enum MonitorEvent {
     /// A new robot description was received: its checker or its fault follows.
     ModelSwap,
     ModelFault(String),
-    /// A description was received that differs from the last one of its topic. `DescriptionsProcessed`: number of descriptions that the loader has
-    /// accepted or rejected.
+    /// A description was received that differs from the last one of its topic. `DescriptionsProcessed`: number of
+    /// descriptions that the loader has accepted or rejected.
     DescriptionReceived,
     DescriptionsProcessed(u64),
     /// Progress of a scene message, from its reception until it is in use.
@@ -25,7 +25,8 @@ pub enum MonitorEvent {
     Enabled(bool, Sender<()>),
     /// Request to publish an evaluation after all earlier events; the sender is notified when it is published.
     PublishNow(Sender<()>),
-    /// Reports on the point clouds, rejected parts of the last scene updates, and the reason why the world is incomplete, if it is.
+    /// Reports on the point clouds, rejected parts of the last scene updates, and the reason why the world is
+    /// incomplete, if it is.
     World {
         clouds: CloudReports,
         faults: Vec<String>,

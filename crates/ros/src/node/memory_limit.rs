@@ -21,8 +21,8 @@ const PERIOD: Duration = Duration::from_millis(50);
 /// Time that the monitor has to publish the status UNKNOWN.
 const TIME_TO_PUBLISH: Duration = Duration::from_millis(500);
 
-/// Further growth after the limit at which the process ends at once: a fraction (1/4) of the limit, but at least `LEAST_LAST_GROWTH`. A
-/// flood of packets adds more than 1 GB per second.
+/// Further growth after the limit at which the process ends at once: a fraction (1/4) of the limit, but at least
+/// `LEAST_LAST_GROWTH`. A flood of packets adds more than 1 GB per second.
 const LAST_GROWTH: u64 = 4;
 const LEAST_LAST_GROWTH: u64 = 64 * MIB;
 
@@ -83,7 +83,8 @@ impl MemoryWatch {
         let why = format!(
             "the node takes {used} MiB of memory, and memory_limit is {limit} MiB: {growth}; raise memory_limit if the robot and its world need that much"
         );
-        // log first, as the later steps may not be reached; on a separate thread, as the log may be a pipe that is not read
+        // log first, as the later steps may not be reached; on a separate thread, as the log may be a pipe that is not
+        // read
         let _ = thread::Builder::new().spawn(move || log::error!("{why}"));
         let (published, is_published) = mailbox::bounded(1);
         if self.events.send(MonitorEvent::Memory { used, limit, published }).is_ok() {
@@ -169,7 +170,8 @@ impl Process {
         Some(Self { system: System::new_with_specifics(RefreshKind::nothing().with_memory(memory)), id })
     }
 
-    /// Memory available to one node (bytes): a quarter of the machine's memory, or nearly all of the container's memory if that is less.
+    /// Memory available to one node (bytes): a quarter of the machine's memory, or nearly all of the container's memory
+    /// if that is less.
     fn memory_for_one_node(&self) -> u64 {
         let quarter = self.system.total_memory() / 4;
         self.system.cgroup_limits().map_or(quarter, |group| quarter.min(group.total_memory / 10 * 9))

@@ -29,7 +29,8 @@ use crate::topics::evaluation_publishers::Publishers;
 /// Period of the diagnostics while the status does not change.
 const DIAGNOSTICS_PERIOD: Duration = Duration::from_secs(1);
 
-/// If a joint state waited longer than this, checks take longer than the period of the joint states: then only the newest one is evaluated.
+/// If a joint state waited longer than this, checks take longer than the period of the joint states: then only the
+/// newest one is evaluated.
 const LONGEST_WAIT: Duration = Duration::from_millis(20);
 
 /// State of the monitor thread.
@@ -50,7 +51,8 @@ pub struct MonitorLoop {
     pub report: Report,
 }
 
-/// Joint states that this program publishes itself. They arrive through this queue; their copies from the topic are ignored.
+/// Joint states that this program publishes itself. They arrive through this queue; their copies from the topic are
+/// ignored.
 pub struct OwnMotion {
     pub source: Option<SourceId>,
     pub joint_states: Receiver<JointState>,
@@ -241,9 +243,9 @@ impl MonitorLoop {
         self.monitor.receive(joint_state_input(message, source), now);
     }
 
-    /// Publishes the evaluation made at `now`, from a joint state if one was received, as it is valid after the check. Returns it, and the
-    /// time at which `~/state` was published. A recording stores the evaluation itself, because the duration of a check depends on the
-    /// machine.
+    /// Publishes the evaluation made at `now`, from a joint state if one was received, as it is valid after the check.
+    /// Returns it, and the time at which `~/state` was published. A recording stores the evaluation itself, because the
+    /// duration of a check depends on the machine.
     fn publish(
         &mut self,
         evaluation: Evaluation,
@@ -276,7 +278,8 @@ impl MonitorLoop {
         (evaluation, published.state_at)
     }
 
-    /// Logs one line when the status or the reason for UNKNOWN changes. Frequent changes are rate-limited; then the final status is logged.
+    /// Logs one line when the status or the reason for UNKNOWN changes. Frequent changes are rate-limited; then the
+    /// final status is logged.
     fn log_change(&mut self, evaluation: &Evaluation) {
         let reason = evaluation.status.reason();
         let now = (evaluation.status.word(), reason.map(Reason::code));

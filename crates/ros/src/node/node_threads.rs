@@ -12,8 +12,8 @@ use crate::monitor_events::monitor_event::MonitorEvent;
 use crate::scene::loader_command::LoaderCommand;
 use crate::threading::mailbox;
 
-/// Time limit for all parts to end, after the first one has ended or the node was requested to end. A part that needs longer, such as the
-/// loader with a large model, is abandoned.
+/// Time limit for all parts to end, after the first one has ended or the node was requested to end. A part that needs
+/// longer, such as the loader with a large model, is abandoned.
 const TIME_TO_END: Duration = Duration::from_millis(700);
 
 /// Part of the node: its name and its work.
@@ -61,7 +61,8 @@ impl Drop for StopsOthers {
     }
 }
 
-/// Runs all parts until they have ended or are abandoned. Returns an error with the name of the part that failed, if any.
+/// Runs all parts until they have ended or are abandoned. Returns an error with the name of the part that failed, if
+/// any.
 pub fn run_together(parts: Vec<Part>, end: &StopSignal) -> Result<(), String> {
     let mut running = Vec::new();
     let mut failed = None;
@@ -90,8 +91,8 @@ pub fn run_together(parts: Vec<Part>, end: &StopSignal) -> Result<(), String> {
     failed.map_or(Ok(()), Err)
 }
 
-/// Waits for the first end of a part without a time limit, and for the other parts with one. Returns the names of the parts that have
-/// ended.
+/// Waits for the first end of a part without a time limit, and for the other parts with one. Returns the names of the
+/// parts that have ended.
 fn await_end(ended: &mpsc::Receiver<&'static str>, time_to_end: Duration) -> HashSet<&'static str> {
     let mut names: HashSet<_> = ended.recv().into_iter().collect();
     let deadline = Instant::now() + time_to_end;

@@ -1,4 +1,5 @@
-//! The services thread: descriptions, parameters, simulated time, the log on `/rosout`, discovery, and requests of clients.
+//! The services thread: descriptions, parameters, simulated time, the log on `/rosout`, discovery, and requests of
+//! clients.
 
 use std::sync::Arc;
 
@@ -46,7 +47,8 @@ pub struct ServicesInputs {
     pub changes: Receiver<()>,
 }
 
-/// Services that are neither urgent nor slow, on one thread: descriptions, parameters, simulated time, warnings about peers.
+/// Services that are neither urgent nor slow, on one thread: descriptions, parameters, simulated time, warnings about
+/// peers.
 pub struct ServicesThread {
     inputs: ServicesInputs,
     middleware: Middleware,
@@ -107,7 +109,8 @@ impl ServicesThread {
         future::zip(future::zip(listen, serve), meet).await;
     }
 
-    /// Converts the descriptions on a topic to commands. The monitor is notified of a new one first, as the loader may be busy.
+    /// Converts the descriptions on a topic to commands. The monitor is notified of a new one first, as the loader may
+    /// be busy.
     async fn forward(&self, topic: &Subscription<StringMessage>, command: fn(String) -> LoaderCommand) {
         let mut last = None;
         loop {

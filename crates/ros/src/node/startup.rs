@@ -1,5 +1,5 @@
-//! First phase of the program: signals and the memory limit are already active while the robot and the world from the command line are
-//! loaded.
+//! First phase of the program: signals and the memory limit are already active while the robot and the world from the
+//! command line are loaded.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -12,8 +12,9 @@ use crate::node_error::NodeError;
 /// Exit code if the node was ended by a signal and its shutdown was not complete.
 const FORCED: i32 = 4;
 
-/// Exit code if a signal ended the node before it ran: the same as for a process that SIGTERM ends by default. The kernel's default action
-/// is not enough: it does not apply to the first process of a container, nor to a background job whose shell ignores SIGINT.
+/// Exit code if a signal ended the node before it ran: the same as for a process that SIGTERM ends by default. The
+/// kernel's default action is not enough: it does not apply to the first process of a container, nor to a background
+/// job whose shell ignores SIGINT.
 const NOT_STARTED: i32 = 143;
 
 /// Exit code if the node exceeded its memory limit.
@@ -40,8 +41,8 @@ fn node() -> MutexGuard<'static, Option<StopSignal>> {
     NODE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// From now on a signal ends the process: at once before the node runs, afterwards by an orderly shutdown with a watchdog. A second signal
-/// ends the process at once.
+/// From now on a signal ends the process: at once before the node runs, afterwards by an orderly shutdown with a
+/// watchdog. A second signal ends the process at once.
 pub fn end_on_signals() -> Result<(), NodeError> {
     static HANDLED: OnceLock<Result<(), String>> = OnceLock::new();
     let handled = HANDLED.get_or_init(|| {

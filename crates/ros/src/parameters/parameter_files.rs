@@ -28,7 +28,8 @@ pub enum ParameterFault {
 
 /// Initial values: defaults, then the files in order, then the single parameters; later values replace earlier ones.
 ///
-/// Also returns the ignored parameters: those from wildcard sections that this node does not have, but other nodes may have.
+/// Also returns the ignored parameters: those from wildcard sections that this node does not have, but other nodes may
+/// have.
 pub fn initial(
     mut parameters: Parameters,
     sources: &[ParameterSource],

@@ -19,8 +19,8 @@ pub const STEPS: &str = "recording";
 /// Largest record (bytes) that is read: the largest attached file, plus room for its description.
 const LARGEST_RECORD: usize = (512 << 20) + (1 << 20);
 
-/// Bytes that are read at once at most. The length of a record in the file is not trusted: memory grows with the contents of the file,
-/// and with those of a compressed chunk up to [`LARGEST_RECORD`].
+/// Bytes that are read at once at most. The length of a record in the file is not trusted: memory grows with the
+/// contents of the file, and with those of a compressed chunk up to [`LARGEST_RECORD`].
 const BYTES_AT_ONCE: usize = 1 << 20;
 
 /// Limits for one step: number of its messages, and their total size (bytes).

@@ -242,7 +242,8 @@ pub fn mcap_writer(file: File) -> mcap::McapResult<mcap::Writer<BufWriter<File>>
         .library(concat!("clearance ", env!("CARGO_PKG_VERSION")))
         .compression(Some(Compression::Zstd))
         .compression_threads(0)
-        // chunks are written whole: a cut-off file then ends with a chunk that is too short, and not with a chunk without a length
+        // chunks are written whole: a cut-off file then ends with a chunk that is too short, and not with a chunk
+        // without a length
         .disable_seeking(true);
     options.create(BufWriter::new(file))
 }
@@ -442,7 +443,8 @@ impl Writer {
     }
 }
 
-/// Time at which something was received, on the recording's clock. That clock shows `at` when the other clocks show `now`.
+/// Time at which something was received, on the recording's clock. That clock shows `at` when the other clocks show
+/// `now`.
 fn before(at: u64, now: Now, received_at: Now) -> u64 {
     let [now, received_at] = [now, received_at].map(|now| Clocks::from(now).steady);
     at.saturating_sub(now.saturating_sub(received_at))

@@ -85,8 +85,8 @@ pub struct RecordedEvaluation {
     pub result: RecordedResult,
 }
 
-/// The recorded part of an evaluation. It holds no checker, so that events that wait for a slow disk keep no old robots and worlds
-/// in memory.
+/// The recorded part of an evaluation. It holds no checker, so that events that wait for a slow disk keep no old robots
+/// and worlds in memory.
 #[derive(Debug)]
 pub struct RecordedResult {
     pub state: CollisionState,
@@ -178,7 +178,8 @@ impl RecorderHandle {
         }
     }
 
-    /// Records an event, if a recorder runs; never waits. An event that does not fit into the queue is lost and counted.
+    /// Records an event, if a recorder runs; never waits. An event that does not fit into the queue is lost and
+    /// counted.
     pub fn note(&self, what: impl FnOnce() -> RecordedEvent) {
         let Some(line) = &self.0 else { return };
         let what = what();

@@ -12,8 +12,8 @@ use crate::recording::mcap_file::{Entry, RawMessage, ReadError, RecordingFile};
 use crate::recording::recorder::mcap_writer;
 use crate::recording::step::RecordStep;
 
-/// Copies a recording up to its answer number `last` (counted from 1). Of the earlier results it keeps the last `kept`, and those
-/// that the loader used. Everything else is copied completely.
+/// Copies a recording up to its result number `last` (counted from 1). Of the earlier results it keeps the last `kept`,
+/// and those that the loader used. Everything else is copied completely.
 pub fn save_part(from: &Path, to: &Path, last: u64, kept: u64) -> Result<(), ReadError> {
     let mut source = RecordingFile::open(from)?;
     let failed = |error: &dyn std::fmt::Display| ReadError::new(to, error.to_string());
@@ -24,7 +24,7 @@ pub fn save_part(from: &Path, to: &Path, last: u64, kept: u64) -> Result<(), Rea
         written: 0,
     };
     let (mut results, mut is_part) = (0, false);
-    // the last answer that was left out: the next loader step depends on the robot's position in it
+    // the last result that was left out: the next loader step depends on the robot's position in it
     let mut before: Option<Vec<RawMessage>> = None;
     while let Some(entry) = source.next()? {
         match entry {

@@ -18,7 +18,8 @@ use crate::parameters::parameter_value::Value;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RecordStep {
-    /// The node started. `given` holds the command-line inputs; the files that they name are attached under their names.
+    /// The node started. `given` holds the command-line inputs; the files that they name are attached under their
+    /// names.
     Started { version: String, node: String, parameters: Map<String, Json>, given: Json },
     /// A mesh URI was resolved to a file, which is attached under its real path.
     Mesh { folder: Option<PathBuf>, uri: String, file: PathBuf },
@@ -40,18 +41,18 @@ pub enum RecordStep {
     /// The monitor read the transforms.
     #[serde(rename = "looked")]
     TransformsRead,
-    /// A joint state was received and not evaluated, because the next one followed at once. Its message precedes this step.
-    /// `source` identifies its publisher, in hexadecimal digits.
+    /// A joint state was received and not evaluated, because the next one followed at once. Its message precedes this
+    /// step. `source` identifies its publisher, in hexadecimal digits.
     #[serde(rename = "heard")]
     JointStateReceived { now: Clocks, source: String },
-    /// A joint state was evaluated. Its message precedes this step, followed by the answers.
+    /// A joint state was evaluated. Its message precedes this step, followed by the results.
     JointState {
         now: Clocks,
         source: String,
         #[serde(default)]
         late: Late,
     },
-    /// The state was published again or evaluated again. The answers precede this step.
+    /// The state was published again or evaluated again. The results precede this step.
     Heartbeat {
         now: Clocks,
         #[serde(default)]
@@ -67,7 +68,7 @@ pub enum RecordStep {
     Ended { why: String },
 }
 
-/// The part of an answer that was not computed in time, which depends on the machine.
+/// The part of a result that was not computed in time, which depends on the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Late {

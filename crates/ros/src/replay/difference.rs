@@ -18,7 +18,7 @@ pub(super) enum StepResult {
     Differs { field: String, recorded: String, replayed: String },
 }
 
-/// Compares an answer with the recorded one; returns the first field that differs, if any.
+/// Compares a result with the recorded one; returns the first field that differs, if any.
 pub(super) fn difference(
     evaluation: &Evaluation,
     late: Late,
@@ -82,7 +82,7 @@ fn json(state: &CollisionState) -> Result<Json, String> {
     serde_json::to_value(state).map_err(|error| error.to_string())
 }
 
-/// Decodes a recorded answer. Older versions lack the fields that were later added at the end.
+/// Decodes a recorded result. Older versions lack the fields that were later added at the end.
 fn state(raw: &RawMessage) -> Result<CollisionState, String> {
     const ROOM: usize = 4096;
     if raw.kind != "clearance_msgs/msg/CollisionState" {

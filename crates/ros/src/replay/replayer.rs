@@ -43,11 +43,12 @@ impl std::fmt::Debug for Prepared {
 /// Result of a replay.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Outcome {
-    /// Number of answers that are equal to the recorded ones.
+    /// Number of results that are equal to the recorded ones.
     pub same: u64,
-    /// Those among them that lacked pairs at their deadline. For these, only the status FREE and the speed scale are compared.
+    /// Those among them that lacked pairs at their deadline. For these, only the status FREE and the speed scale are
+    /// compared.
     pub late: u64,
-    /// The first answer that differs; the replay stops there.
+    /// The first result that differs; the replay stops there.
     pub difference: Option<Difference>,
     /// Number of steps that the recorder lost. The replay stops there, since their content is unknown.
     pub lost: Option<u64>,
@@ -57,12 +58,12 @@ pub struct Outcome {
     pub version: String,
 }
 
-/// An answer that differs from the recorded one.
+/// A result that differs from the recorded one.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Difference {
-    /// Number of the answer, counted from 1.
+    /// Number of the result, counted from 1.
     pub answer: u64,
-    /// Time of the answer (ns since 1970).
+    /// Time of the result (ns since 1970).
     pub time: u64,
     /// Name of the first field that differs.
     pub field: String,
@@ -70,7 +71,7 @@ pub struct Difference {
     pub replayed: String,
 }
 
-/// Replays a recording, up to the first answer that differs.
+/// Replays a recording, up to the first result that differs.
 pub fn replay(path: &Path, prepared: Prepared) -> Result<Outcome, ReadError> {
     let mut file = RecordingFile::open(path)?;
     let mut prepared = Some(prepared);

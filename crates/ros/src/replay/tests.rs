@@ -402,7 +402,7 @@ fn what_was_passed_over_turned_off_slowed_or_late_is_so_again() {
         (p.slowdown_release_count, p.look_ahead_horizon) = (2, 1.0);
     });
     cell.turn(0.9);
-    // an older stamp than the one of the skipped joint state is out of command
+    // an older stamp than the one of the skipped joint state is out of order
     cell.pass_over(0.8);
     assert!(cell.turn(0.8).speed_scale > 0.0);
     cell.enable(false);

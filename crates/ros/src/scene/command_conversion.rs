@@ -1,4 +1,5 @@
-//! Conversion of messages about the world to commands of the loader. Live messages and recorded messages use the same functions.
+//! Conversion of messages about the world to commands of the loader. Live messages and recorded messages use the same
+//! functions.
 
 use clearance_monitor::{Now, Observation, Time};
 use clearance_scene::{SceneRejection, SceneUpdate};
@@ -32,7 +33,7 @@ pub fn attached_command(message: &AttachedCollisionObject) -> SceneCommand {
     }
 }
 
-/// LoaderCommand for a message that was received at `received_at`.
+/// Command for a message that was received at `received_at`.
 #[must_use]
 pub fn world_command(
     message: PlanningSceneWorld,
@@ -47,7 +48,7 @@ pub fn world_command(
         .with_octomap(message.octomap, observation(Time::ZERO, received_at))
 }
 
-/// LoaderCommand to apply a whole or partial scene.
+/// Command to apply a whole or partial scene.
 #[must_use]
 pub fn scene_command(
     by: SceneSource,
@@ -82,8 +83,8 @@ pub fn octomap_command(
     }
 }
 
-/// LoaderCommand for a message that cannot be decoded. It counts as lost, since it may have been about any part of the scene; an octomap is
-/// replaced by the next one.
+/// Command for a message that cannot be decoded. It counts as lost, since it may have been about any part of the scene;
+/// an octomap is replaced by the next one.
 #[must_use]
 pub fn undecodable_command(by: SceneSource) -> SceneCommand {
     const WHY: &str = "a message could not be decoded: is it of this type, and are its texts UTF-8?";

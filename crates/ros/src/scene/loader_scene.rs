@@ -244,8 +244,8 @@ impl LoaderScene {
         self.octomap = octomap.filter(|(map, _)| !map.octomap.data.is_empty()).map(|(map, _)| Arc::new(map));
     }
 
-    /// Records and returns whether the octomap of a topic shows nothing, after one that showed something. A scene message that removes the
-    /// map is intended, and not counted.
+    /// Records and returns whether the octomap of a topic shows nothing, after one that showed something. A scene
+    /// message that removes the map is intended, and not counted.
     fn check_blindness(&mut self, source: &str, update: Option<&SceneUpdate>) -> bool {
         let Some(update) = update.filter(|update| update.changes_octomap()) else { return false };
         let is_of_sensor = matches!(update, SceneUpdate::Octomap(Some(_)));

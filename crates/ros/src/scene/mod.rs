@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! planning_scene, collision_object, … ─> topics ─┐
-//! apply_planning_scene, … ────────> services ────┤─> scene commands ─> loader ─> scene keeper ─> checker ─> monitor
+//! apply_planning_scene, … ────────> services ────┤─> scene commands ─> loader ─> loader scene ─> checker ─> monitor
 //! octomaps, clouds, tf ───────────> topics ──────┘
 //! ```
 

@@ -6,7 +6,8 @@ use ros2_interfaces_jazzy_serde::octomap_msgs::msg::{Octomap, OctomapWithPose};
 
 use crate::scene::transform_messages::pose;
 
-/// Converts a single `octomap_msgs/Octomap`, which is placed in the frame of its header. Without data the octomap is empty.
+/// Converts a single `octomap_msgs/Octomap`, which is placed in the frame of its header. Without data the octomap is
+/// empty.
 pub fn octomap_placement(
     message: &Octomap,
     unknown_is_occupied: bool,

@@ -3,7 +3,8 @@
 use clearance_scene::{ByteOrder, CloudPoints, Column, Columns, NumberKind};
 use ros2_interfaces_jazzy_serde::sensor_msgs::msg::{PointCloud2, PointField};
 
-/// Largest distance (m) from the origin of its frame at which a point means "no return": many drivers write zeros there.
+/// Largest distance (m) from the origin of its frame at which a point means "no return": many drivers write zeros
+/// there.
 const AT_ORIGIN: f32 = 1e-6;
 
 /// Whether a point is at the origin of the cloud's frame, the position of the sensor.
@@ -12,8 +13,8 @@ pub fn is_at_origin(point: &[f32; 3]) -> bool {
     point.iter().all(|coordinate| coordinate.abs() <= AT_ORIGIN)
 }
 
-/// Points of a cloud, in its own frame. Several points at the origin are dropped like NaN. A single one is kept, since in a map it
-/// may be a cell.
+/// Points of a cloud, in its own frame. Several points at the origin are dropped like NaN. A single one is kept, since
+/// in a map it may be a cell.
 ///
 /// # Errors
 /// Name of the invalid field.

@@ -84,7 +84,8 @@ impl SceneCommand {
         self.original.take()
     }
 
-    /// Whether a client waits for the response to this kind of command. In a replay the commands are the same, but there is no client.
+    /// Whether a client waits for the response to this kind of command. In a replay the commands are the same, but
+    /// there is no client.
     #[must_use]
     pub fn is_waited_for(&self) -> bool {
         const DOORS: [SceneSource; 2] = [SceneSource::ApplyPlanningScene, SceneSource::GetPlanningScene];

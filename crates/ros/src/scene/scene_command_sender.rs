@@ -1,4 +1,5 @@
-//! Sender of scene commands to the loader. It notifies the monitor of each scene message, and counts changes of objects.
+//! Sender of scene commands to the loader. It notifies the monitor of each scene message, and counts changes of
+//! objects.
 
 use std::cell::Cell;
 use std::sync::PoisonError;
@@ -44,8 +45,8 @@ impl SceneCommandSender {
         Self { shared, commands, events, object_changes: Cell::default(), is_lost: Cell::default() }
     }
 
-    /// Reports the reception of a scene message to the monitor, before the message is converted, since that takes long as well. One
-    /// command to the loader has to follow.
+    /// Reports the reception of a scene message to the monitor, before the message is converted, since that takes long
+    /// as well. One command to the loader has to follow.
     pub fn note_update(&self, received: Instant) {
         let at = self.shared.clock.steady().saturating_sub(received.elapsed());
         self.notify(WorldUpdate::Received { steady: u64::try_from(at.as_nanos()).unwrap_or(u64::MAX) });
@@ -81,7 +82,8 @@ impl SceneCommandSender {
         self.commands.send(command).await.is_ok()
     }
 
-    /// Sends a command that the monitor was notified of, and waits until it is in force. Returns whether all of it was applied.
+    /// Sends a command that the monitor was notified of, and waits until it is in force. Returns whether all of it was
+    /// applied.
     pub async fn apply(&self, command: SceneCommand) -> bool {
         let (done, is_done) = channel::bounded(1);
         let command = LoaderCommand::Scene(Box::new(command.notifying(done)));

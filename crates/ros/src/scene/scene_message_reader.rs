@@ -1,4 +1,5 @@
-//! Conversion of `moveit_msgs` about the world to scene changes. Numbers are validated here, names where the changes are applied.
+//! Conversion of `moveit_msgs` about the world to scene changes. Numbers are validated here, names where the changes
+//! are applied.
 
 use clearance_geometry::Shape;
 use clearance_geometry::math::Pose;

@@ -144,8 +144,8 @@ impl SceneMessages<'_> {
 
     fn fixed_frames(&self) -> Vec<TransformStamped> {
         let stamped = |name: &str, pose: &Pose| {
-            // as in MoveIt, the header names the frame, and the child is the planning frame that it is placed in. If the planning
-            // frame is not at the root, the frame is the child, as in tf
+            // as in MoveIt, the header names the frame, and the child is the planning frame that it is placed in. If
+            // the planning frame is not at the root, the frame is the child, as in tf
             let (header, child) = match self.planning_frame() {
                 Some(planning_frame) => (name, planning_frame),
                 None => (self.root(), name),
@@ -161,7 +161,8 @@ impl SceneMessages<'_> {
         std::iter::once(own).chain(others).collect()
     }
 
-    /// `MoveIt`'s planning frame, if it is at the root: the root itself without a virtual joint, or the parent of a fixed one.
+    /// `MoveIt`'s planning frame, if it is at the root: the root itself without a virtual joint, or the parent of a
+    /// fixed one.
     fn planning_frame(&self) -> Option<&str> {
         let mut joints = self.robot.srdf().into_iter().flat_map(|srdf| &srdf.virtual_joints);
         match joints.find(|joint| joint.child_link == self.robot.root()) {

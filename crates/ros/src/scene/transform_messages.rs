@@ -14,8 +14,8 @@ pub fn pose(message: &PoseMessage, field: &str) -> Result<Pose, String> {
     message_pose([p.x, p.y, p.z], [q.x, q.y, q.z, q.w]).map_err(|why| format!("{field}: {why}"))
 }
 
-/// Converts a transform to the pose of the child in the parent. A rotation of length zero, which a publisher did not set, is
-/// rejected.
+/// Converts a transform to the pose of the child in the parent. A rotation of length zero, which a publisher did not
+/// set, is rejected.
 pub fn transform_pose(message: &Transform) -> Result<Pose, String> {
     let (p, q) = (&message.translation, &message.rotation);
     pose_from_xyz_quaternion([p.x, p.y, p.z], [q.x, q.y, q.z, q.w]).ok_or_else(|| {
@@ -23,7 +23,8 @@ pub fn transform_pose(message: &Transform) -> Result<Pose, String> {
     })
 }
 
-/// Stores transforms received at `now` in the tree, and returns what is wrong with them; `fixed` transforms never expire.
+/// Stores transforms received at `now` in the tree, and returns what is wrong with them; `fixed` transforms never
+/// expire.
 pub fn note_transforms(
     tree: &mut TransformTree,
     message: TFMessage,
@@ -51,6 +52,6 @@ pub fn note_transforms(
         Some((frame, why)) => {
             Some(format!("tf: the transform of '{}' is no pose: {why}", frame.escape_debug()))
         }
-        None => too_many.then(|| "tf: there are too many frames; the rest is not heeded".to_owned()),
+        None => too_many.then(|| "tf: there are too many frames; further ones are ignored".to_owned()),
     }
 }

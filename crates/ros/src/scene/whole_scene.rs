@@ -1,4 +1,5 @@
-//! Tracks whether the complete scene was received, where the parameters require it: from messages, or from the queried service.
+//! Tracks whether the complete scene was received, where the parameters require it: from messages, or from the queried
+//! service.
 
 use clearance_monitor::WorldSource;
 use clearance_scene::SceneUpdate;
@@ -29,7 +30,8 @@ pub struct WholeScene {
 }
 
 impl WholeScene {
-    /// Sets the service to query. A new service resets the completeness: scenes from other sources do not replace its response.
+    /// Sets the service to query. A new service resets the completeness: scenes from other sources do not replace its
+    /// response.
     pub fn set_service(&mut self, service: &str) {
         if self.service != service {
             service.clone_into(&mut self.service);

@@ -88,8 +88,8 @@ impl<RequestId, Outcome: Clone> Goals<RequestId, Outcome> {
         self.goals.iter_mut().find(|goal| goal.info.goal_id == id && goal.ended.is_none())
     }
 
-    /// Cancels the goal with the given id, the goals accepted up to the given stamp, or both; all goals if neither is given. See
-    /// `action_msgs/srv/CancelGoal`.
+    /// Cancels the goal with the given id, the goals accepted up to the given stamp, or both; all goals if neither is
+    /// given. See `action_msgs/srv/CancelGoal`.
     pub fn cancel(&mut self, GoalInfo { goal_id, stamp }: &GoalInfo) -> CancelResult {
         let by_id = *goal_id != GoalId::ZERO;
         let by_stamp = *stamp != Stamp::ZERO;

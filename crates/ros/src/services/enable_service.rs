@@ -44,8 +44,8 @@ impl EnableService {
         Ok(Self { server, events })
     }
 
-    /// Serves requests until the node ends. The response is sent after the monitor has applied the request: no result with the old setting
-    /// is published after it.
+    /// Serves requests until the node ends. The response is sent after the monitor has applied the request: no result
+    /// with the old setting is published after it.
     pub async fn serve(&self) {
         loop {
             let (id, SetBoolRequest { data }) = self.server.next().await;

@@ -1,4 +1,5 @@
-//! Services and the action of the node. Requests are handled here; the decisions are made by the monitor and the checker.
+//! Services and the action of the node. Requests are handled here; the decisions are made by the monitor and the
+//! checker.
 
 pub mod action_goals; // goals of an action
 pub mod enable_service; // `~/enable`

@@ -58,8 +58,9 @@ impl From<&Rejection> for MotionResponse {
     }
 }
 
-/// Responds to a request for a straight motion. From the current state, continuous joints move in the direction `default_direction`, unless the request
-/// contains another one. The workspace is memory that is reused to make later checks faster.
+/// Responds to a request for a straight motion. From the current state, continuous joints move in the direction
+/// `default_direction`, unless the request contains another one. The workspace is memory that is reused to make later
+/// checks faster.
 #[must_use]
 pub fn evaluate_motion(
     request: &CheckMotionRequest,

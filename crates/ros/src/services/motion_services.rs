@@ -1,5 +1,6 @@
-//! `~/check_motion` and `~/check_trajectory`, the latter also as an action. Requests and responses are handled on the services thread.
-//! Checks run one after the other on a separate thread, so that a long motion does not delay other work.
+//! `~/check_motion` and `~/check_trajectory`, the latter also as an action. Requests and responses are handled on the
+//! services thread. Checks run one after the other on a separate thread, so that a long motion does not delay other
+//! work.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;

@@ -1,7 +1,7 @@
 //! The standard parameter services, as used by `ros2 param`, and `/parameter_events`.
 //!
-//! The client library's own services return no descriptions, change parameters one by one, and lose the first requests of clients
-//! that were started before the node.
+//! The client library's own services return no descriptions, change parameters one by one, and lose the first requests
+//! of clients that were started before the node.
 
 use std::sync::Arc;
 
@@ -194,7 +194,8 @@ fn result_message(result: Result<(), String>) -> raw::SetParametersResult {
     raw::SetParametersResult { successful, reason }
 }
 
-/// Lists parameters as rclcpp does: all of them, or those that equal a prefix or lie below it. No parameter name of this node has a dot.
+/// Lists parameters as rclcpp does: all of them, or those that equal a prefix or lie below it. No parameter name of
+/// this node has a dot.
 #[expect(clippy::needless_pass_by_value, reason = "a request is answered once")]
 fn list(request: ListParametersRequest) -> ListParametersResponse {
     let wanted = |name: &str| request.prefixes.is_empty() || request.prefixes.iter().any(|p| p == name);

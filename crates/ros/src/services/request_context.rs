@@ -16,7 +16,8 @@ pub struct RequestContext<'a> {
     pub checker: &'a CollisionChecker,
     /// Current configuration, or the reason why it is unknown.
     pub now: Result<&'a Configuration, String>,
-    /// Whether the received joint states are contradictory: then the robot is not at its default configuration, but at an unknown one.
+    /// Whether the received joint states are contradictory: then the robot is not at its default configuration, but at
+    /// an unknown one.
     pub is_contradicted: bool,
 }
 
@@ -112,8 +113,8 @@ pub fn not_negative(name: &str, unit: &str, value: f64) -> Result<(), Rejection>
     Err(bad_request(format!("{name} is {value} {unit}, but must be finite and not negative")))
 }
 
-/// Deadline of a timeout (s) that started at `started`. A timeout of 0 selects `usual`; one beyond the range of the clock gives no
-/// deadline.
+/// Deadline of a timeout (s) that started at `started`. A timeout of 0 selects `usual`; one beyond the range of the
+/// clock gives no deadline.
 pub fn deadline(
     timeout: f64,
     usual: Option<Duration>,

@@ -1,5 +1,5 @@
-//! The services `get_planning_scene`, `apply_planning_scene`, `clear_octomap` and `check_state_validity`. Requests and responses
-//! are handled on the thread of the world topics; states are checked on their own thread.
+//! The services `get_planning_scene`, `apply_planning_scene`, `clear_octomap` and `check_state_validity`. Requests and
+//! responses are handled on the thread of the world topics; states are checked on their own thread.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, PoisonError};

@@ -1,5 +1,6 @@
-//! `~/check_states` and `~/get_distances`. Requests and responses are handled on the services thread. Checks run one request after the
-//! other on a separate thread, so that a long batch delays nothing else, and a long motion does not delay a batch.
+//! `~/check_states` and `~/get_distances`. Requests and responses are handled on the services thread. Checks run one
+//! request after the other on a separate thread, so that a long batch delays nothing else, and a long motion does not
+//! delay a batch.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;

@@ -201,7 +201,8 @@ fn current_state<'s>(context: &ValidityContext<'s>) -> Option<&'s CheckedState> 
     evaluation.robot_state.as_deref().filter(|_| same)
 }
 
-/// Positions of planar and floating joints, by name. The virtual joint, which places the root in the world, must be at zero.
+/// Positions of planar and floating joints, by name. The virtual joint, which places the root in the world, must be at
+/// zero.
 fn placed_joints(robot: &RobotModel, given: &MultiDOFJointState) -> Result<Vec<(String, f64)>, String> {
     let (names, transforms) = (&given.joint_names, &given.transforms);
     if names.len() != transforms.len() {
@@ -231,8 +232,8 @@ fn placed_joints(robot: &RobotModel, given: &MultiDOFJointState) -> Result<Vec<(
     Ok(placed)
 }
 
-/// The scene with the attached objects of the request; `None` if that changes nothing. As in `MoveIt`, a detached object is
-/// removed, not put into the world.
+/// The scene with the attached objects of the request; `None` if that changes nothing. As in `MoveIt`, a detached
+/// object is removed, not put into the world.
 fn with_request(
     state: &RobotState,
     scene: &Scene,
@@ -278,8 +279,8 @@ fn with_request(
     }
 }
 
-/// Converts a contact. If the normal is unknown, it points from the middle of the first body towards the contact; if the depth is
-/// unknown, it is zero.
+/// Converts a contact. If the normal is unknown, it points from the middle of the first body towards the contact; if
+/// the depth is unknown, it is zero.
 fn contact(
     checker: &CollisionChecker,
     (a, b): (BodyId, BodyId),

@@ -1,5 +1,6 @@
-//! Queue between threads of different priorities. A thread that finds the queue locked sleeps. It never waits by yielding or spinning: with
-//! realtime priority it would keep the processor from the thread that holds the lock ([`crate::threading::thread_priority`]).
+//! Queue between threads of different priorities. A thread that finds the queue locked sleeps. It never waits by
+//! yielding or spinning: with realtime priority it would keep the processor from the thread that holds the lock
+//! ([`crate::threading::thread_priority`]).
 
 use std::collections::VecDeque;
 use std::fmt;

@@ -1,10 +1,11 @@
 //! Optional realtime priority of the threads between the reception of a joint state and the publication of its result.
 //!
-//! `RustDDS` and its callers communicate through queues in which one side waits for the other by yielding (the queues of
-//! `std::sync::mpsc`). A thread with realtime priority never yields to a thread without it: it could wait for a sender that it has
-//! preempted itself, until the kernel stops all realtime threads for a moment (`sched_rt_runtime_us`, 0.95 s). Therefore a thread that
-//! calls that library runs with the priority of the library's threads during the call ([`ThreadPriority::lend`]), and the queues between
-//! our own threads of both kinds never wait by yielding (`mailbox`).
+//! `RustDDS` and its callers communicate through queues in which one side waits for the other by yielding (the queues
+//! of `std::sync::mpsc`). A thread with realtime priority never yields to a thread without it: it could wait for a
+//! sender that it has preempted itself, until the kernel stops all realtime threads for a moment
+//! (`sched_rt_runtime_us`, 0.95 s). Therefore a thread that calls that library runs with the priority of the library's
+//! threads during the call ([`ThreadPriority::lend`]), and the queues between our own threads of both kinds never wait
+//! by yielding (`mailbox`).
 
 use std::marker::PhantomData;
 use std::thread;
@@ -50,8 +51,8 @@ impl ThreadPriority {
         if self == Self::Realtime { system::raise() } else { Ok(()) }
     }
 
-    /// Sets this priority for the calling thread until the returned guard is dropped. This takes some microseconds, and nothing if the
-    /// thread already has the priority.
+    /// Sets this priority for the calling thread until the returned guard is dropped. This takes some microseconds, and
+    /// nothing if the thread already has the priority.
     pub(crate) fn lend(self) -> Lent {
         if self == Self::Normal || system::is_raised() {
             return Lent { is_borrowed: false, of_thread: PhantomData };

@@ -1,4 +1,5 @@
-//! Waits with a timeout, without the timer thread of the async runtime: a thread with high priority must not depend on one without.
+//! Waits with a timeout, without the timer thread of the async runtime: a thread with high priority must not depend on
+//! one without.
 
 use std::future::Future;
 use std::pin::pin;

@@ -105,7 +105,8 @@ impl Motion {
 /// Joint names and their positions.
 type Named = (Vec<String>, Vec<f64>);
 
-/// Adds the leader joints of the named mimic joints. Names of joints that the robot does not have are kept: the monitor reports them.
+/// Adds the leader joints of the named mimic joints. Names of joints that the robot does not have are kept: the monitor
+/// reports them.
 fn with_leaders(robot: &RobotModel, (mut names, mut positions): Named) -> Result<Named, ConfigurationError> {
     let Ok(named) = robot.named_joints(names.iter().map(String::as_str)) else {
         return Ok((names, positions));
@@ -154,8 +155,8 @@ fn sweep(robot: &RobotModel, time: f64) -> Vec<f64> {
     positions
 }
 
-/// Publishes a motion without end. The node's own monitor also receives it through a queue of one message: on a loopback interface without
-/// multicast, which is the usual case, a process does not receive its own messages.
+/// Publishes a motion without end. The node's own monitor also receives it through a queue of one message: on a
+/// loopback interface without multicast, which is the usual case, a process does not receive its own messages.
 pub async fn play(
     motion: &Motion,
     robot: &CurrentRobot,

@@ -11,8 +11,8 @@ use crate::messages::time_and_geometry::stamp_message;
 use crate::monitor_events::cloud_report::CloudReport;
 use crate::topics::activity::{Activity, Latencies};
 
-/// Diagnostics message: the current evaluation, the counters of the last `interval`, the error of the last model if it was rejected, and
-/// the last point cloud of each topic.
+/// Diagnostics message: the current evaluation, the counters of the last `interval`, the error of the last model if it
+/// was rejected, and the last point cloud of each topic.
 #[must_use]
 pub fn diagnostics(
     node: &str,

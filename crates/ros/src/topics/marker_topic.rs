@@ -1,5 +1,5 @@
-//! `~/markers`, computed and published on a separate thread: colliding meshes and a thousand lines take longer than a check, and would
-//! delay the joint states.
+//! `~/markers`, computed and published on a separate thread: colliding meshes and a thousand lines take longer than a
+//! check, and would delay the joint states.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -62,8 +62,8 @@ fn feed() -> (MarkerFeed, Receiver<MarkerUpdate>) {
 }
 
 impl MarkerFeed {
-    /// Queues an evaluation at every change of status, and otherwise at the marker rate. It is skipped if the queue still holds the last
-    /// one.
+    /// Queues an evaluation at every change of status, and otherwise at the marker rate. It is skipped if the queue
+    /// still holds the last one.
     pub fn show(&mut self, evaluation: &Evaluation, parameters: &Parameters, steady: Duration) {
         let boxed = || Box::new(evaluation.clone());
         if !parameters.publish_markers {

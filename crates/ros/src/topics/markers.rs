@@ -49,8 +49,8 @@ pub struct MarkerDisplay {
 }
 
 impl MarkerDisplay {
-    /// Markers of an evaluation, and deletions of the markers that are no longer valid. Markers expire after `lifetime`, so that none
-    /// remain when the node has ended.
+    /// Markers of an evaluation, and deletions of the markers that are no longer valid. Markers expire after
+    /// `lifetime`, so that none remain when the node has ended.
     pub fn update(&mut self, evaluation: &Evaluation, lifetime: Duration) -> MarkerArray {
         let mut scene = Scene::new(header(evaluation), lifetime);
         if let (Some(revision), Some(checked_state)) = (&evaluation.revision, &evaluation.checked_state) {
@@ -335,7 +335,8 @@ fn cone_corners(radius: f64, half_length: f64) -> Vec<Point> {
     (0..SIDES).flat_map(|i| [apex, rim(i), rim(i + 1), foot, rim(i + 1), rim(i)]).collect()
 }
 
-/// Resource name and scale of a mesh for other programs. `None` for file names relative to the URDF, which other programs cannot resolve.
+/// Resource name and scale of a mesh for other programs. `None` for file names relative to the URDF, which other
+/// programs cannot resolve.
 fn resource(source: &MeshSource) -> Option<(String, Vector)> {
     let uri = match &source.uri {
         uri if uri.starts_with("package://") || uri.starts_with("file://") => uri.clone(),

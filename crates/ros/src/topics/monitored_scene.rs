@@ -19,8 +19,8 @@ use crate::scene::scene_message_writer::{SceneMessages, scene_message};
 /// Largest message (bytes): `RustDDS` loses messages of more than about 250 kB.
 const LONGEST: usize = 200_000;
 
-/// Number of differences published between two whole scenes. A subscription that comes later receives a whole scene and all
-/// differences after it.
+/// Number of differences published between two whole scenes. A subscription that comes later receives a whole scene and
+/// all differences after it.
 const DIFFERENCES: usize = 80;
 
 /// Publishes every change of the scene. Octomaps and clouds are too large and are not published.
@@ -154,7 +154,7 @@ fn split(first: PlanningScene, size_of_first: usize, objects: Vec<CollisionObjec
         let mut bytes = size(&object);
         if bytes > LONGEST {
             log::warn!(
-                "monitored_planning_scene: object '{}' is too large to be told with its shapes",
+                "monitored_planning_scene: object '{}' is too large: it is published without its shapes",
                 object.id
             );
             object.primitives.clear();

@@ -1,8 +1,8 @@
-//! Client of a running `move_group`'s scene service. It requests the scene when the service appears, and again when changes were
-//! lost.
+//! Client of a running `move_group`'s scene service. It requests the scene when the service appears, and again when
+//! changes were lost.
 //!
-//! `MoveIt` publishes a whole scene when it starts, and only changes after that. A node that starts later would miss the objects
-//! that were there before.
+//! `MoveIt` publishes a whole scene when it starts, and only changes after that. A node that starts later would miss
+//! the objects that were there before.
 
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
@@ -28,8 +28,8 @@ const PERIOD: Duration = Duration::from_millis(200);
 /// Time between two checks of the parameter, while it names no service.
 const PAUSE: Duration = Duration::from_secs(1);
 
-/// Timeout of a request, and time until the next request if there was no response or it was rejected. It doubles each time, up to
-/// the longest.
+/// Timeout of a request, and time until the next request if there was no response or it was rejected. It doubles each
+/// time, up to the longest.
 const TIMEOUT: Duration = Duration::from_secs(2);
 const LONGEST_TIMEOUT: Duration = Duration::from_secs(16);
 
@@ -143,8 +143,8 @@ impl Service {
         self.timeout = (2 * self.timeout).min(LONGEST_TIMEOUT);
     }
 
-    /// Sends a request and has the response applied. If a change was received meanwhile, it may be newer: then the response is
-    /// discarded and requested again.
+    /// Sends a request and has the response applied. If a change was received meanwhile, it may be newer: then the
+    /// response is discarded and requested again.
     async fn request(&mut self, context: RequestContext<'_>) -> Result<(), String> {
         let changes = context.sender.object_changes();
         let components = PlanningSceneComponents { components: EVERYTHING };
@@ -154,16 +154,16 @@ impl Service {
             return Err(format!("{} tells the scene of no robot: it has none yet", self.name));
         }
         if scene.is_diff {
-            return Err(format!("{} tells what has changed, not the whole scene", self.name));
+            return Err(format!("{} returned changes, not the whole scene", self.name));
         }
         if context.sender.object_changes() != changes {
             return Ok(());
         }
         context.sender.note_update(Instant::now());
         if !context.sender.apply(context.sender.scene(SceneSource::GetPlanningScene, scene)).await {
-            return Err(format!("not all of what {} told was taken", self.name));
+            return Err(format!("not all of the scene of {} was applied", self.name));
         }
-        log::info!("planning_scene_service: {} told its scene", self.name);
+        log::info!("planning_scene_service: the scene of {} was received", self.name);
         (self.is_due, self.timeout) = (false, TIMEOUT);
         Ok(())
     }
@@ -173,6 +173,6 @@ impl Service {
         while context.middleware.servers_elsewhere(&self.name) == self.servers {
             Timer::after(PERIOD).await;
         }
-        Err(format!("others serve {} now than those who were asked", self.name))
+        Err(format!("the servers of {} have changed since the request", self.name))
     }
 }

@@ -1,4 +1,5 @@
-//! Subscriptions of the world topics. Messages become commands of the loader; transforms are stored in the tree directly.
+//! Subscriptions of the world topics. Messages become commands of the loader; transforms are stored in the tree
+//! directly.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};

@@ -40,8 +40,8 @@ pub fn no_markers() -> MarkerArray {
     MarkerArray { markers: vec![Marker { action: Marker::DELETEALL, pose, ..Marker::default() }] }
 }
 
-/// Swept volumes of all links for a number of intervals per segment, coloured by the result. Deletes the previous markers first. `None`
-/// when the volumes exceed the range of numbers.
+/// Swept volumes of all links for a number of intervals per segment, coloured by the result. Deletes the previous
+/// markers first. `None` when the volumes exceed the range of numbers.
 #[must_use]
 pub fn swept_volume_markers(
     checker: &CollisionChecker,

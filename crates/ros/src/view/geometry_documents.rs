@@ -62,8 +62,8 @@ struct DrawnShape {
     coarse: bool,
 }
 
-/// Shape to draw. Lengths in metres. Ranges of numbers: three for a vertex, a triangle or a point, four for a cube (centre, half
-/// edge).
+/// Shape to draw. Lengths in metres. Ranges of numbers: three for a vertex, a triangle or a point, four for a cube
+/// (centre, half edge).
 #[derive(Serialize)]
 #[serde(tag = "kind", rename_all = "lowercase")]
 enum Form {

@@ -27,8 +27,9 @@ const UPDATE_PERIOD: Duration = Duration::from_millis(33);
 /// Longest time between two updates. A page without updates for longer shows that nothing is known.
 const LONGEST_PAUSE: Duration = Duration::from_millis(500);
 
-/// Duration of one stream of updates. Browsers request another one at once, while a browser that reads nothing loses its permit. The
-/// buffers of both systems hold megabytes of updates, so the connection itself would not show this for minutes.
+/// Duration of one stream of updates. Browsers request another one at once, while a browser that reads nothing loses
+/// its permit. The buffers of both systems hold megabytes of updates, so the connection itself would not show this for
+/// minutes.
 const STREAM_TIME: Duration = Duration::from_secs(4);
 
 /// First line of a stream: time (ms) after which a browser reconnects.
@@ -129,9 +130,8 @@ impl UpdateStream {
         Self { slot, _permit: permit, since: Instant::now(), last: None }
     }
 
-    /// Waits for the next update: the newest evaluation once there is one, at most once per `UPDATE_PERIOD`, or the last one
-    /// again after a pause.
-    /// `None` when the stream has reached its duration.
+    /// Waits for the next update: the newest evaluation once there is one, at most once per `UPDATE_PERIOD`, or the
+    /// last one again after a pause. `None` when the stream has reached its duration.
     async fn next_event(&mut self) -> Option<Bytes> {
         while self.since.elapsed() < STREAM_TIME {
             let timed_evaluation = self.slot.last().clone();
@@ -152,8 +152,8 @@ impl UpdateStream {
     }
 }
 
-/// Whether the host name in the request is an IP address or `localhost`. Any other name may have been pointed to this machine by
-/// another site's page, which could then read the view (DNS rebinding).
+/// Whether the host name in the request is an IP address or `localhost`. Any other name may have been pointed to this
+/// machine by another site's page, which could then read the view (DNS rebinding).
 fn is_for_this_machine(headers: &HeaderMap) -> bool {
     let mut hosts = headers.get_all(header::HOST).iter();
     let (Some(host), None) = (hosts.next(), hosts.next()) else {

@@ -1,4 +1,5 @@
-//! Slot with the last evaluation, exchanged without a lock: a slow reader receives the newest one, never a queue of old ones.
+//! Slot with the last evaluation, exchanged without a lock: a slow reader receives the newest one, never a queue of old
+//! ones.
 
 use std::time::Instant;
 

@@ -117,7 +117,7 @@ fn serve(listener: &TcpListener, http: &Arc<HttpService>, stopped: &Receiver<()>
                     executor.spawn(connection).detach();
                 }
                 Err(error) => {
-                    log::debug!("the view: a browser did not get through: {error}");
+                    log::debug!("the view: a connection failed: {error}");
                     Timer::after(Duration::from_millis(100)).await;
                 }
             }

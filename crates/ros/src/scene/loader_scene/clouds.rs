@@ -22,8 +22,8 @@ use crate::scene::scene_update_context::SceneUpdateContext;
 impl LoaderScene {
     /// Replaces the previous clouds by the newest ones; returns whether anything changed.
     ///
-    /// A cloud that shows nothing of the environment does not replace the previous cloud, unless the parameter `blind_cloud` accepts such
-    /// clouds.
+    /// A cloud that shows nothing of the environment does not replace the previous cloud, unless the parameter
+    /// `blind_cloud` accepts such clouds.
     pub fn apply_clouds(
         &mut self,
         messages: BTreeMap<String, CloudMessage>,
@@ -149,8 +149,9 @@ fn cloud_filter(parameters: &Parameters) -> CloudFilter {
 
 /// Reason why a cloud shows nothing of the environment; `None` if it is usable.
 ///
-/// `cropped` is the number of points outside of the crop box, without points at the sensor's origin, which are ignored anyway. Points on
-/// the robot prove that the sensor works: a cloud that contains only such points shows an empty environment.
+/// `cropped` is the number of points outside of the crop box, without points at the sensor's origin, which are ignored
+/// anyway. Points on the robot prove that the sensor works: a cloud that contains only such points shows an empty
+/// environment.
 fn blindness(no_place: usize, points: &[[f32; 3]], cropped: usize) -> Option<String> {
     let seen: Vec<&[f32; 3]> = points.iter().filter(|point| !is_at_origin(point)).collect();
     let all = no_place + points.len();
@@ -178,9 +179,9 @@ fn blindness(no_place: usize, points: &[[f32; 3]], cropped: usize) -> Option<Str
     })
 }
 
-/// Common distance (m) of all points from the origin of the cloud's frame; `None` if there are too few points or the distances differ. Only
-/// a sphere around the sensor has the same distance everywhere, but a sensor that detects nothing may report its maximum range in all
-/// directions.
+/// Common distance (m) of all points from the origin of the cloud's frame; `None` if there are too few points or the
+/// distances differ. Only a sphere around the sensor has the same distance everywhere, but a sensor that detects
+/// nothing may report its maximum range in all directions.
 fn range_limit(points: &[&[f32; 3]]) -> Option<f64> {
     /// Minimum number of points: two points of a wall may have the same distance.
     const SOME: usize = 3;
