@@ -105,7 +105,7 @@ impl OfflineNode {
         let parameters = Parameters { point_cloud_topics: vec![CLOUDS.to_owned()], ..Parameters::default() };
         let mut monitor = Monitor::new(parameters.monitor_settings(), || Duration::ZERO);
         let nothing_around = Box::new(|_: &RobotModel| Ok(Scene::default()));
-        let mut loader = Loader::new((MeshFiles::default(), nothing_around, MeshModel::Surface));
+        let mut loader = Loader::new(MeshFiles::default(), nothing_around, MeshModel::Surface);
         let start = Now { ros: None, steady: Duration::ZERO };
         if let Some(robot) = robot {
             monitor.set_checker(loader.load_given(robot, &SceneUpdateContext::first(&parameters, start))?);

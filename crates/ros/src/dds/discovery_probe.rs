@@ -13,7 +13,7 @@ use std::net::{Ipv4Addr, SocketAddr, UdpSocket};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use crate::dds::rtps::{Entity, message, sequence_number};
+use crate::dds::rtps::{Entity, SubmessageKind, message, sequence_number};
 
 /// Vendor identifier of eProsima, with which the identifiers of Fast DDS participants begin.
 const FAST_DDS: [u8; 2] = [0x01, 0x0f];
@@ -90,7 +90,7 @@ fn probe_id(own: &Entity) -> Entity {
 /// Announcement of the participant `discovery_probe`: it receives discovery messages at this port of this machine, and
 /// has no endpoints.
 fn announcement(discovery_probe: &Entity, port: u16) -> Vec<u8> {
-    const DATA: (u8, u8) = (0x15, 0x04);
+    const DATA: SubmessageKind = SubmessageKind { id: 0x15, flags: 0x04 };
     /// No extra flags, and no quality of service before the data.
     const BEFORE_DATA: [u8; 4] = [0, 0, 16, 0];
     /// Encapsulation of a parameter list.

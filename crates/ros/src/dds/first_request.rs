@@ -15,12 +15,12 @@ use std::time::{Duration, Instant};
 
 use rustdds::GUID;
 
-use crate::dds::rtps::{Entity, message, sequence_number};
+use crate::dds::rtps::{Entity, SubmessageKind, message, sequence_number};
 
 /// Vendor identifier of eProsima, with which the GUIDs of Fast DDS participants begin.
 const FAST_DDS: [u8; 2] = [0x01, 0x0f];
 
-const ACKNACK: (u8, u8) = (0x06, 0);
+const ACKNACK: SubmessageKind = SubmessageKind { id: 0x06, flags: 0 };
 
 /// Intervals before each request (ms); the first one starts at the match. They exceed the 5 ms in which Fast DDS
 /// collects requests.

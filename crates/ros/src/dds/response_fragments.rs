@@ -1,12 +1,12 @@
 //! Fragments of a long service response (RTPS 2.5, section 9.4.5.5, `DATA_FRAG`).
 
-use crate::dds::rtps::{Entity, message, sequence_number};
+use crate::dds::rtps::{Entity, SubmessageKind, message, sequence_number};
 
 /// Bytes of the response in a fragment. With all headers, a fragment fits into a datagram of any common network.
 const FRAGMENT: u16 = 1024;
 
 /// The flag means that inline parameters follow: they identify the request.
-const DATA_FRAG: (u8, u8) = (0x16, 2);
+const DATA_FRAG: SubmessageKind = SubmessageKind { id: 0x16, flags: 2 };
 
 /// Serialized response of a service.
 pub struct LongResponse<'a> {

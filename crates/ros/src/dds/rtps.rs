@@ -37,12 +37,19 @@ impl RtpsSocket {
     }
 }
 
+/// Kind of a submessage, with its flags.
+#[derive(Clone, Copy, Debug)]
+pub struct SubmessageKind {
+    pub id: u8,
+    pub flags: u8,
+}
+
 /// One submessage from one participant to another, all of it in little-endian order: header, `INFO_DST`, submessage.
 ///
 /// # Panics
 ///
 /// When the submessage does not fit into a datagram.
-pub fn message(from: &Entity, to: &Entity, (kind, flags): (u8, u8), body: &[u8]) -> Vec<u8> {
+pub fn message(from: &Entity, to: &Entity, kind: SubmessageKind, body: &[u8]) -> Vec<u8> {
     const LITTLE_END_FIRST: u8 = 1;
     let length = u16::try_from(body.len()).expect("a submessage is shorter than a datagram");
     [
@@ -52,7 +59,7 @@ pub fn message(from: &Entity, to: &Entity, (kind, flags): (u8, u8), body: &[u8])
         &from[..12],
         &[0x0e, LITTLE_END_FIRST, 12, 0],
         &to[..12],
-        &[kind, flags | LITTLE_END_FIRST],
+        &[kind.id, kind.flags | LITTLE_END_FIRST],
         &length.to_le_bytes(),
         body,
     ]
@@ -72,7 +79,7 @@ mod tests {
 
     #[test]
     fn a_message_says_from_whom_and_to_whom() {
-        let sent = message(&[7; 16], &[9; 16], (0x06, 2), &[5; 300]);
+        let sent = message(&[7; 16], &[9; 16], SubmessageKind { id: 0x06, flags: 2 }, &[5; 300]);
         let (header, rest) = sent.split_at(20);
         assert_eq!(header, [b"RTPS\x02\x04\x07\x07".as_slice(), &[7; 12]].concat());
         let (destination, submessage) = rest.split_at(16);

@@ -11,7 +11,7 @@ use crate::doctor::finding::{Finding, bounded, wrong};
 use crate::doctor::network_checks::{check_environment, check_multicast};
 use crate::doctor::received_topics::receive_topics;
 use crate::doctor::topic_checks::{
-    check_clock, check_joint_states, check_meshes, check_node, check_robot, robot_model,
+    JointStateCheck, check_clock, check_joint_states, check_meshes, check_node, check_robot, robot_model,
 };
 use crate::names::{NODE_NAME, Names};
 use crate::node_error::NodeError;
@@ -48,7 +48,7 @@ pub fn run_doctor(options: DoctorOptions) -> Result<Vec<Finding>, NodeError> {
             .map_err(|fault| NodeError::Input(fault.to_string()))?;
     let robot_is_wanted = options.robot.is_none();
     let received =
-        receive_topics(environment, &names, (robot_is_wanted, parameters.use_sim_time), options.duration)?;
+        receive_topics(environment, &names, robot_is_wanted, parameters.use_sim_time, options.duration)?;
     if parameters.use_sim_time {
         findings.push(check_clock(&received, environment));
     }
@@ -63,11 +63,13 @@ pub fn run_doctor(options: DoctorOptions) -> Result<Vec<Finding>, NodeError> {
         findings.extend(check_robot(robot));
         findings.extend(check_meshes(robot, options.mesh_model));
     }
-    findings.extend(check_joint_states(
-        &received,
-        (robot, options.mesh_model),
-        &parameters,
-        (environment, options.duration),
-    ));
+    findings.extend(check_joint_states(JointStateCheck {
+        received: &received,
+        robot,
+        mesh_model: options.mesh_model,
+        parameters: &parameters,
+        environment,
+        duration: options.duration,
+    }));
     Ok(bounded(findings))
 }

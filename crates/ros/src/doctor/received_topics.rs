@@ -49,7 +49,8 @@ pub struct ReceivedTopics {
 pub fn receive_topics(
     environment: Environment,
     names: &Names,
-    (describe, use_sim_time): (bool, bool),
+    describe: bool,
+    use_sim_time: bool,
     duration: Duration,
 ) -> Result<ReceivedTopics, NodeError> {
     /// Limits for the joint states that are kept for the monitor: their number, and the number of names and values in

@@ -117,13 +117,20 @@ fn seconds(time: Time) -> f64 {
     1e-9 * time.nanoseconds() as f64
 }
 
+/// Input of the check of joint states.
+pub struct JointStateCheck<'r> {
+    pub received: &'r ReceivedTopics,
+    pub robot: Option<RobotModel>,
+    pub mesh_model: MeshModel,
+    pub parameters: &'r Parameters,
+    pub environment: Environment,
+    /// Time during which joint states were received.
+    pub duration: Duration,
+}
+
 /// Whether the joint states match this robot: evaluates them with the monitor.
-pub fn check_joint_states(
-    received: &ReceivedTopics,
-    (robot, mesh_model): (Option<RobotModel>, MeshModel),
-    parameters: &Parameters,
-    (environment, duration): (Environment, Duration),
-) -> Vec<Finding> {
+pub fn check_joint_states(input: JointStateCheck<'_>) -> Vec<Finding> {
+    let JointStateCheck { received, robot, mesh_model, parameters, environment, duration } = input;
     let about = "joint_states";
     let Some((first, ..)) = received.joint_states.first() else {
         let (domain, seconds) = (environment.domain, duration.as_secs_f64());
@@ -141,7 +148,7 @@ pub fn check_joint_states(
         findings.push(note(about, "they are compared with no robot: there is none"));
         return findings;
     };
-    match evaluate((robot, mesh_model), received, parameters) {
+    match evaluate(robot, mesh_model, received, parameters) {
         Err(error) => findings.push(wrong("robot", error)),
         Ok(evaluation) => {
             findings.push(match &evaluation.status {
@@ -160,7 +167,8 @@ pub fn check_joint_states(
 
 /// Result of the monitor for the transforms, and for joint states processed one after the other.
 fn evaluate(
-    (robot, mesh_model): (RobotModel, MeshModel),
+    robot: RobotModel,
+    mesh_model: MeshModel,
     received: &ReceivedTopics,
     parameters: &Parameters,
 ) -> Result<Evaluation, String> {
@@ -201,9 +209,14 @@ mod tests {
         let joint_states = vec![(state, SourceId([1; 16]), received_at)];
         let received = ReceivedTopics { joint_states, joint_state_count: 1, ..ReceivedTopics::default() };
         let environment = Environment::read(|_| None).unwrap();
-        let duration = (environment, Duration::from_secs(1));
-        let findings =
-            check_joint_states(&received, (None, MeshModel::Surface), &Parameters::default(), duration);
+        let findings = check_joint_states(JointStateCheck {
+            received: &received,
+            robot: None,
+            mesh_model: MeshModel::Surface,
+            parameters: &Parameters::default(),
+            environment,
+            duration: Duration::from_secs(1),
+        });
         assert!(findings[0].text.contains("'joint0'") && findings[0].text.len() < 1000, "{findings:?}");
     }
 }

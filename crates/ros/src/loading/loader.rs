@@ -84,7 +84,7 @@ enum Change {
 
 impl Loader {
     #[must_use]
-    pub fn new((mesh_files, surroundings, mesh_model): (MeshFiles, Surroundings, MeshModel)) -> Self {
+    pub fn new(mesh_files: MeshFiles, surroundings: Surroundings, mesh_model: MeshModel) -> Self {
         Self {
             mesh_files,
             surroundings,
@@ -372,7 +372,7 @@ impl Loader {
             return Ok(None);
         };
         let world = self.world_revision + u64::from(change == Change::World);
-        let built = guarded("the world", || self.build(&robot, (self.model_revision, world), update_context));
+        let built = guarded("the world", || self.build(&robot, self.model_revision, world, update_context));
         if let (Err(fault), Some(scene)) = (&built, lock(&self.active_scene).as_ref()) {
             log::error!("the world stays as it was: {fault}");
             self.scene.restore(&scene.scene, fault);
@@ -409,7 +409,7 @@ impl Loader {
                 guarded_scene(&mut self.scene, |scene| scene.apply(command, &robot, update_context));
             world += u64::from(changed);
         }
-        let revision = match self.build(&robot, (self.model_revision + 1, world), update_context) {
+        let revision = match self.build(&robot, self.model_revision + 1, world, update_context) {
             Ok(revision) => revision,
             Err(fault) => {
                 // the previous robot stays in use, in its scene
@@ -434,7 +434,8 @@ impl Loader {
     fn build(
         &mut self,
         robot: &Arc<RobotModel>,
-        (model, world): (u64, u64),
+        model: u64,
+        world: u64,
         SceneUpdateContext { now, parameters, .. }: &SceneUpdateContext,
     ) -> Result<Arc<Revision>, String> {
         let scene = &self.scene.state;

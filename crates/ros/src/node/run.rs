@@ -115,7 +115,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     let mut monitor = Monitor::new(parameters.monitor_settings(), stopwatch);
     let current = CurrentEvaluation::default();
     let has_given_robot = options.robot.is_some();
-    let mut loader = Loader::new((options.mesh_files, options.surroundings, options.mesh_model));
+    let mut loader = Loader::new(options.mesh_files, options.surroundings, options.mesh_model);
     if let Some(robot) = options.robot {
         let update_context = SceneUpdateContext::first(&parameters, clock.read());
         monitor.set_checker(loader.load_given(robot, &update_context).map_err(NodeError::Input)?);

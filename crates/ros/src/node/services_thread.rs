@@ -25,7 +25,7 @@ use crate::services::motion_services::MotionServices;
 use crate::services::parameter_services::ParameterServices;
 use crate::services::state_services::StateServices;
 use crate::threading::mailbox;
-use crate::topics::simulation_clock;
+use crate::topics::simulation_clock::{self, ClockInputs};
 
 const STRING: TypeName = TypeName::new("std_msgs", "String");
 
@@ -84,8 +84,9 @@ impl ServicesThread {
         let follow_clock = async {
             let Self { middleware, clock_topic, inputs, .. } = &self;
             let ServicesInputs { clock, store, recording, changes, .. } = inputs;
+            let topic = clock_topic;
             let followed =
-                simulation_clock::follow(middleware, clock_topic, clock, (store, recording), changes);
+                simulation_clock::follow(ClockInputs { middleware, topic, clock, store, recording, changes });
             if let Err(error) = followed.await {
                 log::error!("simulated time can not be followed: {error}");
             }

@@ -130,7 +130,7 @@ impl Replay {
     fn new(prepared: Prepared, parameters: &Parameters) -> Result<Self, String> {
         let Prepared { robot, mesh_files, surroundings, mesh_model } = prepared;
         let mut monitor = Monitor::new(parameters.monitor_settings(), || Duration::ZERO);
-        let mut loader = Loader::new((mesh_files, surroundings, mesh_model));
+        let mut loader = Loader::new(mesh_files, surroundings, mesh_model);
         if let Some(robot) = robot {
             let update_context =
                 SceneUpdateContext::first(parameters, Now { ros: None, steady: Duration::ZERO });
@@ -150,7 +150,7 @@ impl Replay {
     fn follow(&mut self, step: RecordStep, messages: &mut StepMessages) -> Result<StepResult, String> {
         match step {
             RecordStep::Pass { now, parameters, commands, clouds } => {
-                let pass = self.pass(now, &parameters, (commands, clouds), messages)?;
+                let pass = self.pass(now, &parameters, commands, clouds, messages)?;
                 self.loader.process(pass, |event| self.loader_events.push_back(event));
             }
             RecordStep::MonitorEvent(event) => return Ok(self.process_event(&event)),
@@ -190,7 +190,8 @@ impl Replay {
         &self,
         now: Clocks,
         parameters: &Map<String, Json>,
-        (commands, clouds): (Vec<RecordedCommand>, Vec<CloudStep>),
+        commands: Vec<RecordedCommand>,
+        clouds: Vec<CloudStep>,
         messages: &mut StepMessages,
     ) -> Result<Pass, String> {
         let commands =

@@ -87,7 +87,7 @@ impl Cell {
         let meshes = MeshLog::default();
         let mesh_files = MeshFiles::default().beside_urdf(folder).noted_in(meshes.clone());
         let robot = RobotModel::load_with(&folder.join("rod.urdf"), None, &mesh_files).unwrap();
-        let mut loader = Loader::new((mesh_files, nothing_around(), MeshModel::Surface));
+        let mut loader = Loader::new(mesh_files, nothing_around(), MeshModel::Surface);
         let mut monitor = Monitor::new(parameters.monitor_settings(), || Duration::ZERO);
         let update_context = SceneUpdateContext::first(&parameters, now(0));
         monitor.set_checker(loader.load_given(robot, &update_context).unwrap());

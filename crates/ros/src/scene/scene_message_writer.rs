@@ -88,15 +88,19 @@ impl SceneMessages<'_> {
     }
 
     pub fn object_message(&self, object: &Obstacle) -> CollisionObject {
-        let place = (self.root(), &object.pose_ro);
-        self.collision_object(&object.name, place, &object.shapes, &object.subframes)
+        self.collision_object(&object.name, self.root(), &object.pose_ro, &object.shapes, &object.subframes)
     }
 
     pub fn attached_message(&self, object: &AttachedObject) -> AttachedCollisionObject {
-        let place = (object.link.as_str(), &object.pose_lo);
         AttachedCollisionObject {
             link_name: object.link.clone(),
-            object: self.collision_object(&object.name, place, &object.shapes, &object.subframes),
+            object: self.collision_object(
+                &object.name,
+                &object.link,
+                &object.pose_lo,
+                &object.shapes,
+                &object.subframes,
+            ),
             touch_links: object.touch_links.clone(),
             ..AttachedCollisionObject::default()
         }
@@ -105,7 +109,8 @@ impl SceneMessages<'_> {
     fn collision_object(
         &self,
         name: &str,
-        (frame, pose): (&str, &Pose),
+        frame: &str,
+        pose: &Pose,
         shapes: &[ObstacleShape],
         subframes: &[(String, Pose)],
     ) -> CollisionObject {

@@ -17,19 +17,25 @@ use crate::names::FullName;
 use crate::parameters::parameter_store::ParameterStore;
 use crate::recording::recorder_handle::{RecordedEvent, RecorderHandle};
 
+/// Parts of the node that the subscription uses.
+pub struct ClockInputs<'n> {
+    pub middleware: &'n Middleware,
+    pub topic: &'n FullName,
+    pub clock: &'n RosClock,
+    pub store: &'n ParameterStore,
+    pub recording: &'n RecorderHandle,
+    /// Receives a notice when a parameter changed.
+    pub changes: &'n Receiver<()>,
+}
+
 /// Follows `/clock` without end; `changes` notifies it of changed parameters.
-pub async fn follow(
-    middleware: &Middleware,
-    name: &FullName,
-    clock: &RosClock,
-    (store, recording): (&ParameterStore, &RecorderHandle),
-    changes: &Receiver<()>,
-) -> Result<(), MiddlewareError> {
+pub async fn follow(inputs: ClockInputs<'_>) -> Result<(), MiddlewareError> {
+    let ClockInputs { middleware, topic, clock, store, recording, changes } = inputs;
     let kind = TypeName::new("rosgraph_msgs", "Clock");
     let mut subscription: Option<Subscription<Clock>> = None;
     loop {
         if subscription.is_none() && store.get().use_sim_time {
-            subscription = Some(middleware.subscription(name, kind, Quality::BestEffort)?);
+            subscription = Some(middleware.subscription(topic, kind, Quality::BestEffort)?);
         }
         let change = async {
             // parameters can no longer change, but time goes on

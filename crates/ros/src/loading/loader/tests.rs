@@ -94,7 +94,7 @@ fn a_robot_that_is_replaced_is_freed() {
     let parameters = Parameters { point_cloud_topics: vec!["points".to_owned()], ..Parameters::default() };
     let surroundings: Surroundings = Box::new(|_| Ok(Scene::default()));
     let mut cell = Cell {
-        loader: Loader::new((MeshFiles::default(), surroundings, MeshModel::Surface)),
+        loader: Loader::new(MeshFiles::default(), surroundings, MeshModel::Surface),
         monitor: Monitor::new(parameters.monitor_settings(), || Duration::ZERO),
         joint_state_history: JointStateHistory::default(),
         evaluation: None,
@@ -124,7 +124,7 @@ fn a_robot_that_is_replaced_is_freed() {
 #[test]
 fn the_monitor_knows_how_many_messages_a_world_has_before_it_comes() {
     let surroundings: Surroundings = Box::new(|_| Ok(Scene::default()));
-    let mut loader = Loader::new((MeshFiles::default(), surroundings, MeshModel::Surface));
+    let mut loader = Loader::new(MeshFiles::default(), surroundings, MeshModel::Surface);
     let parameters = Parameters::default();
     let mut told = |milliseconds, commands| {
         let update_context = SceneUpdateContext::first(&parameters, now(milliseconds));
