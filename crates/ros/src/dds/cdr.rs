@@ -70,7 +70,7 @@ mod tests {
     }
 
     #[test]
-    fn every_answer_that_may_be_long_has_a_blank_one() {
+    fn every_response_that_may_be_long_has_a_blank_one() {
         assert!(is_blank::<GetPlanningSceneResponse>() && is_blank::<GetStateValidityResponse>());
         assert!(is_blank::<CheckStatesResponse>() && is_blank::<GetDistancesResponse>());
         assert!(is_blank::<CheckTrajectoryResponse>());

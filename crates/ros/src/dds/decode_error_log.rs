@@ -35,7 +35,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_flood_is_told_once_in_a_while() {
+    fn repeated_errors_are_logged_at_intervals() {
         let (decode_errors, start) = (DecodeErrorLog::default(), Instant::now());
         let due = |milliseconds| decode_errors.is_due(start + Duration::from_millis(milliseconds));
         assert_eq!([0, 1, 999, 1001, 1002, 2500].map(due), [true, false, false, true, false, true]);

@@ -1,6 +1,7 @@
-//! The DDS network: participant, topics, services and actions. No other folder uses the DDS library.
+//! The DDS network: participant, topics, services and actions.
 //!
-//! A new release of ros2-client, or another middleware, needs changes only here and in the messages.
+//! Other folders use no endpoints of the libraries `ros2_client` and `rustdds`, only message types: `Message`, and the
+//! messages of the parameter services.
 
 pub mod action_server; // action server: goals, cancellations, results, feedback
 pub mod announcement; // announcement of the participant before its endpoints

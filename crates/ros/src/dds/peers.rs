@@ -322,7 +322,7 @@ mod tests {
     }
 
     #[test]
-    fn what_keeps_two_from_hearing_each_other_is_in_words() {
+    fn incompatible_qualities_are_described() {
         use rustdds::QosPolicyBuilder;
         use rustdds::policy::{Deadline, Liveliness};
         let plain = QosPolicyBuilder::new().build();
@@ -339,7 +339,7 @@ mod tests {
     }
 
     #[test]
-    fn a_client_hears_by_its_own_reader_or_by_that_of_its_participant() {
+    fn a_client_receives_by_its_own_reader_or_one_of_its_participant() {
         const READER: u8 = 0x04;
         const WRITER: u8 = 0x03;
         let addresses = vec![SocketAddr::from(([127, 0, 0, 1], 7411))];

@@ -69,7 +69,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn fragments_carry_all_of_the_answer_and_name_its_question() {
+    fn fragments_contain_the_whole_response_and_identify_its_request() {
         let bytes: Vec<u8> = (0..2500_u32).map(|i| i.to_le_bytes()[0]).collect();
         let response = LongResponse { writer: [7; 16], number: 5, request: ([9; 16], 3), bytes: &bytes };
         let fragments: Vec<Vec<u8>> = response.fragments([9; 16]).collect();

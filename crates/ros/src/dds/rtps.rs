@@ -78,7 +78,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_message_says_from_whom_and_to_whom() {
+    fn a_message_contains_sender_and_receiver() {
         let sent = message(&[7; 16], &[9; 16], SubmessageKind { id: 0x06, flags: 2 }, &[5; 300]);
         let (header, rest) = sent.split_at(20);
         assert_eq!(header, [b"RTPS\x02\x04\x07\x07".as_slice(), &[7; 12]].concat());

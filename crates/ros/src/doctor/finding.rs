@@ -80,7 +80,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_peers_make_up_is_told_briefly_and_is_no_terminals_command() {
+    fn text_from_peers_is_shortened_and_contains_no_control_characters() {
         let many = (0..5000).map(|number| wrong("peers", format!("peer {number}")));
         let long = good("joint_states", format!("\u{1b}[2J{}", "x".repeat(100_000)));
         let bounded_findings = bounded(many.chain([long, good("robot", "'ur5e'")]).collect());

@@ -150,7 +150,7 @@ mod tests {
     use clearance_monitor::{Expiry, LeftOut};
 
     #[test]
-    fn a_judgement_about_nothing_is_unknown() {
+    fn an_evaluation_without_a_robot_is_unknown() {
         let evaluation = Evaluation {
             status: Status::Unknown(clearance_monitor::Reason::NoModel { fault: None }),
             stamp: None,

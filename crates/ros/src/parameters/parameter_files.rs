@@ -216,7 +216,7 @@ mod tests {
     }
 
     #[test]
-    fn unknown_parameters_are_refused_by_name_but_may_be_meant_for_others() {
+    fn unknown_parameters_are_rejected_by_name_but_may_be_meant_for_others() {
         let error = apply("clearance: {ros__parameters: {a: {b: 1}}}", "/").unwrap_err();
         assert!(error.contains("'a.b'"), "{error}");
         let error = apply("clearance: {ros__parameters: {stale_aftr: 1}}", "/").unwrap_err();
@@ -228,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn broken_files_are_refused() {
+    fn broken_files_are_rejected() {
         for bad in [
             "",
             "3",

@@ -322,7 +322,7 @@ mod tests {
     }
 
     #[test]
-    fn an_answer_counts_with_all_that_it_holds() {
+    fn the_size_of_a_result_includes_all_parts() {
         let (bare, full) = (size(&evaluated(0, 0)), size(&evaluated(1000, 5000)));
         assert_eq!(full - bare, 1000 * size_of::<PairDistance>() + 5000);
     }

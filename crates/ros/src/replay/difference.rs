@@ -48,9 +48,9 @@ pub(super) fn difference(
     let is_free: Bool = messages.next("is_free")?;
     let distance: Float64 = messages.next("distance")?;
     let number = |field: &str, was: f64, is: f64| {
-        let told = |number: f64| Json::from(number.to_string());
+        let text = |number: f64| Json::from(number.to_string());
         let is_same = was.to_bits() == is.to_bits() || (was.is_nan() && is.is_nan());
-        (!is_same).then(|| differs(field, &told(was), &told(is)))?
+        (!is_same).then(|| differs(field, &text(was), &text(is)))?
     };
     if let Some(difference) = differs("is_free", &is_free.data.into(), &evaluation.status.is_free().into()) {
         return Ok(Some(difference));

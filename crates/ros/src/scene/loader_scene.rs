@@ -152,8 +152,7 @@ impl LoaderScene {
         robot: &Arc<RobotModel>,
         update_context: &SceneUpdateContext,
     ) -> bool {
-        let SceneCommand { source, mut update, rejections: mut refusals, lost, mut octomap, done, .. } =
-            command;
+        let SceneCommand { source, mut update, mut rejections, lost, mut octomap, done, .. } = command;
         self.lost.note(source, lost);
         if self.check_blindness(source, update.as_ref()) && update_context.parameters.blind_makes_unknown() {
             // the last map that showed something stays in use
@@ -169,7 +168,7 @@ impl LoaderScene {
             let context = SceneContext::new(robot, poses, transforms, now.ros, parameters.transform_ttl);
             let applied = self.state.apply(update, &context);
             changed = applied.changed;
-            refusals.extend(applied.refusals);
+            rejections.extend(applied.refusals);
             self.ineffective = applied.ineffective.iter().map(|text| format!("{source}: {text}")).collect();
             warnings.extend_from_slice(&self.ineffective);
             warnings.extend(applied.warnings.iter().map(|warning| format!("{source}: {warning}")));
@@ -177,9 +176,9 @@ impl LoaderScene {
         let after = self.state.world.obstacle_by_name(OCTOMAP);
         let is_same = before.is_some() && after.zip(before.as_ref()).is_some_and(|(a, b)| Arc::ptr_eq(a, b));
         if !is_same {
-            self.note_octomap(octomap, &refusals, update.as_ref());
+            self.note_octomap(octomap, &rejections, update.as_ref());
         }
-        self.note_refusals(source, &refusals, update.as_ref());
+        self.note_rejections(source, &rejections, update.as_ref());
         if let Some(update) = &update {
             self.whole.on_update(update);
             self.lost.on_update(update);
@@ -199,7 +198,7 @@ impl LoaderScene {
         }
         self.is_changed |= changed;
         if let Some(done) = done {
-            self.waiting_clients.push((done, refusals.is_empty()));
+            self.waiting_clients.push((done, rejections.is_empty()));
         }
         changed
     }
@@ -228,13 +227,13 @@ impl LoaderScene {
     fn note_octomap(
         &mut self,
         octomap: Option<(OctomapWithPose, Observation)>,
-        refusals: &[SceneRejection],
+        rejections: &[SceneRejection],
         update: Option<&SceneUpdate>,
     ) {
-        let is_rejected = |refusal: &SceneRejection| {
-            refusal.gap.as_ref().is_some_and(|gap| gap.subject == Subject::Octomap)
+        let is_rejected = |rejection: &SceneRejection| {
+            rejection.gap.as_ref().is_some_and(|gap| gap.subject == Subject::Octomap)
         };
-        if refusals.iter().any(is_rejected) {
+        if rejections.iter().any(is_rejected) {
             return;
         }
         let Some(update) = update.filter(|update| update.changes_octomap()) else { return };
@@ -256,12 +255,12 @@ impl LoaderScene {
         is_blind
     }
 
-    fn note_refusals(&mut self, source: &str, refusals: &[SceneRejection], update: Option<&SceneUpdate>) {
-        self.missing.on_message(source, update, refusals);
+    fn note_rejections(&mut self, source: &str, rejections: &[SceneRejection], update: Option<&SceneUpdate>) {
+        self.missing.on_message(source, update, rejections);
         self.faults =
-            refusals.iter().take(MOST_LISTED).map(|refusal| format!("{source}: {refusal}")).collect();
-        if refusals.len() > MOST_LISTED {
-            self.faults.push(format!("{source}: and {} more faults", refusals.len() - MOST_LISTED));
+            rejections.iter().take(MOST_LISTED).map(|rejection| format!("{source}: {rejection}")).collect();
+        if rejections.len() > MOST_LISTED {
+            self.faults.push(format!("{source}: and {} more faults", rejections.len() - MOST_LISTED));
         }
     }
 

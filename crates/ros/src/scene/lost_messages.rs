@@ -94,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn they_are_counted_by_topic_until_what_they_said_is_told_anew() {
+    fn lost_messages_are_counted_by_topic_until_their_content_is_replaced() {
         let mut lost = LostMessages::default();
         let [object, attached] =
             [SceneSource::CollisionObject, SceneSource::AttachedCollisionObject].map(SceneSource::name);
@@ -112,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn a_scene_that_did_not_come_into_force_told_nothing() {
+    fn a_scene_that_is_not_in_force_replaces_nothing() {
         let mut lost = LostMessages::default();
         lost.note("a", 2);
         lost.note_in_use();

@@ -182,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn of_very_many_some_are_told_and_the_rest_counted() {
+    fn of_very_many_some_are_listed_and_the_rest_counted() {
         let mut missing = MissingObjects::default();
         let rejections: Vec<_> =
             (0..MOST + 7).map(|i| SceneRejection::of(&format!("{i:05}"), "no shapes")).collect();

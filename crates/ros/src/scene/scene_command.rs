@@ -61,8 +61,8 @@ impl SceneCommand {
     /// Sets the number of messages that were lost before this one.
     #[must_use]
     pub fn after(mut self, lost: u64) -> Self {
-        if let Some((RecordedCommand::Scene { lost: told, .. }, _)) = &mut self.original {
-            *told = lost;
+        if let Some((RecordedCommand::Scene { lost: recorded, .. }, _)) = &mut self.original {
+            *recorded = lost;
         }
         Self { lost, ..self }
     }

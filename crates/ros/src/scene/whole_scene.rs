@@ -95,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn a_world_is_enough_unless_somebody_is_asked_for_the_scene() {
+    fn a_world_is_enough_unless_a_service_is_queried() {
         let mut whole = WholeScene::default();
         assert_eq!(awaited(&whole, &asking("", false)), None);
         whole.on_update(&scene(true));
@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn what_did_not_come_into_force_or_came_before_another_was_asked_counts_for_nothing() {
+    fn scenes_that_are_not_in_force_or_precede_another_service_do_not_count() {
         let (mut whole, a, b) = (WholeScene::default(), asking("/a", false), asking("/b", false));
         whole.set_service("/a");
         whole.on_update(&scene(false));

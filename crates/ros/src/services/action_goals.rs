@@ -187,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn who_asks_early_is_told_at_the_end_and_who_asks_late_at_once() {
+    fn early_result_requests_wait_and_late_ones_get_the_result_at_once() {
         let mut goals = Goals::default();
         let (id, _) = accepted(&mut goals, 1);
         assert!(!goals.accept(id, stamp(2), Watch::default()), "known already");

@@ -161,10 +161,10 @@ impl StateWorker {
 }
 
 impl Request {
-    fn rejected(self, refusal: &Rejection) -> Response {
+    fn rejected(self, rejection: &Rejection) -> Response {
         match self {
-            Self::States(id, _) => Response::States(id, rejected_states(refusal)),
-            Self::Distances(id, _) => Response::Distances(id, rejected_distances(refusal)),
+            Self::States(id, _) => Response::States(id, rejected_states(rejection)),
+            Self::Distances(id, _) => Response::Distances(id, rejected_distances(rejection)),
         }
     }
 }

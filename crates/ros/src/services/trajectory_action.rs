@@ -222,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn progress_is_told_in_segments_and_in_time() {
+    fn feedback_contains_segments_and_time() {
         let published = started(&[0, 2, 3, 7, 9]).feedback(2);
         assert_eq!((published.segments_free, published.segments), (2, 4));
         assert_eq!((published.t_free, published.time_free), (0.5, 3.0));

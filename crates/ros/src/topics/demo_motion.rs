@@ -234,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn broken_trajectories_are_refused() {
+    fn broken_trajectories_are_rejected() {
         for bad in [
             "joint_names: [a]\npoints: []\n",
             "joint_names: [a]\npoints: [{positions: [], time_from_start: {sec: 0, nanosec: 0}}]\n",

@@ -126,18 +126,18 @@ fn values(
     let mean = recent.compute_time / recent.checks.max(1);
     add("mean compute time (ms)", milliseconds(mean));
     add("longest compute time (ms)", milliseconds(recent.longest_compute_time));
-    for (counters, told) in [("", recent), (" since start", total)] {
-        for (name, value) in latency_values(&told.latencies) {
-            add(&format!("latency{counters}: {name} (ms)"), milliseconds(value));
+    for (period, counters) in [("", recent), (" since start", total)] {
+        for (name, value) in latency_values(&counters.latencies) {
+            add(&format!("latency{period}: {name} (ms)"), milliseconds(value));
         }
     }
     add("seconds of this report", format!("{:.3}", interval.as_secs_f64()));
-    for (counters, told) in [(" in this report", recent), ("", total)] {
-        add(&format!("joint states heard{counters}"), told.received().to_string());
-        add(&format!("joint states judged{counters}"), told.evaluated.to_string());
-        add(&format!("joint states passed over{counters}"), told.skipped.to_string());
-        add(&format!("joint states lost{counters}"), told.lost.to_string());
-        add(&format!("messages dropped{counters}"), told.dropped.to_string());
+    for (period, counters) in [(" in this report", recent), ("", total)] {
+        add(&format!("joint states heard{period}"), counters.received().to_string());
+        add(&format!("joint states judged{period}"), counters.evaluated.to_string());
+        add(&format!("joint states passed over{period}"), counters.skipped.to_string());
+        add(&format!("joint states lost{period}"), counters.lost.to_string());
+        add(&format!("messages dropped{period}"), counters.dropped.to_string());
     }
     for warning in evaluation.warnings.iter() {
         add("warning", warning.clone());
