@@ -1,14 +1,14 @@
 """The node `clearance` for one robot.
 
-    ros2 launch clearance clearance.launch.py                              the robot of the topic robot_description
+    ros2 launch clearance clearance.launch.py                              robot from the topic robot_description
     ros2 launch clearance clearance.launch.py urdf:=ur5e.urdf srdf:=ur5e.srdf world:=cell.yaml
     ros2 launch clearance clearance.launch.py namespace:=left joint_states:=/left/joint_states
-    ros2 launch clearance clearance.launch.py urdf:=ur5e.urdf rviz:=true view:=true   and RViz, and a live view for web browsers
+    ros2 launch clearance clearance.launch.py urdf:=ur5e.urdf rviz:=true view:=true   with RViz and a live view for web browsers
 
-In a namespace, too, transforms come on /tf and /tf_static, where robot_state_publisher and tf2 publish them. Where the namespace has transforms of
-its own, as with Nav2: tf:=tf tf_static:=tf_static.
+Also in a namespace, transforms are received from /tf and /tf_static, where robot_state_publisher and tf2 publish them. If the
+namespace has its own transforms, as with Nav2: tf:=tf tf_static:=tf_static.
 
-Without an installed package, by path: ros2 launch launch_scripts/clearance.launch.py executable:=target/release/clearance
+Without an installed package: ros2 launch launch_scripts/clearance.launch.py executable:=target/release/clearance
 """
 
 from pathlib import Path, PurePosixPath
@@ -23,27 +23,27 @@ RVIZ_CONFIG = Path(__file__).resolve().with_name("clearance.rviz")
 
 TRANSFORMS = ("tf", "tf_static")
 
-# What the RViz configuration listens to, named as without a namespace.
-SHOWN = ("clearance/markers", "clearance/link_volumes", "clearance/swept_volume", "monitored_planning_scene", "robot_description")
+# Topics of the RViz configuration, by their names without a namespace.
+RVIZ_TOPICS = ("clearance/markers", "clearance/link_volumes", "clearance/swept_volume", "monitored_planning_scene", "robot_description")
 
 ARGUMENTS = {
     "namespace": ("", "namespace of the node and of the relative topics"),
-    "urdf": ("", "the robot; without it the topic robot_description is awaited"),
-    "srdf": ("", "its SRDF: the pairs of links that need no check"),
-    "package_path": ("", "where package://NAME/path is looked up, as DIR/NAME/path"),
+    "urdf": ("", "URDF file of the robot; if empty, the URDF is received from the topic robot_description"),
+    "srdf": ("", "SRDF file: link pairs that are not checked"),
+    "package_path": ("", "folder for package://NAME/path, which is read from DIR/NAME/path"),
     "world": ("", "obstacles: the YAML of a moveit_msgs/PlanningScene, MoveIt's .scene text, an octree (.bt, .ot) or a cloud (.pcd, .ply)"),
-    "params_file": ("", "a parameter file, such as config/clearance.yaml"),
-    "record": ("", "an MCAP file to record inputs and answers to"),
-    "joint_states": ("joint_states", "the topic with the joint states"),
-    "tf": ("/tf", "the topic with the transforms"),
-    "tf_static": ("/tf_static", "the topic with the transforms that never change"),
-    "use_sim_time": ("", "true or false: whether time is read from /clock; without it params_file says so"),
-    "executable": ("", "the program, if it is not that of the installed package"),
-    "demo_motion": ("false", "whether the node publishes a slow motion of every joint itself; never beside a real driver"),
-    "respawn": ("false", "whether the node is started again when it ends; it has only the obstacles of its files then"),
+    "params_file": ("", "parameter file, such as config/clearance.yaml"),
+    "record": ("", "MCAP file for a recording of inputs and results"),
+    "joint_states": ("joint_states", "topic of the joint states"),
+    "tf": ("/tf", "topic of the transforms"),
+    "tf_static": ("/tf_static", "topic of the static transforms"),
+    "use_sim_time": ("", "true or false: whether time is read from /clock; if empty, params_file decides"),
+    "executable": ("", "path of the program, if it is not the one of the installed package"),
+    "demo_motion": ("false", "whether the node publishes a slow motion of every joint; never together with a real driver"),
+    "respawn": ("false", "whether the node is restarted when it ends; it then has only the obstacles of its files"),
     "view": ("", "true, or PORT or IP:PORT: a live view for web browsers"),
-    "rviz": ("false", "whether RViz is started, with clearance.rviz; it shows the robot beside a robot_state_publisher"),
-    "fixed_frame": ("", "the fixed frame of RViz; without it the root link of the URDF, or base_link"),
+    "rviz": ("false", "whether RViz is started, with clearance.rviz; it shows the robot if a robot_state_publisher runs"),
+    "fixed_frame": ("", "fixed frame of RViz; if empty, the root link of the URDF, or base_link"),
 }
 
 
@@ -52,7 +52,7 @@ def is_true(text):
 
 
 def root_link(urdf):
-    """The link that no joint has as its child."""
+    """Name of the link that is not the child of any joint."""
     robot = ElementTree.parse(urdf).getroot()
     children = {child.get("link") for child in robot.iterfind("joint/child")}
     return next(link.get("name") for link in robot.iterfind("link") if link.get("name") not in children)
@@ -60,7 +60,7 @@ def root_link(urdf):
 
 def rviz(given):
     namespace = given["namespace"].strip("/")
-    topics = {name: name for name in SHOWN} | {name: given[name] for name in TRANSFORMS}
+    topics = {name: name for name in RVIZ_TOPICS} | {name: given[name] for name in TRANSFORMS}
     absolute = {f"/{name}": str(PurePosixPath("/", namespace, topic)) for name, topic in topics.items()}
     frame = given["fixed_frame"] or (root_link(given["urdf"]) if given["urdf"] else "base_link")
     return Node(

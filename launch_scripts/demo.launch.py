@@ -1,10 +1,10 @@
-"""A robot that moves by itself, watched by the node `clearance`: something to look at in RViz.
+"""A simulated robot with a demonstration motion, monitored by the node `clearance`, to be shown in RViz.
 
-    ros2 launch clearance demo.launch.py                                  the demo arm
-    ros2 launch clearance demo.launch.py rviz:=true                       and RViz, which shows what the node finds
-    ros2 launch clearance demo.launch.py urdf:=ur5e.urdf world:=cell.yaml any other robot, each joint to and fro
+    ros2 launch clearance demo.launch.py                                  demo arm
+    ros2 launch clearance demo.launch.py rviz:=true                       with RViz, which shows the results
+    ros2 launch clearance demo.launch.py urdf:=ur5e.urdf world:=cell.yaml another robot; each joint moves back and forth
 
-The demo arm in its own world plays a motion of its own when the program is started without arguments: `clearance`.
+Started without arguments, the program `clearance` shows the demo arm with a trajectory in a world with obstacles.
 """
 
 from pathlib import Path
@@ -16,19 +16,19 @@ from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
 
-# beside this folder stand config and urdf, in the repository as in an installed package
+# the folders config and urdf are next to this folder, in the repository and in an installed package
 ROOT = Path(__file__).resolve().parents[1]
 ONE_ROBOT = str(Path(__file__).with_name("clearance.launch.py"))
 
 ARGUMENTS = {
-    "urdf": (str(ROOT / "urdf/demo_arm/demo_arm.urdf"), "the robot"),
-    "srdf": ("", "its SRDF: the pairs of links that need no check"),
-    "package_path": ("", "where package://NAME/path is looked up, as DIR/NAME/path"),
+    "urdf": (str(ROOT / "urdf/demo_arm/demo_arm.urdf"), "URDF file of the robot"),
+    "srdf": ("", "SRDF file: link pairs that are not checked"),
+    "package_path": ("", "folder for package://NAME/path, which is read from DIR/NAME/path"),
     "world": ("", "obstacles: the YAML of a moveit_msgs/PlanningScene, MoveIt's .scene text, an octree (.bt, .ot) or a cloud (.pcd, .ply)"),
-    "executable": ("", "the program, if it is not that of the installed package"),
+    "executable": ("", "path of the program, if it is not the one of the installed package"),
     "view": ("", "true, or PORT or IP:PORT: a live view for web browsers"),
     "rviz": ("false", "whether RViz is started, with clearance.rviz"),
-    "fixed_frame": ("", "the fixed frame of RViz; without it the robot's root link"),
+    "fixed_frame": ("", "fixed frame of RViz; if empty, the robot's root link"),
 }
 
 
@@ -36,7 +36,7 @@ def start(context):
     given = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
     arguments = given | {"demo_motion": "true"}
     watch = IncludeLaunchDescription(PythonLaunchDescriptionSource(ONE_ROBOT), launch_arguments=arguments.items())
-    # a text that is not to be read as YAML
+    # a string, which must not be parsed as YAML
     description = ParameterValue(Path(given["urdf"]).read_text(), value_type=str)
     show = Node(
         package="robot_state_publisher",

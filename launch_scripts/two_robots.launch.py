@@ -1,13 +1,13 @@
-"""Two robots, each in a namespace of its own with a node `clearance` beside it.
+"""Two robots, each with a node `clearance` in its own namespace.
 
-    ros2 launch clearance two_robots.launch.py                            the robots of /left/robot_description and /right/robot_description
+    ros2 launch clearance two_robots.launch.py                            robots from /left/robot_description and /right/robot_description
     ros2 launch clearance two_robots.launch.py left_urdf:=ur5e.urdf right_urdf:=ur10e.urdf left_world:=cell.yaml
-    ros2 launch clearance two_robots.launch.py left:=picker right:=packer other namespaces
+    ros2 launch clearance two_robots.launch.py left:=picker right:=packer  other namespaces
 
-Each node listens to joint_states, robot_description and the topics about the world in its own namespace, and to all transforms on /tf
-and /tf_static, where links of the same name have to be told apart (frame_prefix of robot_state_publisher, link_prefix of the node). They say
-/left/clearance/state and /right/clearance/state. The robots do not see each other: where their spaces overlap, describe both in one URDF, with
-prefixed names, and start one node (clearance.launch.py) for both; their drivers may share the topic joint_states.
+Each node subscribes to joint_states, robot_description and the scene topics in its own namespace, and to /tf and /tf_static. Links of
+both robots need different names on tf (frame_prefix of robot_state_publisher, link_prefix of the node). The nodes publish
+/left/clearance/state and /right/clearance/state. They do not check the robots against each other. If the workspaces overlap, describe
+both robots in one URDF with prefixed names, and start one node (clearance.launch.py); the drivers may share the topic joint_states.
 """
 
 from pathlib import Path
@@ -22,18 +22,18 @@ ONE_ROBOT = str(Path(__file__).with_name("clearance.launch.py"))
 SIDES = ("left", "right")
 OF_EACH = {
     "": ("{side}", "namespace of the {side} robot"),
-    "_urdf": ("", "the {side} robot; without it the topic robot_description of its namespace is awaited"),
-    "_srdf": ("", "its SRDF: the pairs of links that need no check"),
+    "_urdf": ("", "URDF file of the {side} robot; if empty, the URDF is received from robot_description in its namespace"),
+    "_srdf": ("", "SRDF file: link pairs that are not checked"),
     "_world": ("", "obstacles in the {side} robot's root frame, as for clearance.launch.py"),
 }
 OF_BOTH = {
-    "tf": ("/tf", "the topic with the transforms; tf: one in each namespace"),
-    "tf_static": ("/tf_static", "the topic with the transforms that never change; tf_static: one in each namespace"),
-    "package_path": ("", "where package://NAME/path is looked up, as DIR/NAME/path"),
-    "params_file": ("", "a parameter file, such as config/clearance.yaml; /left/clearance and /right/clearance may have sections of their own"),
-    "use_sim_time": ("", "true or false: whether time is read from /clock; without it params_file says so"),
-    "respawn": ("false", "whether a node is started again when it ends; it has only the obstacles of its files then"),
-    "executable": ("", "the program, if it is not that of the installed package"),
+    "tf": ("/tf", "topic of the transforms; tf: one in each namespace"),
+    "tf_static": ("/tf_static", "topic of the static transforms; tf_static: one in each namespace"),
+    "package_path": ("", "folder for package://NAME/path, which is read from DIR/NAME/path"),
+    "params_file": ("", "parameter file, such as config/clearance.yaml; /left/clearance and /right/clearance may have their own sections"),
+    "use_sim_time": ("", "true or false: whether time is read from /clock; if empty, params_file decides"),
+    "respawn": ("false", "whether a node is restarted when it ends; it then has only the obstacles of its files"),
+    "executable": ("", "path of the program, if it is not the one of the installed package"),
 }
 
 

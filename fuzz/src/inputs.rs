@@ -15,7 +15,7 @@ use clearance::scene::{AllowedCollisionMatrix, MeshModel, NamedState, Scene, Sce
 use clearance::verifier::{Verifier, verify};
 use clearance::{CollisionChecker, MeshFiles, Question, RobotModel, Settings, World};
 use clearance_ros::fuzzing::{MessageKind, OfflineNode, respond_in_memory};
-use clearance_ros::recording::{Archive, Prepared, replay};
+use clearance_ros::{Archive, Prepared, replay};
 
 /// A fuzz target: reads an input.
 pub type Target = fn(&[u8]);

@@ -6,10 +6,9 @@ use std::sync::{Arc, mpsc};
 
 use clearance::robot::{MeshFiles, RobotModel, RobotText};
 use clearance::scene::SceneLoader;
-use clearance_ros::recording::Given;
 use clearance_ros::{
-    Environment, Motion, NodeOptions, Parameters, Reach, RosArguments, Startup, Surroundings, ThreadPriority,
-    Trajectory, View,
+    CommandLineInputs, Environment, Motion, NodeOptions, Parameters, Reach, RosArguments, Startup,
+    Surroundings, ThreadPriority, Trajectory, View,
 };
 use log::LevelFilter;
 
@@ -36,7 +35,7 @@ const MESHES: &[(&str, &[u8])] = meshes! {
 
 /// Runs the demo until it is stopped.
 pub fn run(view: ViewArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
-    clearance_ros::logging::start(level);
+    clearance_ros::start_logging(level);
     let startup = Startup::begin(Parameters::default().memory_limit).map_err(failure)?;
     // the demo must be invisible to other machines and must not disturb them
     let environment =
@@ -78,7 +77,7 @@ pub fn run(view: ViewArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
             }
         })),
         on_start: Some(Box::new(on_start)),
-        given: Given::default(),
+        command_line: CommandLineInputs::default(),
     });
     ended.store(true, Ordering::Relaxed);
     if let Ok(table) = table.try_recv() {

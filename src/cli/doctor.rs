@@ -4,8 +4,7 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::Args;
-use clearance_ros::RosArguments;
-use clearance_ros::doctor::{self, Finding, Patient, Verdict};
+use clearance_ros::{DoctorOptions, Finding, RosArguments, Verdict};
 use log::LevelFilter;
 
 use super::failure::Failure;
@@ -35,16 +34,16 @@ pub struct DoctorArgs {
 }
 
 pub fn run(args: &DoctorArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
-    let patience = (Duration::try_from_secs_f64(args.wait).ok())
+    let duration = (Duration::try_from_secs_f64(args.wait).ok())
         .filter(|wait| (Duration::from_millis(100)..=Duration::from_secs(3600)).contains(wait))
         .ok_or_else(|| Failure::Input(format!("--wait: must be from 0.1 to 3600 s, but is {}", args.wait)))?;
-    clearance_ros::logging::start(level);
+    clearance_ros::start_logging(level);
     let mesh_files = args.robot.mesh_files();
     let robot = args.robot.urdf.as_ref().map(|_| args.robot.load_quietly(&mesh_files)).transpose()?;
     let arguments = RosArguments::parse(&args.ros_args).map_err(Failure::input)?;
     let mesh_model = args.robot.mesh_model();
-    let patient = Patient { arguments, robot, mesh_files, mesh_model, patience };
-    let findings = doctor::examine(patient).map_err(failure)?;
+    let options = DoctorOptions { arguments, robot, mesh_files, mesh_model, duration };
+    let findings = clearance_ros::run_doctor(options).map_err(failure)?;
     match args.format {
         Format::Json => print_line(&serde_json::to_string(&findings).map_err(internal)?)?,
         Format::Text => findings.iter().try_for_each(print_finding)?,

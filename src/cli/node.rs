@@ -5,10 +5,9 @@ use std::process::ExitCode;
 
 use clap::Args;
 use clearance::robot::{MeshFiles, MeshLog};
-use clearance_ros::recording::Given;
 use clearance_ros::{
-    Announcement, Environment, Motion, NodeError, NodeOptions, ParameterSource, RosArguments, Startup,
-    Surroundings, ThreadPriority, Value, View,
+    Announcement, CommandLineInputs, Environment, Motion, NodeError, NodeOptions, ParameterSource,
+    RosArguments, Startup, Surroundings, ThreadPriority, Value, View,
 };
 use log::LevelFilter;
 
@@ -49,7 +48,7 @@ pub struct NodeArgs {
 /// Runs the node until it is stopped.
 pub fn run(args: &NodeArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
     let arguments = args.ros_arguments()?;
-    clearance_ros::logging::start(arguments.log_level.unwrap_or(level));
+    clearance_ros::start_logging(arguments.log_level.unwrap_or(level));
     let parameters = clearance_ros::initial_parameters(&arguments).map_err(failure)?;
     let startup = Startup::begin(parameters.memory_limit).map_err(failure)?;
     let priority = ThreadPriority::allowed(parameters.use_realtime_priority).map_err(failure)?;
@@ -63,7 +62,7 @@ pub fn run(args: &NodeArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
     };
     let view = args.view.open()?;
     let files = GivenFiles::new(&args.model.robot, &args.world);
-    let given = Given { arguments: files.to_json(), files: files.all(), meshes };
+    let command_line = CommandLineInputs { arguments: files.to_json(), files: files.all(), meshes };
     clearance_ros::run(NodeOptions {
         startup,
         announcement,
@@ -76,7 +75,7 @@ pub fn run(args: &NodeArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
         motion: args.demo_motion.then_some(Motion::Sweep),
         observer: view.as_ref().map(View::observer),
         on_start: Some(Box::new(args.view.announcement(view.as_ref()))),
-        given,
+        command_line,
     })
     .map_err(failure)?;
     Ok(ExitCode::SUCCESS)

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use clap::Args;
 use clearance::robot::{MeshFiles, RobotModel, RobotText};
-use clearance_ros::recording::{self, Archive, Outcome, Prepared, recorded_path, save_part};
+use clearance_ros::{Archive, Outcome, Prepared, recorded_path, save_part};
 use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 
@@ -72,7 +72,7 @@ fn replay(file: &Path) -> Result<Outcome, Failure> {
         log::warn!("{}: version {} recorded it", file.display(), archive.version);
     }
     let prepared = prepare(archive).map_err(|why| Failure::Input(format!("{}: {why}", file.display())))?;
-    recording::replay(file, prepared).map_err(Failure::input)
+    clearance_ros::replay(file, prepared).map_err(Failure::input)
 }
 
 fn print_outcome(file: &Path, outcome: &Outcome) -> Result<(), Failure> {
@@ -114,7 +114,7 @@ fn save_test(file: &Path, folder: &Path, outcome: &Outcome) -> Result<PathBuf, F
     for kept in KEPT {
         save_part(file, &to, difference.answer, kept).map_err(Failure::input)?;
         let shown = replay(&to)?.difference;
-        let shows = |shown: &recording::Difference| {
+        let shows = |shown: &clearance_ros::Difference| {
             (&shown.field, &shown.recorded, &shown.replayed)
                 == (&difference.field, &difference.recorded, &difference.replayed)
         };

@@ -65,11 +65,11 @@ const HOMES: [(&str, &str); 20] = [
     ("http_body_util", "crates/ros/src/view/"),
     ("arc_swap", "crates/ros/src/view/"),
     ("mcap", "crates/ros/src/recording/"),
-    ("hdrhistogram", "crates/ros/src/activity.rs"),
+    ("hdrhistogram", "crates/ros/src/topics/activity.rs"),
     ("strsim", "crates/ros/src/parameters/"),
-    ("sysinfo", "crates/ros/src/memory_limit.rs"),
-    ("cdr_encoding", "crates/ros/src/cdr.rs"),
-    ("byteorder", "crates/ros/src/cdr.rs"),
+    ("sysinfo", "crates/ros/src/node/memory_limit.rs"),
+    ("cdr_encoding", "crates/ros/src/dds/cdr.rs"),
+    ("byteorder", "crates/ros/src/dds/cdr.rs"),
     ("clap", "src/cli/"),
     ("indicatif", "src/cli/"),
     ("csv", "src/cli/"),
@@ -81,7 +81,7 @@ const OPENING: [&str; 7] =
     ["File::open", "File::options", "File::create", "fs::read", "fs::write", "OpenOptions", "io::stdin"];
 const MAY_OPEN: [&str; 3] = [
     "crates/files/src/input_files.rs",
-    "crates/ros/src/recording/writer.rs",
+    "crates/ros/src/recording/recorder.rs",
     "crates/ros/src/recording/save.rs",
 ];
 

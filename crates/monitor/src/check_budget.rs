@@ -5,7 +5,8 @@ use std::time::Duration;
 
 use clearance_proximity::Effort;
 
-/// Volume tests per second on an ordinary machine. Tests are counted instead of timed, so that repeated checks give equal results.
+/// Volume tests per second on an ordinary machine. Tests are counted instead of timed, so that repeated checks give
+/// equal results.
 const TESTS_PER_SECOND: f64 = 2e7;
 
 /// Number of joint states over which the interval is averaged. Until this number is reached there is no limit.
@@ -15,7 +16,7 @@ const AVERAGED: usize = 16;
 const REST: Duration = Duration::from_millis(100);
 
 /// Tolerance of distances that would take too long to compute exactly: a tenth, or a millimetre.
-const ROUGHLY: Effort = Effort {
+const TOLERANT: Effort = Effort {
     relative_tolerance: 0.1,
     absolute_tolerance: 0.001,
     exact_within: 0.0,
@@ -27,39 +28,39 @@ const ROUGHLY: Effort = Effort {
 #[derive(Debug, Default)]
 pub(super) struct CheckBudget {
     /// Reception times of the last ones (steady clock).
-    arrivals: VecDeque<Duration>,
+    receptions: VecDeque<Duration>,
 }
 
 impl CheckBudget {
     /// Records the reception of a joint state.
-    pub fn note(&mut self, arrival: Duration) {
-        self.rests(arrival);
-        if self.arrivals.len() > AVERAGED {
-            self.arrivals.pop_front();
+    pub fn note(&mut self, received_at: Duration) {
+        self.is_paused(received_at);
+        if self.receptions.len() > AVERAGED {
+            self.receptions.pop_front();
         }
-        self.arrivals.push_back(arrival);
+        self.receptions.push_back(received_at);
     }
 
     /// Whether the joint states pause; then there is no limit.
-    pub fn rests(&mut self, now: Duration) -> bool {
-        let rests = self.arrivals.back().is_none_or(|last| now.saturating_sub(*last) >= REST);
-        if rests {
-            self.arrivals.clear();
+    pub fn is_paused(&mut self, now: Duration) -> bool {
+        let is_paused = self.receptions.back().is_none_or(|last| now.saturating_sub(*last) >= REST);
+        if is_paused {
+            self.receptions.clear();
         }
-        rests
+        is_paused
     }
 
     /// Mean time (s) between two joint states.
     fn interval(&self) -> Option<f64> {
-        let (first, last) = (self.arrivals.front()?, self.arrivals.back()?);
+        let (first, last) = (self.receptions.front()?, self.receptions.back()?);
         let all = last.saturating_sub(*first).as_secs_f64();
         #[expect(clippy::cast_precision_loss, reason = "there are few")]
         let mean = all / AVERAGED as f64;
-        (self.arrivals.len() > AVERAGED).then_some(mean)
+        (self.receptions.len() > AVERAGED).then_some(mean)
     }
 
-    /// Effort limit of a check whose exact distances may take this share of the time between joint states. The effort is unchanged
-    /// if the share is 0, or if exact distances are not requested anyway.
+    /// Effort limit of a check whose exact distances may take this share of the time between joint states. The effort
+    /// is unchanged if the share is 0, or if exact distances are not requested anyway.
     pub fn limit(&self, effort: Effort, share: f64) -> Effort {
         match self.interval() {
             Some(interval) if share > 0.0 && effort.is_exact() => {
@@ -69,7 +70,7 @@ impl CheckBudget {
                     reason = "a gap is a few hours at most"
                 )]
                 let exact_cost = (share * interval * TESTS_PER_SECOND) as u64;
-                Effort { exact_cost: exact_cost.max(1), ..ROUGHLY }
+                Effort { exact_cost: exact_cost.max(1), ..TOLERANT }
             }
             _ => effort,
         }

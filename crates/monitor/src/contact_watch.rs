@@ -34,7 +34,7 @@ impl ContactWatch {
     }
 
     /// Returns the warning once.
-    pub fn take_news(&mut self) -> Option<String> {
+    pub fn take_remark(&mut self) -> Option<String> {
         let news = self.remark.clone().filter(|_| !self.is_taken);
         self.is_taken |= news.is_some();
         news

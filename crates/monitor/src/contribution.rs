@@ -45,7 +45,7 @@ impl Contributions {
         let mut joints = Vec::new();
         let (mut oldest, mut ahead, mut all) = (0.0_f64, 0.0_f64, true);
         for (contribution, age) in ages {
-            let older = age.greater(contribution.silence(now));
+            let older = age.greater(contribution.since_reception(now));
             ahead = ahead.greater(-age);
             if older > stale_after {
                 oldest = oldest.greater(older);
@@ -66,7 +66,7 @@ impl Contributions {
     /// Time until the first message becomes stale; `None` if one is stale already.
     pub fn time_to_stale(&self, now: Now, settings: &MonitorSettings) -> Option<Duration> {
         let ros = now.ros.filter(|_| !self.0.is_empty())?;
-        let oldest = self.0.iter().map(|c| ros.seconds_since(c.stamp).greater(c.silence(now)));
+        let oldest = self.0.iter().map(|c| ros.seconds_since(c.stamp).greater(c.since_reception(now)));
         let left = settings.stale_after - oldest.fold(0.0, f64::greater);
         // slightly later, so that the state is stale at that time despite rounding
         Some(Duration::try_from_secs_f64(left).ok()? + Duration::from_millis(1))
@@ -75,7 +75,7 @@ impl Contributions {
 
 impl Contribution {
     /// Time (s) since the reception.
-    fn silence(&self, now: Now) -> f64 {
+    fn since_reception(&self, now: Now) -> f64 {
         now.steady.saturating_sub(self.at).as_secs_f64()
     }
 }

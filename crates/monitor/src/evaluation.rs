@@ -8,12 +8,13 @@ use clearance_geometry::math::Extremes;
 use clearance_robot::{Configuration, LinkPoses};
 use clearance_scene::AnchorFrames;
 
-use super::drift::Drift;
+use super::obstacle_motion::ObstacleMotion;
 use super::{Now, Reason, Status, Time, WorldSource};
 
 /// A checker with its version numbers.
 #[derive(Debug)]
 pub struct Revision {
+    /// Checks the robot in this world.
     pub checker: CollisionChecker,
     /// Number of the robot model, counted since the start; the first is 1.
     pub model: u64,
@@ -26,9 +27,9 @@ pub struct Revision {
     /// Further warnings about the world.
     pub warnings: Vec<String>,
     /// The frames that obstacles are placed in.
-    pub grounds: AnchorFrames,
-    /// Time (steady clock) of the `tf` data that the obstacles were placed with; `None`: the time at which this revision is put
-    /// into use.
+    pub anchor_frames: AnchorFrames,
+    /// Time (steady clock) of the `tf` data that the obstacles were placed with; `None`: the time at which this
+    /// revision is put into use.
     pub placed_at: Option<Duration>,
 }
 
@@ -43,7 +44,7 @@ impl Revision {
             sources: Vec::new(),
             incomplete: None,
             warnings: Vec::new(),
-            grounds: AnchorFrames::default(),
+            anchor_frames: AnchorFrames::default(),
             placed_at: None,
         }
     }
@@ -71,9 +72,10 @@ impl Revision {
 /// Result of the check of one joint state.
 #[derive(Clone, Debug)]
 pub struct CheckedState {
+    /// Pairs and distances.
     pub report: CollisionReport,
     /// Pairs beyond the reporting distance that may come near before the robot has slowed down.
-    pub coming: Vec<PairDistance>,
+    pub approaching_pairs: Vec<PairDistance>,
     /// The configuration that was checked.
     pub configuration: Configuration,
     /// The link poses of that configuration.
@@ -87,9 +89,9 @@ pub struct CheckedState {
     /// By position: the stamp of the joint state that contains it; `None` for positions from `tf`.
     pub measured: Vec<Option<Time>>,
     /// Motions of the obstacle frames relative to the robot's root, one for each tracked frame.
-    pub drifts: Vec<Drift>,
+    pub obstacle_motions: Vec<ObstacleMotion>,
     /// Distance (m) up to which pairs may slow the robot down.
-    pub slows_within: f64,
+    pub slowdown_range: f64,
     /// Whether all distances are exact; otherwise they are lower bounds within a tolerance.
     pub is_exact: bool,
     /// Whether they are inexact because of the rate of the joint states.
@@ -102,6 +104,7 @@ pub struct CheckedState {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum LeftOut {
     #[default]
+    /// Everything was computed.
     Nothing,
     /// The time to contact was not computed.
     LookAhead,
@@ -112,6 +115,7 @@ pub enum LeftOut {
 /// Current evaluation of the robot's state. Cheap to clone.
 #[derive(Clone, Debug)]
 pub struct Evaluation {
+    /// FREE, COLLIDING or UNKNOWN.
     pub status: Status,
     /// Stamp of the evaluated joint state, if there is one.
     pub stamp: Option<Time>,
@@ -120,9 +124,10 @@ pub struct Evaluation {
     /// Present exactly when the status is FREE or COLLIDING.
     pub checked_state: Option<Arc<CheckedState>>,
     /// The same, but also present if only the world has become stale: the robot's configuration is still known.
-    pub placement: Option<Arc<CheckedState>>,
+    pub robot_state: Option<Arc<CheckedState>>,
     /// Allowed share of the robot's speed, in [0, 1]; 0 unless the status is FREE.
     pub speed_scale: f64,
+    /// The part that was left out because of the deadline.
     pub left_out: LeftOut,
     /// Whether another robot model is being built, so that this one is no longer valid. Independent of the status.
     pub is_swapping: bool,
@@ -140,7 +145,7 @@ pub struct Evaluation {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Expiry {
     /// Time at which the evaluation was published.
-    pub said_at: Duration,
+    pub published_at: Duration,
     /// Expiry of the robot's configuration.
     pub of_robot: Option<Duration>,
     /// Expiry of the obstacles' positions.
@@ -152,16 +157,16 @@ impl Evaluation {
     #[must_use]
     pub fn aged(mut self, now: Now) -> Self {
         let is_over = |end: Option<Duration>| end.is_some_and(|end| now.steady >= end);
-        let since = now.steady.saturating_sub(self.expiry.said_at).as_secs_f64();
+        let since = now.steady.saturating_sub(self.expiry.published_at).as_secs_f64();
         let overdue = Reason::Overdue { since };
         self.age = self.age.map(|age| age + since);
-        if self.placement.is_some() && is_over(self.expiry.of_robot) {
-            self.placement = None;
-            self.know_nothing(overdue.clone());
+        if self.robot_state.is_some() && is_over(self.expiry.of_robot) {
+            self.robot_state = None;
+            self.invalidate(overdue.clone());
         }
         if self.stale_world.is_none() && is_over(self.expiry.of_world) {
             self.stale_world = Some(overdue.clone());
-            self.know_nothing(overdue);
+            self.invalidate(overdue);
         }
         self
     }
@@ -175,7 +180,7 @@ impl Evaluation {
         self
     }
 
-    fn know_nothing(&mut self, why: Reason) {
+    fn invalidate(&mut self, why: Reason) {
         self.checked_state = None;
         self.speed_scale = 0.0;
         if self.status.reason().is_none() {
@@ -194,7 +199,8 @@ impl Evaluation {
         }
     }
 
-    /// Description of the first colliding pair, otherwise of the nearest pair with its distance; `None` if none is known or near.
+    /// Description of the first colliding pair, otherwise of the nearest pair with its distance; `None` if none is
+    /// known or near.
     #[must_use]
     pub fn foremost(&self) -> Option<String> {
         let report = &self.checked_state.as_ref()?.report;

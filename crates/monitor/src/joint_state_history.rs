@@ -14,18 +14,18 @@ const LONGEST: f64 = 3.0;
 /// Shortest time (s) between two stored values.
 const STEP: f64 = 0.002;
 
-/// Positions of one robot by the stamps of their joint states. Each position has its own history, since drivers measure at
-/// different times.
+/// Positions of one robot by the stamps of their joint states. Each position has its own history, since drivers measure
+/// at different times.
 #[derive(Debug, Default)]
 pub struct JointStateHistory {
     /// Weak reference: a replaced robot model is not kept in memory for the history.
     robot: Weak<RobotModel>,
-    ways: Vec<Way>,
+    positions: Vec<PositionHistory>,
 }
 
 /// History of one position.
 #[derive(Debug, Default)]
-struct Way {
+struct PositionHistory {
     values: VecDeque<(Time, f64)>,
     /// Whether positions that differ by a full turn are equivalent.
     turns: bool,
@@ -36,42 +36,43 @@ struct Way {
 impl JointStateHistory {
     /// Stores the configuration of an evaluation.
     pub fn note(&mut self, evaluation: &Evaluation) {
-        let Evaluation { stamp: Some(stamp), placement: Some(placement), revision: Some(revision), .. } =
-            evaluation
+        let Evaluation {
+            stamp: Some(stamp), robot_state: Some(robot_state), revision: Some(revision), ..
+        } = evaluation
         else {
             return;
         };
         let robot = revision.checker.robot();
         if self.robot.as_ptr() != Arc::as_ptr(robot) {
-            *self = Self { robot: Arc::downgrade(robot), ways: Way::of(robot) };
+            *self = Self { robot: Arc::downgrade(robot), positions: PositionHistory::of(robot) };
         }
-        let told = placement.configuration.positions().iter().zip(&placement.measured);
-        for (way, (position, measured)) in self.ways.iter_mut().zip(told) {
-            way.note(measured.unwrap_or(*stamp), *position);
+        let values = robot_state.configuration.positions().iter().zip(&robot_state.measured);
+        for (history, (position, measured)) in self.positions.iter_mut().zip(values) {
+            history.note(measured.unwrap_or(*stamp), *position);
         }
     }
 
-    /// The robot and its configuration at a time. Each position is interpolated linearly between the values before and after it;
-    /// before the first and after the last value it is constant. `None` where nothing is known.
+    /// The robot and its configuration at a time. Each position is interpolated linearly between the values before and
+    /// after it; before the first and after the last value it is constant. `None` where nothing is known.
     #[must_use]
     pub fn at(&self, time: Time) -> Option<(Arc<RobotModel>, Configuration)> {
         let robot = self.robot.upgrade()?;
-        let positions: Option<Vec<f64>> = self.ways.iter().map(|way| way.at(time)).collect();
+        let positions: Option<Vec<f64>> = self.positions.iter().map(|history| history.at(time)).collect();
         Some((robot, Configuration::trusted(positions?)))
     }
 }
 
-impl Way {
+impl PositionHistory {
     fn of(robot: &RobotModel) -> Vec<Self> {
         let new = |turns| Self { turns, ..Self::default() };
-        let mut ways: Vec<Self> = robot.whole_turns().into_iter().map(new).collect();
+        let mut positions: Vec<Self> = robot.whole_turns().into_iter().map(new).collect();
         for id in robot.joint_ids().filter(|id| robot.joint(*id).kind == JointKind::Floating) {
             let count = robot.joint(id).kind.position_suffixes().len();
             if let Some(first) = robot.first_position(id) {
-                ways[first..first + count].iter_mut().for_each(|way| way.is_stepped = true);
+                positions[first..first + count].iter_mut().for_each(|history| history.is_stepped = true);
             }
         }
-        ways
+        positions
     }
 
     fn note(&mut self, stamp: Time, value: f64) {
@@ -153,7 +154,7 @@ mod tests {
         monitor.on_joint_state(input, Now { ros: Some(stamp), steady: Duration::ZERO })
     }
 
-    fn judged(revision: &Arc<Revision>, milliseconds: i64, [turn, slide]: [f64; 2]) -> Evaluation {
+    fn evaluated(revision: &Arc<Revision>, milliseconds: i64, [turn, slide]: [f64; 2]) -> Evaluation {
         heard(&mut monitor(revision), milliseconds, &[("turn", turn), ("slide", slide)])
     }
 
@@ -182,7 +183,7 @@ mod tests {
         assert!(joint_state_history.at(time(0)).is_none());
         // past half a turn, where an encoder wraps around
         for (milliseconds, positions) in [(0, [3.0, 0.0]), (100, [3.2 - TAU, 1.0]), (200, [3.4 - TAU, 1.0])] {
-            joint_state_history.note(&judged(&revision, milliseconds, positions));
+            joint_state_history.note(&evaluated(&revision, milliseconds, positions));
         }
         for (milliseconds, expected) in [
             (-500, [3.0, 0.0]),
@@ -204,10 +205,10 @@ mod tests {
     fn it_has_an_end_and_begins_anew_when_the_clock_is_set_back() {
         let (revision, mut joint_state_history) = (revision(), JointStateHistory::default());
         for milliseconds in 0..10_000 {
-            joint_state_history.note(&judged(&revision, milliseconds, [0.0, 0.0]));
+            joint_state_history.note(&evaluated(&revision, milliseconds, [0.0, 0.0]));
         }
         let counts = |joint_state_history: &JointStateHistory| {
-            joint_state_history.ways.iter().map(|way| way.values.len()).collect::<Vec<_>>()
+            joint_state_history.positions.iter().map(|history| history.values.len()).collect::<Vec<_>>()
         };
         assert!(
             counts(&joint_state_history).iter().all(|count| (1400..1600).contains(count)),
@@ -215,11 +216,11 @@ mod tests {
             counts(&joint_state_history)
         );
         let before = counts(&joint_state_history);
-        joint_state_history.note(&judged(&revision, 9_900, [0.0, 1.0]));
+        joint_state_history.note(&evaluated(&revision, 9_900, [0.0, 1.0]));
         assert_eq!(counts(&joint_state_history), before, "who lags behind");
-        joint_state_history.note(&judged(&revision, 0, [0.0, 1.0]));
+        joint_state_history.note(&evaluated(&revision, 0, [0.0, 1.0]));
         assert_eq!(counts(&joint_state_history), [1, 1]);
-        joint_state_history.note(&judged(&self::revision(), 100, [0.0, 1.0]));
+        joint_state_history.note(&evaluated(&self::revision(), 100, [0.0, 1.0]));
         assert_eq!(counts(&joint_state_history), [1, 1], "another robot");
     }
 }

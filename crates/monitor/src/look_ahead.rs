@@ -4,21 +4,33 @@ use clearance_checker::{CollisionChecker, CollisionReport, LookAhead, Workspace}
 use clearance_robot::{Configuration, JointKind, RobotModel};
 
 use super::MonitorSettings;
-use super::drift::Drift;
+use super::obstacle_motion::ObstacleMotion;
 
 /// Look-ahead for one checker.
 #[derive(Debug)]
-pub(super) struct Lookout {
+pub(super) struct LookAheadEvaluator {
     /// Its own workspace, so that its motions do not overwrite the data that speeds up the stream of states.
     workspace: Workspace,
     /// By position: acceleration limit (rad/s², m/s²), if it has one.
     limits: Vec<Option<f64>>,
-    /// Whether the robot has a floating joint. Its velocity is not the derivative of its seven positions, so there is no look-ahead
-    /// for such a robot.
+    /// Whether the robot has a floating joint. Its velocity is not the derivative of its seven positions, so there is
+    /// no look-ahead for such a robot.
     floats: bool,
 }
 
-impl Lookout {
+/// State that a look-ahead starts from.
+pub(super) struct LookAheadInput<'i> {
+    pub configuration: &'i Configuration,
+    /// Velocities of the positions, if all are known.
+    pub velocities: Option<&'i [f64]>,
+    /// Difference (s) between the times of measurement of the joints.
+    pub spread: f64,
+    /// Result of the check of this state.
+    pub report: &'i CollisionReport,
+    pub obstacle_motions: &'i [ObstacleMotion],
+}
+
+impl LookAheadEvaluator {
     pub fn new(checker: &CollisionChecker) -> Self {
         let robot = checker.robot();
         let floats = robot.joints().iter().any(|joint| joint.kind == JointKind::Floating);
@@ -29,10 +41,10 @@ impl Lookout {
     pub fn look(
         &mut self,
         checker: &CollisionChecker,
-        (q, velocities, spread): (&Configuration, Option<&[f64]>, f64),
-        (report, drifts): (&CollisionReport, &[Drift]),
+        input: &LookAheadInput,
         settings: &MonitorSettings,
     ) -> Result<LookAhead, String> {
+        let &LookAheadInput { configuration, velocities, spread, report, obstacle_motions } = input;
         let unknown = |why: &str| Err(format!("the time to contact is not known: {why}"));
         if let Some(&pair) = report.colliding_pairs.first() {
             return Ok(LookAhead { free_for: 0.0, first: Some(pair) });
@@ -40,7 +52,9 @@ impl Lookout {
         if self.floats {
             return unknown("the robot has a floating joint");
         }
-        if let Some(Drift { frame, .. }) = drifts.iter().find(|drift| !drift.is_none()) {
+        if let Some(ObstacleMotion { frame, .. }) =
+            obstacle_motions.iter().find(|obstacle_motion| !obstacle_motion.is_none())
+        {
             return unknown(&format!("the robot's root moves in {frame}"));
         }
         let Some(velocities) = velocities else {
@@ -53,7 +67,7 @@ impl Lookout {
         let usual = settings.look_ahead_acceleration;
         let accelerations: Vec<f64> = self.limits.iter().map(|limit| limit.unwrap_or(usual)).collect();
         let horizon = settings.look_ahead_horizon;
-        (checker.look_ahead(q, velocities, &accelerations, horizon, &mut self.workspace))
+        (checker.look_ahead(configuration, velocities, &accelerations, horizon, &mut self.workspace))
             .or_else(|error| unknown(&error.to_string()))
     }
 }

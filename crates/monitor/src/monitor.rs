@@ -9,20 +9,17 @@ use clearance_scene::TransformTree;
 use super::check_budget::CheckBudget;
 use super::contact_watch::ContactWatch;
 use super::contribution::Contributions;
-use super::look_ahead::Lookout;
-use super::placement::Placements;
+use super::joint_state_merger::JointStateMerger;
+use super::look_ahead::LookAheadEvaluator;
 use super::received_states::{ReceivedState, ReceivedStates};
 use super::root_location::RootLocationWatch;
 use super::speed::SpeedGovernor;
-use super::state_evaluator::{CheckResult, StateEvaluator};
-use super::tracker::Tracker;
+use super::state_evaluator::{CheckResult, EvaluationInput, StateEvaluator, Stopwatch};
+use super::transform_joints::TransformJoints;
 use super::world_updates::WorldUpdates;
 use super::{
     Evaluation, Expiry, JointStateInput, LeftOut, MonitorSettings, Now, Reason, Revision, Status, Time,
 };
-
-/// Time since any fixed moment. It is read before and after each check.
-pub type Stopwatch = fn() -> Duration;
 
 /// Largest number of names that are stored of a joint state without positions.
 const MOST_UNPOSITIONED: usize = 64;
@@ -41,8 +38,8 @@ pub struct Monitor {
     /// Whether another model is being built, so that the current one is no longer valid.
     swapping: bool,
     /// Number of received robot descriptions, and how many of them were loaded or rejected.
-    described: u64,
-    heeded: u64,
+    received_descriptions: u64,
+    processed_descriptions: u64,
     /// Error of the last rejected model, until a model is loaded.
     model_fault: Option<String>,
     /// Errors of the last changes of the world.
@@ -60,17 +57,18 @@ pub struct Monitor {
     /// Time (s) by which the clock was set back since the last joint state, if it was.
     set_back: Option<f64>,
     /// Positions of joints from `tf`.
-    placements: Placements,
-    ground: RootLocationWatch,
-    verdict: CheckResult,
-    governor: SpeedGovernor,
+    transform_joints: TransformJoints,
+    root_location: RootLocationWatch,
+    check_result: CheckResult,
+    speed_governor: SpeedGovernor,
     /// Whether the model or a setting changed since the last check.
     outdated: bool,
-    said_at: Option<Duration>,
+    published_at: Option<Duration>,
     latest_ros_time: Option<Time>,
 }
 
 impl Monitor {
+    /// Creates a monitor without a robot.
     #[must_use]
     pub fn new(settings: MonitorSettings, stopwatch: Stopwatch) -> Self {
         Self {
@@ -81,8 +79,8 @@ impl Monitor {
             left_out: None,
             evaluator: None,
             swapping: false,
-            described: 0,
-            heeded: 0,
+            received_descriptions: 0,
+            processed_descriptions: 0,
             model_fault: None,
             world_faults: Vec::new(),
             incomplete_world: None,
@@ -93,12 +91,12 @@ impl Monitor {
             contact_watch: ContactWatch::default(),
             contributions: Contributions::default(),
             set_back: None,
-            placements: Placements::default(),
-            ground: RootLocationWatch::default(),
-            verdict: CheckResult::unknown(Reason::NoModel { fault: None }),
-            governor: SpeedGovernor::default(),
+            transform_joints: TransformJoints::default(),
+            root_location: RootLocationWatch::default(),
+            check_result: CheckResult::unknown(Reason::NoModel { fault: None }),
+            speed_governor: SpeedGovernor::default(),
             outdated: true,
-            said_at: None,
+            published_at: None,
             latest_ros_time: None,
         }
     }
@@ -112,22 +110,22 @@ impl Monitor {
         }
         let robot = |evaluator: &StateEvaluator| Arc::clone(evaluator.revision.checker.robot());
         if !self.evaluator.as_ref().is_some_and(|s| Arc::ptr_eq(&robot(s), revision.checker.robot())) {
-            self.governor.forget_poses();
+            self.speed_governor.discard_poses();
             self.contact_watch = ContactWatch::default();
-            self.placements = Placements::default();
-            self.ground = RootLocationWatch::default();
+            self.transform_joints = TransformJoints::default();
+            self.root_location = RootLocationWatch::default();
         }
-        if revision.grounds.is_empty() {
-            self.ground = RootLocationWatch::default();
+        if revision.anchor_frames.is_empty() {
+            self.root_location = RootLocationWatch::default();
         }
-        self.ground.note_placed(revision.placed_at);
+        self.root_location.note_placed(revision.placed_at);
         self.world_updates.complete();
         // set before the first state that is checked in this world is published
         self.incomplete_world.clone_from(&revision.incomplete);
         self.evaluator = Some(StateEvaluator {
-            tracker: Tracker::new(revision.checker.robot()),
+            joint_state_merger: JointStateMerger::new(revision.checker.robot()),
             workspace: revision.checker.streaming_workspace(),
-            lookout: Lookout::new(&revision.checker),
+            look_ahead: LookAheadEvaluator::new(&revision.checker),
             has_geometry: revision.has_geometry(),
             revision,
         });
@@ -140,20 +138,21 @@ impl Monitor {
         self.outdated = true;
     }
 
-    /// Another robot description was received and waits for the current build. The status is UNKNOWN until it is processed.
+    /// Another robot description was received and waits for the current build. The status is UNKNOWN until it is
+    /// processed.
     pub fn note_description(&mut self) {
-        self.described += 1;
+        self.received_descriptions += 1;
         self.outdated = true;
     }
 
     /// Sets the number of descriptions that were loaded or rejected since the start.
-    pub fn note_heeded(&mut self, descriptions: u64) {
-        self.heeded = descriptions;
+    pub fn note_processed_descriptions(&mut self, descriptions: u64) {
+        self.processed_descriptions = descriptions;
         self.outdated = true;
     }
 
     fn is_swapping(&self) -> bool {
-        self.swapping || self.described > self.heeded
+        self.swapping || self.received_descriptions > self.processed_descriptions
     }
 
     /// A model was rejected. The current one, if any, stays in use.
@@ -181,35 +180,37 @@ impl Monitor {
         self.outdated = true;
     }
 
-    /// Makes checks leave out this part from now on, as in a recorded run. A deadline would leave out different parts on each
-    /// machine.
+    /// Makes checks leave out this part from now on, as in a recorded run. A deadline would leave out different parts
+    /// on each machine.
     pub fn leave_out(&mut self, left_out: LeftOut) {
         self.left_out = Some(left_out);
     }
 
-    /// Sets the faults of the last changes of the world, which become warnings, and the reason why the world is incomplete, if it is.
-    /// The rest of the world stays in use.
+    /// Sets the faults of the last changes of the world, which become warnings, and the reason why the world is
+    /// incomplete, if it is. The rest of the world stays in use.
     pub fn note_world_faults(&mut self, faults: Vec<String>, incomplete: Option<Reason>) {
         self.world_faults = faults;
-        let was_late =
-            self.world_updates.due().is_some_and(|due| self.said_at.is_none_or(|said_at| due <= said_at));
+        let was_late = self
+            .world_updates
+            .due()
+            .is_some_and(|due| self.published_at.is_none_or(|published_at| due <= published_at));
         self.world_updates.complete();
         if was_late {
             // published at once
-            self.said_at = None;
+            self.published_at = None;
         }
         if self.incomplete_world != incomplete {
             self.incomplete_world = incomplete;
             // published at once
-            self.said_at = None;
+            self.published_at = None;
         }
     }
 
-    /// A message about the world was received at this time (steady clock). Until it is in force, the world differs from the
-    /// announced one.
+    /// A message about the world was received at this time (steady clock). Until it is in force, the world differs from
+    /// the announced one.
     pub fn note_world_update(&mut self, at: Duration) {
         let is_late = |updates: &WorldUpdates| {
-            updates.due().zip(self.said_at).is_some_and(|(lags, said_at)| lags <= said_at)
+            updates.due().zip(self.published_at).is_some_and(|(lags, published_at)| lags <= published_at)
         };
         let was_late = is_late(&self.world_updates);
         self.world_updates.note_received(at);
@@ -222,43 +223,45 @@ impl Monitor {
         self.world_updates.note_withdrawn();
     }
 
-    /// This number of messages about the world, the oldest ones, is in force once a checker is set, or once it is reported that
-    /// none is needed.
+    /// This number of messages about the world, the oldest ones, is in force once a checker is set, or once it is
+    /// reported that none is needed.
     pub fn note_world_updates_completing(&mut self, updates: usize) {
         self.world_updates.note_completing(updates);
     }
 
+    /// Changes the settings. The last joint state is evaluated again at the next heartbeat.
     pub fn set_settings(&mut self, settings: MonitorSettings) {
         self.settings = settings;
         self.outdated = true;
         if self.settings.transform_joints.is_empty() {
-            self.placements = Placements::default();
+            self.transform_joints = TransformJoints::default();
         }
     }
 
     /// Whether evaluations depend on `tf`.
     #[must_use]
-    pub fn heeds_transforms(&self) -> bool {
-        let stands = |evaluator: &StateEvaluator| !evaluator.revision.grounds.is_empty();
+    pub fn uses_transforms(&self) -> bool {
+        let stands = |evaluator: &StateEvaluator| !evaluator.revision.anchor_frames.is_empty();
         !self.settings.transform_joints.is_empty() || self.evaluator.as_ref().is_some_and(stands)
     }
 
     /// Updates the data from `tf`; later evaluations use it.
     pub fn note_transforms(&mut self, tree: &TransformTree) {
         let Some(evaluator) = &self.evaluator else { return };
-        self.ground.look(&evaluator.revision.grounds, tree);
-        let mut placements = Placements::look_up(evaluator.revision.checker.robot(), &self.settings, tree);
-        placements.inherit(&self.placements);
-        if placements != self.placements {
-            self.placements = placements;
+        self.root_location.look(&evaluator.revision.anchor_frames, tree);
+        let mut transform_joints =
+            TransformJoints::look_up(evaluator.revision.checker.robot(), &self.settings, tree);
+        transform_joints.inherit(&self.transform_joints);
+        if transform_joints != self.transform_joints {
+            self.transform_joints = transform_joints;
             self.outdated = true;
         }
     }
 
     /// Stores a joint state that is not evaluated by itself. Returns whether it contains positions.
     ///
-    /// A joint state without positions is skipped, with its velocities. The positions received before stay in force, and their age
-    /// grows.
+    /// A joint state without positions is skipped, with its velocities. The positions received before stay in force,
+    /// and their age grows.
     pub fn receive(&mut self, mut input: JointStateInput, now: Now) -> bool {
         self.note_clock(now);
         if input.positions.is_empty() && !input.names.is_empty() {
@@ -281,7 +284,7 @@ impl Monitor {
             return self.on_heartbeat(now);
         }
         self.evaluate(now);
-        if let (Some(checked_state), Some(evaluator)) = (&self.verdict.checked_state, &self.evaluator) {
+        if let (Some(checked_state), Some(evaluator)) = (&self.check_result.checked_state, &self.evaluator) {
             self.contact_watch.note(
                 checked_state,
                 self.contributions.newest_stamp(),
@@ -293,7 +296,7 @@ impl Monitor {
 
     /// Warning about pairs of links that touch in every state; returned once.
     pub fn take_contact_remark(&mut self) -> Option<String> {
-        self.contact_watch.take_news()
+        self.contact_watch.take_remark()
     }
 
     /// Prepares data that the next joint state will probably need. Best called after the last evaluation was published.
@@ -303,18 +306,19 @@ impl Monitor {
         }
     }
 
-    /// Returns the last evaluation again, or reports that it is stale. Evaluates again if the model, a setting or the clock
-    /// changed, if the robot's root moves, or if there was no time for exact distances.
+    /// Returns the last evaluation again, or reports that it is stale. Evaluates again if the model, a setting or the
+    /// clock changed, if the robot's root moves, or if there was no time for exact distances.
     pub fn on_heartbeat(&mut self, now: Now) -> Evaluation {
         self.note_clock(now);
-        let waits_for_clock = self.verdict.status.reason().is_some_and(Reason::is_about_time);
-        self.ground.note_seen(now);
-        let checked_state = self.verdict.checked_state.as_ref();
-        let has_drifted =
-            checked_state.is_some_and(|checked_state| checked_state.drifts != self.ground.drifts());
-        let has_rested = self.check_budget.rests(now.steady);
+        let waits_for_clock = self.check_result.status.reason().is_some_and(Reason::is_about_time);
+        self.root_location.note_seen(now);
+        let checked_state = self.check_result.checked_state.as_ref();
+        let has_moved = checked_state.is_some_and(|checked_state| {
+            checked_state.obstacle_motions != self.root_location.obstacle_motions()
+        });
+        let has_rested = self.check_budget.is_paused(now.steady);
         let is_rough = checked_state.is_some_and(|checked_state| checked_state.is_hurried) && has_rested;
-        if self.outdated || waits_for_clock || has_drifted || is_rough {
+        if self.outdated || waits_for_clock || has_moved || is_rough {
             self.evaluate(now);
         }
         self.current_evaluation(now)
@@ -323,17 +327,17 @@ impl Monitor {
     /// Time until the next evaluation has to be published, if no joint state is received.
     #[must_use]
     pub fn time_to_heartbeat(&self, now: Now) -> Duration {
-        let Some(said_at) = self.said_at.filter(|_| !self.outdated) else {
+        let Some(published_at) = self.published_at.filter(|_| !self.outdated) else {
             return Duration::ZERO;
         };
-        let mut due = said_at + self.settings.heartbeat_period();
+        let mut due = published_at + self.settings.heartbeat_period();
         // a heartbeat is due at the time from which the world lags too far behind
-        if let Some(lags) = self.world_updates.due().filter(|lags| *lags > said_at) {
+        if let Some(lags) = self.world_updates.due().filter(|lags| *lags > published_at) {
             due = due.min(lags);
         }
         let heartbeat = due.saturating_sub(now.steady);
         // a heartbeat is due at the time at which the evaluation becomes stale
-        let stale = self.verdict.checked_state.as_ref().and_then(|_| {
+        let stale = self.check_result.checked_state.as_ref().and_then(|_| {
             let ends = [self.robot_time_to_stale(now), self.world_time_to_stale(now)];
             ends.into_iter().flatten().min()
         });
@@ -342,7 +346,7 @@ impl Monitor {
 
     /// How long the robot's configuration stays valid, if no message is received.
     fn robot_time_to_stale(&self, now: Now) -> Option<Duration> {
-        let of_base = self.placements.time_to_stale(now, &self.settings);
+        let of_base = self.transform_joints.time_to_stale(now, &self.settings);
         // slightly later, so that the state is stale at that time despite rounding
         let of_base = Duration::try_from_secs_f64(of_base).ok().map(|left| left + Duration::from_millis(1));
         self.contributions.time_to_stale(now, &self.settings).into_iter().chain(of_base).min()
@@ -351,24 +355,24 @@ impl Monitor {
     /// How long the obstacles' positions stay valid, if no message is received.
     fn world_time_to_stale(&self, now: Now) -> Option<Duration> {
         let sources = self.evaluator.iter().flat_map(|evaluator| &evaluator.revision.sources);
-        let of_ground = self.ground.time_to_stale(now, self.settings.transform_ttl);
+        let of_ground = self.root_location.time_to_stale(now, self.settings.transform_ttl);
         sources.filter_map(|source| source.time_to_stale(now)).chain(of_ground).min()
     }
 
     fn expiry(&self, now: Now) -> Expiry {
         let end = |left: Option<Duration>| left.and_then(|left| now.steady.checked_add(left));
         Expiry {
-            said_at: now.steady,
+            published_at: now.steady,
             of_robot: end(self.robot_time_to_stale(now)),
             of_world: end(self.world_time_to_stale(now)).into_iter().chain(self.world_updates.due()).min(),
         }
     }
 
-    /// Detects that the clock was set back. Earlier stamps then no longer define an order. If it was set back by more than `stale_after`,
-    /// all received joint states are discarded.
+    /// Detects that the clock was set back. Earlier stamps then no longer define an order. If it was set back by more
+    /// than `stale_after`, all received joint states are discarded.
     fn note_clock(&mut self, now: Now) {
         if now.ros < self.latest_ros_time {
-            self.received_states.forget_order();
+            self.received_states.discard_order();
         }
         if let (Some(before), Some(ros)) = (self.latest_ros_time, now.ros) {
             let back = before.seconds_since(ros);
@@ -383,14 +387,20 @@ impl Monitor {
 
     fn evaluate(&mut self, now: Now) {
         self.outdated = false;
-        self.verdict = self.decide(now).unwrap_or_else(CheckResult::unknown);
+        self.check_result = self.decide(now).unwrap_or_else(CheckResult::unknown);
         match &self.evaluator {
             Some(StateEvaluator { revision, .. }) => {
-                let judged = (&self.verdict.status, self.verdict.checked_state.as_ref());
-                let stamp = self.contributions.newest_stamp().max(self.placements.newest_stamp());
-                self.governor.heed(&revision.checker, judged, stamp, &self.settings.speed);
+                let CheckResult { status, checked_state, .. } = &self.check_result;
+                let stamp = self.contributions.newest_stamp().max(self.transform_joints.newest_stamp());
+                self.speed_governor.update(
+                    &revision.checker,
+                    status,
+                    checked_state.as_ref(),
+                    stamp,
+                    &self.settings.speed,
+                );
             }
-            None => self.governor.stop(),
+            None => self.speed_governor.stop(),
         }
     }
 
@@ -412,77 +422,82 @@ impl Monitor {
         }
         let messages = self.received_states.messages();
         let robot = evaluator.revision.checker.robot();
-        if messages.is_empty() && !self.placements.place_all(robot) {
+        if messages.is_empty() && !self.transform_joints.place_all(robot) {
             return Err(self.set_back.map_or(Reason::NoJointState, |back| Reason::ClockJump { back }));
         }
-        self.placements.note_seen(now);
-        self.ground.note_seen(now);
-        let placed = self.placements.read(robot, now, &self.settings);
-        let is_fresh = |heard: &ReceivedState| heard.silence(now) <= self.settings.stale_after;
-        let (reading, contributions) =
-            evaluator.tracker.read(robot, messages, is_fresh, placed, &self.settings);
+        self.transform_joints.note_seen(now);
+        self.root_location.note_seen(now);
+        let from_transforms = self.transform_joints.read(robot, now, &self.settings);
+        let is_fresh = |received: &ReceivedState| received.since_reception(now) <= self.settings.stale_after;
+        let (merged, contributions) =
+            evaluator.joint_state_merger.read(robot, messages, is_fresh, from_transforms, &self.settings);
         self.contributions = contributions;
-        let mut reading = reading?;
-        reading.warnings.extend_from_slice(&self.placements.warnings);
-        reading.warnings.extend(self.ground.warning());
+        let mut merged = merged?;
+        merged.warnings.extend_from_slice(&self.transform_joints.warnings);
+        merged.warnings.extend(self.root_location.warning());
         // a stale state is not checked
         self.contributions.freshness(now, &self.settings, robot.position_names())?;
-        let knowledge = (reading, self.ground.drifts());
-        let verdict = evaluator.evaluate(
-            knowledge,
-            (&self.settings, &self.check_budget),
-            self.left_out,
-            self.stopwatch,
-        );
-        self.received_states.note_judged();
-        Ok(verdict)
+        let check_result = evaluator.evaluate(EvaluationInput {
+            merged,
+            obstacle_motions: self.root_location.obstacle_motions(),
+            settings: &self.settings,
+            check_budget: &self.check_budget,
+            fixed: self.left_out,
+            stopwatch: self.stopwatch,
+        });
+        self.received_states.note_evaluated();
+        Ok(check_result)
     }
 
     /// The evaluation as it is valid now: it may have become stale since the check.
     fn current_evaluation(&mut self, now: Now) -> Evaluation {
-        self.said_at = Some(now.steady);
-        self.ground.note_seen(now);
+        self.published_at = Some(now.steady);
+        self.root_location.note_seen(now);
         let evaluator = self.evaluator.as_ref();
         let messages = self.received_states.messages();
-        let unheeded = self.verdict.status.reason().is_some_and(Reason::precedes_joint_states);
-        let heeded = evaluator.filter(|_| !unheeded);
-        let stale = heeded.and_then(|evaluator| self.freshness(evaluator, now).err());
-        let ground = || self.ground.freshness(now, self.settings.transform_ttl).err();
+        let precedes_joint_states =
+            self.check_result.status.reason().is_some_and(Reason::precedes_joint_states);
+        let evaluator_in_use = evaluator.filter(|_| !precedes_joint_states);
+        let stale = evaluator_in_use.and_then(|evaluator| self.freshness(evaluator, now).err());
+        let root_location = || self.root_location.freshness(now, self.settings.transform_ttl).err();
         let incomplete = self.incomplete_world.clone().or_else(|| self.world_updates.overdue(now));
         let silent = |evaluator: &StateEvaluator| evaluator.revision.stale_world(now);
         let stale_world =
-            evaluator.and_then(|evaluator| incomplete.or_else(|| silent(evaluator)).or_else(ground));
-        let placement = self.verdict.checked_state.clone().filter(|_| stale.is_none());
+            evaluator.and_then(|evaluator| incomplete.or_else(|| silent(evaluator)).or_else(root_location));
+        let robot_state = self.check_result.checked_state.clone().filter(|_| stale.is_none());
         let status = match (stale, &stale_world) {
             (Some(reason), _) => Status::Unknown(self.with_other_fault(reason)),
-            (None, Some(reason)) if placement.is_some() => Status::Unknown(reason.clone()),
-            (None, _) => self.verdict.status.clone(),
+            (None, Some(reason)) if robot_state.is_some() => Status::Unknown(reason.clone()),
+            (None, _) => self.check_result.status.clone(),
         };
         if status != Status::Free {
-            self.governor.stop();
+            self.speed_governor.stop();
         }
-        let stamp =
-            self.contributions.stamp().or(self.placements.stamp()).or(messages.last().map(|last| last.stamp));
-        let silence = messages.last().map_or(0.0, |last| last.silence(now));
+        let stamp = self
+            .contributions
+            .stamp()
+            .or(self.transform_joints.stamp())
+            .or(messages.last().map(|last| last.stamp));
+        let since_reception = messages.last().map_or(0.0, |last| last.since_reception(now));
         let of_revision = evaluator.iter().flat_map(|evaluator| &evaluator.revision.warnings);
         let of_model = (self.model_fault.as_ref().filter(|_| evaluator.is_some())).map(|fault| {
             format!("the last robot description was refused, and the one before counts: {fault}")
         });
         let of_world = of_revision.chain(&self.world_faults);
         let of_model = of_model.into_iter().chain(self.unpositioned_warning(now));
-        let of_contacts = self.contact_watch.remark().filter(|_| self.verdict.checked_state.is_some());
-        let warnings = self.verdict.warnings.iter().chain(of_world).cloned().chain(of_model);
+        let of_contacts = self.contact_watch.remark().filter(|_| self.check_result.checked_state.is_some());
+        let warnings = self.check_result.warnings.iter().chain(of_world).cloned().chain(of_model);
         let warnings = warnings.chain(of_contacts.map(str::to_owned));
         Evaluation {
-            checked_state: placement.clone().filter(|_| status.reason().is_none()),
+            checked_state: robot_state.clone().filter(|_| status.reason().is_none()),
             status,
-            placement,
+            robot_state,
             is_swapping: self.is_swapping(),
             stale_world,
-            speed_scale: self.governor.share(),
-            left_out: self.verdict.left_out,
+            speed_scale: self.speed_governor.share(),
+            left_out: self.check_result.left_out,
             stamp,
-            age: stamp.map(|stamp| now.ros.map_or(silence, |ros| ros.seconds_since(stamp))),
+            age: stamp.map(|stamp| now.ros.map_or(since_reception, |ros| ros.seconds_since(stamp))),
             revision: evaluator.map(|evaluator| Arc::clone(&evaluator.revision)),
             warnings: warnings.collect(),
             expiry: self.expiry(now),
@@ -492,8 +507,8 @@ impl Monitor {
     /// Warning about a joint state without positions that was received recently.
     fn unpositioned_warning(&self, now: Now) -> Option<String> {
         let (at, names) = self.unpositioned.as_ref()?;
-        let silence = now.steady.saturating_sub(*at).as_secs_f64();
-        (silence <= self.settings.stale_after).then(|| {
+        let since_reception = now.steady.saturating_sub(*at).as_secs_f64();
+        (since_reception <= self.settings.stale_after).then(|| {
             let names = quoted_list(names);
             format!("a joint state that names {names} gives no positions: it is skipped, with its velocities")
         })
@@ -505,15 +520,15 @@ impl Monitor {
         if !self.received_states.messages().is_empty() {
             self.contributions.freshness(now, &self.settings, robot.position_names())?;
         }
-        if self.verdict.checked_state.is_some() {
-            return self.placements.read(robot, now, &self.settings).1.map_or(Ok(()), Err);
+        if self.check_result.checked_state.is_some() {
+            return self.transform_joints.read(robot, now, &self.settings).unknown.map_or(Ok(()), Err);
         }
         Ok(())
     }
 
     /// Adds the earlier fault to a stale joint state that could not be evaluated when it was fresh.
     fn with_other_fault(&self, reason: Reason) -> Reason {
-        match (reason, self.verdict.status.reason()) {
+        match (reason, self.check_result.status.reason()) {
             (Reason::Stale { joints, age, stale_after, .. }, Some(other))
                 if !matches!(other, Reason::Stale { .. } | Reason::FutureStamp { .. }) =>
             {

@@ -13,6 +13,12 @@ const MOST_JOINTS: usize = 4096;
 /// Largest total size (bytes) of the stored joint names, without those of the last message.
 const MOST_TEXT: usize = 1 << 20;
 
+/// Time (s) within which two publishers report a joint at almost the same time.
+pub(super) const SAME_TIME: f64 = 0.1;
+
+/// Largest lag (s) of a publisher that relays another publisher's messages ten times a second.
+pub(super) const LAG: f64 = 0.2;
+
 /// A joint state and its time of reception.
 #[derive(Debug)]
 pub(super) struct ReceivedState {
@@ -24,17 +30,18 @@ pub(super) struct ReceivedState {
     /// How much older (s) it is than the newest evaluated message of its stream, if it is older.
     pub behind: Option<f64>,
     /// Newest evaluated stamp of its stream.
-    judged: Option<Time>,
-    /// By name: velocity of the joint (rad/s, m/s), from the message or from the previous message of the stream; NaN if unknown.
+    evaluated: Option<Time>,
+    /// By name: velocity of the joint (rad/s, m/s), from the message or from the previous message of the stream; NaN if
+    /// unknown.
     pub rates: Vec<f64>,
 }
 
 /// Largest motion (rad, m) between two messages. A larger difference is a wrap-around or a reset.
-const LONGEST_WAY: f64 = std::f64::consts::PI;
+const LONGEST_MOTION: f64 = std::f64::consts::PI;
 
 impl ReceivedState {
     /// Time (s) since the reception.
-    pub fn silence(&self, now: Now) -> f64 {
+    pub fn since_reception(&self, now: Now) -> f64 {
         now.steady.saturating_sub(self.at).as_secs_f64()
     }
 
@@ -43,8 +50,8 @@ impl ReceivedState {
     }
 }
 
-/// The last message of each stream, in the order of reception. A stream is a publisher with a set of joint names: several drivers
-/// may share the topic, and a played bag is one publisher with the messages of several.
+/// The last message of each stream, in the order of reception. A stream is a publisher with a set of joint names:
+/// several drivers may share the topic, and a played bag is one publisher with the messages of several.
 #[derive(Debug, Default)]
 pub(super) struct ReceivedStates(Vec<ReceivedState>);
 
@@ -61,10 +68,10 @@ impl ReceivedStates {
             self.0.iter().position(|h| h.input.source == input.source && h.input.names == input.names);
         let before = before.map(|place| self.0.remove(place));
         let rates = rates(&input, stamp, before.as_ref());
-        let judged = before.and_then(|before| before.judged);
-        let newest = judged.filter(|_| input.stamp != Time::ZERO);
+        let evaluated = before.and_then(|before| before.evaluated);
+        let newest = evaluated.filter(|_| input.stamp != Time::ZERO);
         let behind = newest.map(|newest| newest.seconds_since(stamp)).filter(|&behind| behind > 0.0);
-        self.0.push(ReceivedState { input, stamp, at: now.steady, behind, judged, rates });
+        self.0.push(ReceivedState { input, stamp, at: now.steady, behind, evaluated, rates });
         let mut text: usize = self.0.iter().map(ReceivedState::text).sum();
         while self.0.len() > MOST_MESSAGES || (text > MOST_TEXT && self.0.len() > 1) {
             text -= self.0.remove(0).text();
@@ -72,16 +79,16 @@ impl ReceivedStates {
     }
 
     /// Marks the last received message as evaluated.
-    pub fn note_judged(&mut self) {
+    pub fn note_evaluated(&mut self) {
         if let Some(last) = self.0.last_mut().filter(|last| last.input.stamp != Time::ZERO) {
-            last.judged = Some(last.stamp);
+            last.evaluated = Some(last.stamp);
         }
     }
 
     /// The clock of the stamps was set back: stamps evaluated before no longer define an order.
-    pub fn forget_order(&mut self) {
-        for heard in &mut self.0 {
-            heard.judged = None;
+    pub fn discard_order(&mut self) {
+        for received in &mut self.0 {
+            received.evaluated = None;
         }
     }
 
@@ -113,5 +120,5 @@ fn rates(input: &JointStateInput, stamp: Time, before: Option<&ReceivedState>) -
         return unknown();
     }
     let ways = positions.iter().zip(&before.input.positions).map(|(now, then)| now - then);
-    ways.map(|way| if way.abs() < LONGEST_WAY { way / after } else { f64::NAN }).collect()
+    ways.map(|way| if way.abs() < LONGEST_MOTION { way / after } else { f64::NAN }).collect()
 }

@@ -1,5 +1,5 @@
-//! Tracks whether the pose of the robot's root in the obstacle frames is known. If `tf` published it repeatedly and then stops, or
-//! no longer connects the frames, the root may be anywhere.
+//! Tracks whether the pose of the robot's root in the obstacle frames is known. If `tf` published it repeatedly and
+//! then stops, or no longer connects the frames, the root may be anywhere.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -8,7 +8,7 @@ use clearance_geometry::math::Pose;
 use clearance_robot::quoted;
 use clearance_scene::{AnchorFrames, PathLink, RootPoseLoss, TrackedFrame, TransformTree};
 
-use super::drift::{Drift, Track};
+use super::obstacle_motion::{FramePoses, ObstacleMotion};
 use super::world_source::{Observation, WorldSource};
 use super::{Now, Reason, Time};
 
@@ -18,7 +18,7 @@ pub(super) struct RootLocationWatch {
     /// Frames that `tf` publishes repeatedly.
     seen: BTreeMap<String, Seen>,
     /// Pose history of each frame on the path to them, in its parent frame.
-    tracks: BTreeMap<String, Track>,
+    tracks: BTreeMap<String, FramePoses>,
     /// Name of the missing transform if the root's pose is lost.
     lost: Option<String>,
     /// Frame in which the root is assumed to be at the origin, since no transform places it.
@@ -35,7 +35,7 @@ struct Seen {
     stamp: Time,
     /// Time of its first use (steady clock), so that it also becomes old while ROS time stands still.
     since: Option<Duration>,
-    drift: Drift,
+    obstacle_motion: ObstacleMotion,
 }
 
 impl RootLocationWatch {
@@ -45,34 +45,36 @@ impl RootLocationWatch {
     }
 
     /// Reads the current transforms.
-    pub fn look(&mut self, grounds: &AnchorFrames, tree: &TransformTree) {
-        self.lost = grounds.root_pose_loss(tree).map(|lost| match lost {
+    pub fn look(&mut self, anchor_frames: &AnchorFrames, tree: &TransformTree) {
+        self.lost = anchor_frames.root_pose_loss(tree).map(|lost| match lost {
             RootPoseLoss::In(frame) => of_root(frame),
             RootPoseLoss::Endless => {
                 "tf above the robot's root or what obstacles stand in (a circle, or far too many frames)"
                     .to_owned()
             }
         });
-        self.assumed = grounds.assumed_frame(tree).map(str::to_owned);
-        self.are_elsewhere = grounds.are_elsewhere(tree);
+        self.assumed = anchor_frames.assumed_frame(tree).map(str::to_owned);
+        self.are_elsewhere = anchor_frames.are_elsewhere(tree);
         let (seen, tracks) = (std::mem::take(&mut self.seen), std::mem::take(&mut self.tracks));
-        for told in grounds.tracked_frames(tree) {
-            let before = seen.get(told.frame).filter(|seen| seen.stamp == told.stamp);
-            let drift = Drift { frame: told.frame.to_owned(), motions: self.motions(&told, &tracks) };
-            let seen = Seen { stamp: told.stamp, since: before.and_then(|seen| seen.since), drift };
-            self.seen.insert(told.frame.to_owned(), seen);
+        for tracked in anchor_frames.tracked_frames(tree) {
+            let before = seen.get(tracked.frame).filter(|seen| seen.stamp == tracked.stamp);
+            let obstacle_motion =
+                ObstacleMotion { frame: tracked.frame.to_owned(), motions: self.motions(&tracked, &tracks) };
+            let seen =
+                Seen { stamp: tracked.stamp, since: before.and_then(|seen| seen.since), obstacle_motion };
+            self.seen.insert(tracked.frame.to_owned(), seen);
         }
     }
 
     /// Motion of a frame relative to the root, from the moving transforms on the path to it.
-    fn motions(&mut self, told: &TrackedFrame, tracks: &BTreeMap<String, Track>) -> Vec<(Pose, f64)> {
-        let pose_rf = told.path.pose();
-        let moved = told.path.live_links().filter_map(|PathLink { name, pose_pf, stamp }| {
+    fn motions(&mut self, tracked: &TrackedFrame, tracks: &BTreeMap<String, FramePoses>) -> Vec<(Pose, f64)> {
+        let pose_rf = tracked.path.pose();
+        let moved = tracked.path.live_links().filter_map(|PathLink { name, pose_pf, stamp }| {
             let known = || tracks.get(name).cloned().unwrap_or_default();
             let track = self.tracks.entry(name.to_owned()).or_insert_with(known);
             track.note(stamp, pose_pf);
             let (before, taken) = track.before()?;
-            Some((pose_rf * told.path.pose_with(name, before).inverse(), taken))
+            Some((pose_rf * tracked.path.pose_with(name, before).inverse(), taken))
         });
         moved.collect()
     }
@@ -88,8 +90,8 @@ impl RootLocationWatch {
     }
 
     /// Current motions of these frames relative to the root.
-    pub fn drifts(&self) -> Vec<Drift> {
-        self.seen.values().map(|seen| seen.drift.clone()).collect()
+    pub fn obstacle_motions(&self) -> Vec<ObstacleMotion> {
+        self.seen.values().map(|seen| seen.obstacle_motion.clone()).collect()
     }
 
     /// Warning about the assumed pose of the root.
@@ -135,8 +137,8 @@ impl RootLocationWatch {
 
     fn sources(&self, now: Now, ttl: f64) -> impl Iterator<Item = WorldSource> {
         self.seen.iter().map(move |(frame, seen)| {
-            let sight = Observation { stamp: seen.stamp, at: seen.since.unwrap_or(now.steady) };
-            WorldSource { name: of_root(frame), seen: Some(sight), ttl }
+            let observation = Observation { stamp: seen.stamp, at: seen.since.unwrap_or(now.steady) };
+            WorldSource { name: of_root(frame), seen: Some(observation), ttl }
         })
     }
 }

@@ -24,7 +24,8 @@ pub struct MonitorSettings {
     pub transform_ttl: f64,
     /// Prefix of the names of this robot's joints. Other names on the topic belong to other robots.
     pub joint_prefix: String,
-    /// Whether the status is UNKNOWN while the report of a mimic joint disagrees with its leader; otherwise that is a warning.
+    /// Whether the status is UNKNOWN while the report of a mimic joint disagrees with its leader; otherwise that is a
+    /// warning.
     pub mimic_contradiction_is_unknown: bool,
     /// Distance (m) up to which every pair is reported.
     pub influence_distance: f64,
@@ -34,8 +35,8 @@ pub struct MonitorSettings {
     pub distance_absolute_tolerance: f64,
     /// The same as a share of the distance, in [0, 1); the larger of the two applies.
     pub distance_relative_tolerance: f64,
-    /// Share of the time between joint states that exact distances may take, in [0, 1]. Beyond it, distances have a tolerance of a
-    /// tenth or a millimetre. 0: no limit.
+    /// Share of the time between joint states that exact distances may take, in [0, 1]. Beyond it, distances have a
+    /// tolerance of a tenth or a millimetre. 0: no limit.
     pub exact_distance_share: f64,
     /// When the robot has to be slower.
     pub speed: SpeedSettings,

@@ -1,11 +1,12 @@
-//! Speed scale: the share of its speed that the robot may have, from the distances of its bodies and their approach rates.
+//! Speed scale: the share of its speed that the robot may have, from the distances of its bodies and their approach
+//! rates.
 //!
-//! Each near pair requests a share: 1 from the slow-down distance on, 0 up to the stop distance, linear between them. The distance
-//! of an approaching pair is reduced by its motion in the reaction time, also from beyond the slow-down distance. A pair that moves
-//! apart requests no reduction. The least share counts.
-//! If the approach rate of a near pair is unknown, the share does not rise, except for a first state, which counts as at rest.
-//! The share falls once a number of states in a row, the trigger count, request less: to the largest of their requests. It rises
-//! once a number of states, the release count, request more: to the least of their requests. If the status is not FREE, it is 0 at
+//! Each near pair requests a share: 1 from the slow-down distance on, 0 up to the stop distance, linear between them.
+//! The distance of an approaching pair is reduced by its motion in the reaction time, also from beyond the slow-down
+//! distance. A pair that moves apart requests no reduction. The least share counts. If the approach rate of a near pair
+//! is unknown, the share does not rise, except for a first state, which counts as at rest. The share falls once a
+//! number of states in a row, the trigger count, request less: to the largest of their requests. It rises once a number
+//! of states, the release count, request more: to the least of their requests. If the status is not FREE, it is 0 at
 //! once.
 
 use clearance_checker::{CollisionChecker, PairDistance};
@@ -14,85 +15,15 @@ use clearance_scene::BodyId;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use super::approach::{OtherTime, a_moment_later, approach_rate};
+use super::approach_rate::{PosesAtOtherTime, approach_rate, poses_after_step};
+use super::speed_settings::{SpeedDistances, SpeedSettings};
 use super::{CheckedState, Status, Time};
-
-/// Approach rates below this (m/s) count as at rest: velocities are noisy.
-const REST: f64 = 1e-3;
-
-/// Slow-down and stop distance (m).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct SpeedDistances {
-    /// Distance from which the robot is slowed down; 0: never, unless bodies touch.
-    pub slowdown: f64,
-    /// Distance from which it has to stop.
-    pub stop: f64,
-}
-
-/// User settings of the speed scale.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SpeedSettings {
-    /// Distances between bodies of the robot.
-    pub own: SpeedDistances,
-    /// Distances between the robot and its surroundings.
-    pub world: SpeedDistances,
-    /// Time (s) for which an approach is assumed to continue at the same rate.
-    pub reaction_time: f64,
-    /// Number of states in a row after which the robot slows down.
-    pub trigger_count: u32,
-    /// Number of states in a row after which it speeds up.
-    pub release_count: u32,
-}
-
-impl Default for SpeedSettings {
-    fn default() -> Self {
-        Self {
-            own: SpeedDistances::default(),
-            world: SpeedDistances::default(),
-            reaction_time: 0.1,
-            trigger_count: 1,
-            release_count: 5,
-        }
-    }
-}
-
-impl SpeedSettings {
-    /// Distance (m) up to which pairs have to be known.
-    #[must_use]
-    pub(super) fn reach(&self) -> f64 {
-        self.own.reach().greater(self.world.reach())
-    }
-}
-
-impl SpeedDistances {
-    /// Distance (m) beyond which a pair at rest causes no reduction.
-    fn reach(self) -> f64 {
-        self.slowdown.greater(self.stop)
-    }
-
-    /// Share that a pair requests which approaches at `rate` (m/s), if that is known.
-    fn share(self, distance: f64, rate: Option<f64>, reaction_time: f64) -> f64 {
-        let rate = rate.unwrap_or(0.0);
-        let is_off = self.reach() == 0.0 && distance > 0.0;
-        if is_off || rate < -REST {
-            return 1.0;
-        }
-        let left = distance - rate.greater(0.0) * reaction_time;
-        if left <= self.stop {
-            0.0
-        } else if left >= self.slowdown {
-            1.0
-        } else {
-            (left - self.stop) / (self.slowdown - self.stop)
-        }
-    }
-}
 
 /// Computes the speed scale from successive states.
 #[derive(Debug, Default)]
 pub(super) struct SpeedGovernor {
     /// Shares that the last states requested, the newest at the end.
-    asked: VecDeque<f64>,
+    requested: VecDeque<f64>,
     share: f64,
     /// The last state and its stamp.
     last: Option<(Time, Arc<CheckedState>)>,
@@ -106,20 +37,21 @@ impl SpeedGovernor {
 
     /// Sets the share to 0: the status is not FREE.
     pub fn stop(&mut self) {
-        self.asked.clear();
+        self.requested.clear();
         self.share = 0.0;
     }
 
     /// Removes the last poses when the robot changes.
-    pub fn forget_poses(&mut self) {
+    pub fn discard_poses(&mut self) {
         self.last = None;
     }
 
     /// Updates the share with an evaluated state.
-    pub fn heed(
+    pub fn update(
         &mut self,
         checker: &CollisionChecker,
-        (status, checked_state): (&Status, Option<&Arc<CheckedState>>),
+        status: &Status,
+        checked_state: Option<&Arc<CheckedState>>,
         stamp: Option<Time>,
         settings: &SpeedSettings,
     ) {
@@ -130,26 +62,36 @@ impl SpeedGovernor {
         };
         let near = |pair: &&PairDistance| {
             let reach = distances_of(pair, settings).reach();
-            reach > 0.0 && pair.distance <= reach.greater(checked_state.slows_within) || pair.distance <= 0.0
+            reach > 0.0 && pair.distance <= reach.greater(checked_state.slowdown_range)
+                || pair.distance <= 0.0
         };
-        let mut near =
-            checked_state.report.pair_distances.iter().chain(&checked_state.coming).filter(near).peekable();
+        let mut near = checked_state
+            .report
+            .pair_distances
+            .iter()
+            .chain(&checked_state.approaching_pairs)
+            .filter(near)
+            .peekable();
         // without a near pair, no poses at another time are needed
         let other = near
             .peek()
-            .and_then(|_| a_moment_later(checker.robot(), checked_state).or_else(|| self.before(stamp)));
-        let (mut asked, mut are_known) = (1.0_f64, true);
+            .and_then(|_| poses_after_step(checker.robot(), checked_state).or_else(|| self.before(stamp)));
+        let (mut requested, mut are_known) = (1.0_f64, true);
         for pair in near {
             let rate = other.as_ref().and_then(|other| approach_rate(checker, pair, checked_state, other));
             // a pair beyond that distance requests no reduction even if its rate is unknown
             are_known &= rate.is_some() || pair.distance > distances_of(pair, settings).reach();
-            asked =
-                asked.lesser(distances_of(pair, settings).share(pair.distance, rate, settings.reaction_time));
+            requested = requested.lesser(distances_of(pair, settings).share(
+                pair.distance,
+                rate,
+                settings.reaction_time,
+            ));
         }
         let is_new = stamp.zip(self.last.as_ref()).is_none_or(|(stamp, (last, _))| stamp != *last);
-        // a state that is evaluated again, or with unknown approach rates, never raises the share; a first state has distances only
-        if (is_new && (are_known || self.last.is_none())) || asked < self.share {
-            self.follow(asked, settings);
+        // a state that is evaluated again, or with unknown approach rates, never raises the share; a first state has
+        // distances only
+        if (is_new && (are_known || self.last.is_none())) || requested < self.share {
+            self.follow(requested, settings);
         }
         // of states with the same stamp the first is kept: later motion is measured from it
         if is_new {
@@ -158,24 +100,25 @@ impl SpeedGovernor {
     }
 
     /// The link poses of the last state, if it is older than this one.
-    fn before(&self, stamp: Option<Time>) -> Option<OtherTime> {
+    fn before(&self, stamp: Option<Time>) -> Option<PosesAtOtherTime> {
         let (last, checked_state) = self.last.as_ref()?;
         let after = last.seconds_since(stamp?);
-        (after < 0.0).then(|| OtherTime { poses: checked_state.poses.clone(), after })
+        (after < 0.0).then(|| PosesAtOtherTime { poses: checked_state.poses.clone(), after })
     }
 
     /// Updates the share with the requested one.
-    fn follow(&mut self, asked: f64, settings: &SpeedSettings) {
+    fn follow(&mut self, requested: f64, settings: &SpeedSettings) {
         let [trigger, release] =
             [settings.trigger_count, settings.release_count].map(|count| count.max(1) as usize);
-        self.asked.push_back(asked);
-        while self.asked.len() > trigger.max(release) {
-            self.asked.pop_front();
+        self.requested.push_back(requested);
+        while self.requested.len() > trigger.max(release) {
+            self.requested.pop_front();
         }
-        let latest =
-            |count: usize| (self.asked.len() >= count).then(|| self.asked.iter().rev().take(count).copied());
-        let most = latest(trigger).map(|asked| asked.fold(0.0, f64::greater));
-        let least = latest(release).map(|asked| asked.fold(1.0, f64::lesser));
+        let latest = |count: usize| {
+            (self.requested.len() >= count).then(|| self.requested.iter().rev().take(count).copied())
+        };
+        let most = latest(trigger).map(|requested| requested.fold(0.0, f64::greater));
+        let least = latest(release).map(|requested| requested.fold(1.0, f64::lesser));
         self.share = match (most, least) {
             (Some(most), _) if most < self.share => most,
             (_, Some(least)) if least > self.share => least,
@@ -198,6 +141,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::speed_settings::REST;
 
     const DISTANCES: SpeedDistances = SpeedDistances { slowdown: 0.3, stop: 0.1 };
 
@@ -236,14 +180,14 @@ mod tests {
         assert_eq!([step.share(0.2, None, 0.1), step.share(0.21, None, 0.1)], [0.0, 1.0]);
     }
 
-    fn following(trigger_count: u32, release_count: u32, asked: &[f64]) -> Vec<f64> {
+    fn following(trigger_count: u32, release_count: u32, requested: &[f64]) -> Vec<f64> {
         let settings = SpeedSettings { trigger_count, release_count, ..SpeedSettings::default() };
-        let mut governor = SpeedGovernor::default();
-        asked
+        let mut speed_governor = SpeedGovernor::default();
+        requested
             .iter()
-            .map(|&asked| {
-                governor.follow(asked, &settings);
-                governor.share()
+            .map(|&requested| {
+                speed_governor.follow(requested, &settings);
+                speed_governor.share()
             })
             .collect()
     }
@@ -261,14 +205,14 @@ mod tests {
     #[test]
     fn after_a_stop_the_release_count_begins_anew() {
         let settings = SpeedSettings { release_count: 2, ..SpeedSettings::default() };
-        let mut governor = SpeedGovernor::default();
+        let mut speed_governor = SpeedGovernor::default();
         for (stop, share) in [(false, 0.0), (false, 1.0), (true, 0.0), (false, 0.0), (false, 1.0)] {
             if stop {
-                governor.stop();
+                speed_governor.stop();
             } else {
-                governor.follow(1.0, &settings);
+                speed_governor.follow(1.0, &settings);
             }
-            assert_eq!(governor.share(), share);
+            assert_eq!(speed_governor.share(), share);
         }
     }
 
@@ -289,22 +233,22 @@ mod tests {
 
         #[test]
         fn the_share_stays_among_what_was_asked_and_settles_on_it(
-            asked in prop::collection::vec(0.0..1.0f64, 1..40), last in 0.0..1.0f64,
+            requested in prop::collection::vec(0.0..1.0f64, 1..40), last in 0.0..1.0f64,
             trigger in 1..6u32, release in 1..6u32,
         ) {
-            let most = asked.iter().copied().fold(0.0, f64::greater);
-            let mut asked = asked;
-            let begun = following(trigger, release, &asked);
+            let most = requested.iter().copied().fold(0.0, f64::greater);
+            let mut requested = requested;
+            let begun = following(trigger, release, &requested);
             prop_assert!(begun.iter().all(|share| (0.0..=most).contains(share)));
-            asked.extend([last; 6]);
-            let followed = following(trigger, release, &asked);
+            requested.extend([last; 6]);
+            let followed = following(trigger, release, &requested);
             prop_assert_eq!(followed.last(), Some(&last));
         }
 
         #[test]
         fn a_single_state_changes_nothing_where_two_are_needed(share in 0.0..1.0f64, odd in 0.0..1.0f64) {
-            let asked = [share, share, odd, share, share];
-            prop_assert!(following(2, 2, &asked)[1..].iter().all(|found| *found == share));
+            let requested = [share, share, odd, share, share];
+            prop_assert!(following(2, 2, &requested)[1..].iter().all(|found| *found == share));
         }
     }
 }

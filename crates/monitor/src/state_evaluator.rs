@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
+use std::time::Duration;
 
 use clearance_checker::{CollisionChecker, CollisionReport, Question, Workspace};
 use clearance_geometry::constants::CONTACT_DISTANCE;
@@ -9,13 +10,15 @@ use clearance_geometry::math::Extremes;
 use clearance_proximity::Effort;
 use clearance_robot::LinkPoses;
 
-use super::approach::slows_within;
+use super::approach_rate::{MovingState, slowdown_range};
 use super::check_budget::CheckBudget;
-use super::drift::Drift;
-use super::look_ahead::Lookout;
-use super::monitor::Stopwatch;
-use super::tracker::{Reading, Tracker};
+use super::joint_state_merger::{JointStateMerger, MergedState};
+use super::look_ahead::{LookAheadEvaluator, LookAheadInput};
+use super::obstacle_motion::ObstacleMotion;
 use super::{CheckedState, LeftOut, MonitorSettings, Reason, Revision, Status};
+
+/// Time since any fixed moment. It is read before and after each check.
+pub type Stopwatch = fn() -> Duration;
 
 /// The robot and world to check, with the data that the checks need.
 #[derive(Debug)]
@@ -23,9 +26,20 @@ pub(super) struct StateEvaluator {
     pub revision: Arc<Revision>,
     /// Whether any link of the robot has collision geometry.
     pub has_geometry: bool,
-    pub tracker: Tracker,
+    pub joint_state_merger: JointStateMerger,
     pub workspace: Workspace,
-    pub lookout: Lookout,
+    pub look_ahead: LookAheadEvaluator,
+}
+
+/// Input of one evaluation.
+pub(super) struct EvaluationInput<'i> {
+    pub merged: MergedState,
+    pub obstacle_motions: Vec<ObstacleMotion>,
+    pub settings: &'i MonitorSettings,
+    pub check_budget: &'i CheckBudget,
+    /// The part to leave out, regardless of the time; `None`: the deadline decides.
+    pub fixed: Option<LeftOut>,
+    pub stopwatch: Stopwatch,
 }
 
 /// An evaluation without its age.
@@ -48,33 +62,37 @@ impl StateEvaluator {
     /// Checks a complete joint state.
     pub fn evaluate(
         &mut self,
-        (reading, drifts): (Reading, Vec<Drift>),
-        (settings, check_budget): (&MonitorSettings, &CheckBudget),
-        fixed: Option<LeftOut>,
-        stopwatch: Stopwatch,
+        EvaluationInput { merged, obstacle_motions, settings, check_budget, fixed, stopwatch }: EvaluationInput,
     ) -> CheckResult {
-        let Reading { configuration, velocities, rates, are_of_joints, measured, spread, mut warnings } =
-            reading;
+        let MergedState { configuration, velocities, rates, are_of_joints, measured, spread, mut warnings } =
+            merged;
         let checker = &self.revision.checker;
         let started = stopwatch();
         let mut poses = LinkPoses::new(checker.robot());
         checker.robot().forward_kinematics(&configuration, &mut poses);
-        let motion = (rates.as_deref(), drifts.as_slice());
-        let slows_within = slows_within(checker, (&configuration, &poses), motion, &settings.speed);
+        let moving = MovingState {
+            configuration: &configuration,
+            poses: &poses,
+            rates: rates.as_deref(),
+            obstacle_motions: &obstacle_motions,
+        };
+        let slowdown_range = slowdown_range(checker, &moving, &settings.speed);
         let survey = Question::Survey {
-            influence_distance: settings.influence_distance.greater(slows_within),
+            influence_distance: settings.influence_distance.greater(slowdown_range),
             limit: settings.distance_limit,
         };
         let effort = if fixed.is_some() { settings.unhurried_effort() } else { settings.effort() };
-        // the approach rate follows from the nearest points, so these have to be exact; longer distances do not affect the speed
-        let exact_within = if slows_within > 0.0 { slows_within + CONTACT_DISTANCE } else { 0.0 };
+        // the approach rate follows from the nearest points, so these have to be exact; longer distances do not affect
+        // the speed
+        let exact_within = if slowdown_range > 0.0 { slowdown_range + CONTACT_DISTANCE } else { 0.0 };
         let effort = Effort { exact_within, ..check_budget.limit(effort, settings.exact_distance_share) };
         let mut report = checker.check_with(&configuration, survey, &effort, &mut self.workspace);
         let is_exact = report.is_exact();
         report.use_lower_bounds();
-        let told = settings.influence_distance.greater(settings.speed.reach());
-        let (told, coming) = report.pair_distances.into_iter().partition(|pair| pair.distance <= told);
-        report.pair_distances = told;
+        let reported = settings.influence_distance.greater(settings.speed.reach());
+        let (reported, approaching_pairs) =
+            report.pair_distances.into_iter().partition(|pair| pair.distance <= reported);
+        report.pair_distances = reported;
         let mut left_out = fixed.unwrap_or_default();
         if !report.undecided.is_empty() {
             left_out = LeftOut::Pairs;
@@ -84,8 +102,14 @@ impl StateEvaluator {
             left_out = left_out.max(LeftOut::LookAhead);
             warnings.push("the time to contact is not known: check_deadline has passed".to_owned());
         } else if settings.look_ahead_horizon > 0.0 {
-            let state = (&configuration, velocities.as_deref(), spread);
-            match self.lookout.look(checker, state, (&report, &drifts), settings) {
+            let state = LookAheadInput {
+                configuration: &configuration,
+                velocities: velocities.as_deref(),
+                spread,
+                report: &report,
+                obstacle_motions: &obstacle_motions,
+            };
+            match self.look_ahead.look(checker, &state, settings) {
                 Ok(found) => look_ahead = Some(found),
                 Err(why) => warnings.push(why),
             }
@@ -98,15 +122,15 @@ impl StateEvaluator {
         }
         let checked_state = Some(Arc::new(CheckedState {
             report,
-            coming,
+            approaching_pairs,
             configuration,
             poses,
             look_ahead,
             velocities,
             rates: rates.filter(|_| are_of_joints),
             measured,
-            drifts,
-            slows_within,
+            obstacle_motions,
+            slowdown_range,
             is_exact,
             is_hurried: !is_exact && effort.exact_cost > 0,
             compute_time,
@@ -115,7 +139,8 @@ impl StateEvaluator {
     }
 }
 
-/// A colliding pair decides the status even if other pairs are undecided. With any undecided pair, the least distance is unknown.
+/// A colliding pair decides the status even if other pairs are undecided. With any undecided pair, the least distance
+/// is unknown.
 fn status_of(report: &CollisionReport, checker: &CollisionChecker, settings: &MonitorSettings) -> Status {
     if report.self_collision || report.world_collision {
         return Status::Colliding;

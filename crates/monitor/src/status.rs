@@ -16,11 +16,13 @@ pub enum Status {
 }
 
 impl Status {
+    /// Whether the status is FREE.
     #[must_use]
     pub fn is_free(&self) -> bool {
         *self == Self::Free
     }
 
+    /// Reason for UNKNOWN; `None` for the other statuses.
     #[must_use]
     pub fn reason(&self) -> Option<&Reason> {
         match self {
@@ -45,11 +47,14 @@ impl Status {
 pub enum Reason {
     /// No robot model has been loaded; `fault` is the error of the last rejected one.
     NoModel {
+        /// Error of the last rejected model, if there was one.
         fault: Option<String>,
     },
     /// The process uses more memory than allowed (MiB), and is about to end.
     Memory {
+        /// Memory of the process (MiB).
         used: u64,
+        /// Its limit (MiB).
         limit: u64,
     },
     /// Checking was switched off.
@@ -58,92 +63,133 @@ pub enum Reason {
     ModelSwap,
     /// No link of the robot has collision geometry: there is nothing to check.
     NoGeometry,
+    /// No joint state was received.
     NoJointState,
+    /// Simulated time is in use, and none was received.
     NoClock,
     /// The clock was set back by `back` seconds, and no joint state has been received since.
     ClockJump {
+        /// Time (s) by which the clock was set back.
         back: f64,
     },
-    /// The joint state is `age` seconds old, or none was received for this time; `also` is a further fault of it. If this applies
-    /// to some joints only, `joints` names them.
+    /// The joint state is `age` seconds old, or none was received for this time; `also` is a further fault of it. If
+    /// this applies to some joints only, `joints` names them.
     Stale {
+        /// Names of the stale joints; empty if all are stale.
         joints: Vec<String>,
+        /// Largest age (s).
         age: f64,
+        /// Age limit (s).
         stale_after: f64,
+        /// Further fault of the joint state.
         also: Option<Box<Reason>>,
     },
     /// The last evaluation was published `since` seconds ago, and is no longer valid.
     Overdue {
+        /// Time (s) since the last evaluation.
         since: f64,
     },
     /// The stamp lies `ahead` seconds in the future.
     FutureStamp {
+        /// Time (s) between now and the stamp.
         ahead: f64,
     },
     /// The stamp is `behind` seconds older than one that was evaluated before.
     OutOfOrder {
+        /// Time (s) between the two stamps.
         behind: f64,
     },
+    /// The joint state is invalid: numbers of names and positions differ, a name occurs twice or is too long, or a
+    /// position is out of range.
     Malformed(String),
+    /// A position is NaN or infinite.
     NonFinite {
+        /// Name of the joint.
         joint: String,
+        /// Its position.
         value: f64,
     },
+    /// Some joints were never named by a joint state.
     Partial {
+        /// Names of the positions without a value.
         missing: Vec<String>,
     },
     /// Two publishers report different positions of a joint at almost the same time; `more` counts further such joints.
     Contradiction {
+        /// Name of the joint.
         joint: String,
+        /// The two reported positions (rad, m).
         positions: [f64; 2],
+        /// Number of further joints.
         more: usize,
     },
-    /// A mimic joint is reported at the first of `positions`, while its leader takes it to the second; `more` counts further such
-    /// joints.
+    /// A mimic joint is reported at the first of `positions`, while its leader takes it to the second; `more` counts
+    /// further such joints.
     MimicContradiction {
+        /// Name of the mimic joint.
         joint: String,
+        /// Name of its leader.
         leader: String,
+        /// The reported position and the expected one (rad, m).
         positions: [f64; 2],
+        /// Number of further joints.
         more: usize,
     },
     /// `tf` does not contain the position of `joint`, the transform between the frames of its links.
     NoTransform {
+        /// Name of the joint.
         joint: String,
+        /// Names of the parent frame and the child frame.
         frames: [String; 2],
+        /// Reason as text.
         why: String,
     },
     /// The last measurement of `source` is `age` seconds old, or there was none.
     StaleWorld {
+        /// Name of the sensor or transform.
         source: String,
+        /// Age (s) of its last measurement; `None` if there was none.
         age: Option<f64>,
+        /// Age limit (s).
         ttl: f64,
     },
-    /// The last message of a sensor, the topic `source`, contains no points of the surroundings; `cause` has the reason with
-    /// counts. `more` counts further such sensors.
+    /// The last message of a sensor, the topic `source`, contains no points of the surroundings; `cause` has the reason
+    /// with counts. `more` counts further such sensors.
     BlindCloud {
+        /// Topic of the sensor.
         source: String,
+        /// Reason with counts.
         cause: String,
+        /// Number of further sensors.
         more: usize,
     },
-    /// An announced object is missing from the world, or is at another pose, because a change was rejected. `fault` names one such
-    /// object and its error; `more` counts further ones.
+    /// An announced object is missing from the world, or is at another pose, because a change was rejected. `fault`
+    /// names one such object and its error; `more` counts further ones.
     RejectedObstacle {
+        /// The object and its error.
         fault: String,
+        /// Number of further objects.
         more: usize,
     },
     /// Messages about the world were lost in transmission; `topics` has the topics with counts.
     LostMessages {
+        /// Topics with the number of lost messages.
         topics: Vec<String>,
     },
     /// `waiting` messages about the world are not in force yet, the oldest one for `age` seconds.
     WorldUpdate {
+        /// Number of messages.
         waiting: usize,
+        /// Age (s) of the oldest one.
         age: f64,
     },
     /// The time limit of one evaluation passed while `open` pairs were undecided; `pair` is one of them.
     Deadline {
+        /// Time limit (s).
         deadline: f64,
+        /// Number of undecided pairs.
         open: usize,
+        /// Names of the bodies of one undecided pair.
         pair: [String; 2],
     },
 }

@@ -9,6 +9,7 @@ use super::{Now, Reason, Time};
 /// A sensor that publishes the world repeatedly: the topic of a point cloud, or the octomap.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WorldSource {
+    /// Name of the topic, or of the octomap.
     pub name: String,
     /// Times of its last measurement; `None` before the first one.
     pub seen: Option<Observation>,
@@ -26,12 +27,13 @@ pub struct Observation {
 }
 
 impl WorldSource {
-    /// Age (s) of the last message: by its stamp, or since its reception if that is longer; `None` before the first one.
+    /// Age (s) of the last message: by its stamp, or since its reception if that is longer; `None` before the first
+    /// one.
     #[must_use]
     pub fn age(&self, now: Now) -> Option<f64> {
         let seen = self.seen?;
-        let silence = now.steady.saturating_sub(seen.at).as_secs_f64();
-        Some(now.ros.map_or(silence, |ros| ros.seconds_since(seen.stamp).greater(silence)))
+        let since_reception = now.steady.saturating_sub(seen.at).as_secs_f64();
+        Some(now.ros.map_or(since_reception, |ros| ros.seconds_since(seen.stamp).greater(since_reception)))
     }
 
     /// Why the data of this sensor is stale, if it is.

@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use super::{Now, Reason};
 
-/// Longest lag of the world behind its messages: one heartbeat by default, and ten times the duration of ordinary updates at 30 Hz.
-/// A robot at 1 m/s moves 0.1 m in this time.
+/// Longest lag of the world behind its messages: one heartbeat by default, and ten times the duration of ordinary
+/// updates at 30 Hz. A robot at 1 m/s moves 0.1 m in this time.
 const LONGEST_LAG: Duration = Duration::from_millis(100);
 
 /// Times of reception (steady clock).

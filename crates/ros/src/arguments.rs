@@ -5,8 +5,9 @@ use std::str::FromStr;
 
 use log::LevelFilter;
 
-use super::names::Remap;
-use super::parameter_value::{self, Value};
+use crate::names::Remap;
+use crate::parameters::parameter_source::ParameterSource;
+use crate::parameters::parameter_value;
 
 /// The ROS arguments of one process.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -19,15 +20,6 @@ pub struct RosArguments {
     pub log_level: Option<LevelFilter>,
     /// Arguments that are valid but have no effect here. The node logs them.
     pub ignored: Vec<String>,
-}
-
-/// Source of parameter values.
-#[derive(Clone, Debug, PartialEq)]
-pub enum ParameterSource {
-    /// `--params-file FILE`
-    File(PathBuf),
-    /// `-p name:=value`, for every node or for the node named `node`.
-    Single { node: Option<String>, name: String, value: Value },
 }
 
 /// Argument that is not valid.
@@ -132,6 +124,7 @@ fn log_level(flag: &str, text: &str) -> Result<LevelFilter, ArgumentError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::parameters::parameter_value::Value;
 
     #[test]
     fn everything_that_ros_2_run_and_launch_pass_is_read() {

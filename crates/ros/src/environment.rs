@@ -104,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn localhost_is_asked_for_in_three_ways() {
+    fn localhost_can_be_selected_in_three_ways() {
         let reach = |name, value| read(&[(name, value)]).unwrap().reach;
         assert_eq!(reach("ROS_LOCALHOST_ONLY", "1"), Reach::Localhost);
         assert_eq!(reach("ROS_LOCALHOST_ONLY", "0"), Reach::Subnet);

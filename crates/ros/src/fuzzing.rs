@@ -12,26 +12,29 @@ use clearance_robot::{MeshFiles, RobotModel};
 use clearance_scene::{MeshModel, Scene, TransformTree};
 use ros2_interfaces_jazzy_serde::moveit_msgs::srv::GetStateValidityRequest;
 
-use crate::cdr;
-use crate::clearance_srvs::{CheckMotionRequest, CheckTrajectoryRequest, MotionTerms};
-use crate::loader::Loader;
-use crate::loader_inputs::{Pass, places_of};
-use crate::messages::{collision_state, joint_state_input};
-use crate::monitor_loop::Event;
-use crate::motion_requests::{answer_motion, answer_trajectory};
-use crate::order::Order;
-use crate::parameter_services::{ParameterStore, changes};
-use crate::parameters::Parameters;
-use crate::recording::SceneDoor;
-use crate::scene::{
-    CloudMessage, Situation, attached_order, note_transforms, object_order, octomap_order, scene_order,
-    state_validity, world_order,
+use crate::dds::cdr;
+use crate::loading::loader::Loader;
+use crate::loading::loader_inputs::Pass;
+use crate::messages::clearance_srvs::{CheckMotionRequest, CheckTrajectoryRequest, MotionTerms};
+use crate::messages::collision_state::collision_state;
+use crate::messages::joint_state::joint_state_input;
+use crate::monitor_events::monitor_event::MonitorEvent;
+use crate::parameters::parameter_set::Parameters;
+use crate::parameters::parameter_store::ParameterStore;
+use crate::recording::step::SceneSource;
+use crate::scene::cloud_inbox::CloudMessage;
+use crate::scene::command_conversion::{
+    attached_command, object_command, octomap_command, scene_command, world_command,
 };
-use crate::scene_keeper::SceneUpdateContext;
-use crate::scene_order::SceneOrder;
-use crate::state_requests::{answer_distances, answer_states};
-
-pub use crate::view::respond_in_memory;
+use crate::scene::loader_command::LoaderCommand;
+use crate::scene::scene_command::SceneCommand;
+use crate::scene::scene_update_context::{SceneUpdateContext, robots_at_stamps};
+use crate::scene::transform_messages::note_transforms;
+use crate::services::motion_requests::{evaluate_motion, evaluate_trajectory};
+use crate::services::parameter_services::changes;
+use crate::services::state_requests::{evaluate_distances, evaluate_states};
+use crate::services::state_validity::{ValidityContext, state_validity};
+pub use crate::view::in_memory::respond_in_memory;
 
 /// Longest time (s) of a check, whatever the request asks for.
 const CHECK_TIME: f64 = 0.2;
@@ -102,10 +105,10 @@ impl OfflineNode {
         let parameters = Parameters { point_cloud_topics: vec![CLOUDS.to_owned()], ..Parameters::default() };
         let mut monitor = Monitor::new(parameters.monitor_settings(), || Duration::ZERO);
         let nothing_around = Box::new(|_: &RobotModel| Ok(Scene::default()));
-        let mut loader = Loader::new((MeshFiles::default(), nothing_around, MeshModel::Surface));
+        let mut loader = Loader::new(MeshFiles::default(), nothing_around, MeshModel::Surface);
         let start = Now { ros: None, steady: Duration::ZERO };
         if let Some(robot) = robot {
-            monitor.set_checker(loader.take_given(robot, &SceneUpdateContext::first(&parameters, start))?);
+            monitor.set_checker(loader.load_given(robot, &SceneUpdateContext::first(&parameters, start))?);
         }
         Ok(Self {
             parameters: ParameterStore::new(parameters, Box::new(|_| {})),
@@ -126,10 +129,10 @@ impl OfflineNode {
     pub fn receive(&mut self, kind: MessageKind, bytes: &[u8]) -> Result<(), String> {
         self.milliseconds += 10;
         let now = self.now();
-        let scene = |door, message| scene_order(door, message, false, now);
+        let scene = |door, message| scene_command(door, message, false, now);
         match kind {
-            MessageKind::Description => self.carry_out(Order::Description(text(bytes)?)),
-            MessageKind::Semantic => self.carry_out(Order::Semantic(text(bytes)?)),
+            MessageKind::Description => self.process(LoaderCommand::Description(text(bytes)?)),
+            MessageKind::Semantic => self.process(LoaderCommand::Semantic(text(bytes)?)),
             MessageKind::JointState => {
                 let input = joint_state_input(cdr::decode(bytes)?, SourceId([7; 16]));
                 self.evaluation = Some(self.monitor.on_joint_state(input, now));
@@ -139,28 +142,31 @@ impl OfflineNode {
                 let fixed = kind == MessageKind::FixedTransforms;
                 drop(note_transforms(&mut self.transforms, cdr::decode(bytes)?, now.ros, fixed));
                 self.monitor.note_transforms(&self.transforms);
-                self.carry_out(Order::Frames);
+                self.process(LoaderCommand::Frames);
             }
-            MessageKind::CollisionObject => self.change_scene(object_order(&cdr::decode(bytes)?)),
-            MessageKind::AttachedCollisionObject => self.change_scene(attached_order(&cdr::decode(bytes)?)),
+            MessageKind::CollisionObject => self.change_scene(object_command(&cdr::decode(bytes)?)),
+            MessageKind::AttachedCollisionObject => self.change_scene(attached_command(&cdr::decode(bytes)?)),
             MessageKind::PlanningSceneWorld => {
-                self.change_scene(world_order(cdr::decode(bytes)?, false, now));
+                self.change_scene(world_command(cdr::decode(bytes)?, false, now));
             }
             MessageKind::PlanningScene => {
-                self.change_scene(scene(SceneDoor::PlanningScene, cdr::decode(bytes)?));
+                self.change_scene(scene(SceneSource::PlanningScene, cdr::decode(bytes)?));
             }
             MessageKind::Octomap => {
-                self.change_scene(octomap_order(SceneDoor::OctomapFull, cdr::decode(bytes)?, false, now));
+                self.change_scene(octomap_command(SceneSource::OctomapFull, cdr::decode(bytes)?, false, now));
             }
             MessageKind::PointCloud => {
-                let cloud =
-                    CloudMessage { cloud: Arc::new(cdr::decode(bytes)?), came: now, since: Instant::now() };
-                self.pass(vec![Order::Clouds], BTreeMap::from([(CLOUDS.to_owned(), cloud)]));
+                let cloud = CloudMessage {
+                    cloud: Arc::new(cdr::decode(bytes)?),
+                    received_at: now,
+                    since: Instant::now(),
+                };
+                self.pass(vec![LoaderCommand::Clouds], BTreeMap::from([(CLOUDS.to_owned(), cloud)]));
             }
             MessageKind::SetParameters => {
                 self.parameters.set_each(&changes(&cdr::decode(bytes)?));
                 self.monitor.set_settings(self.parameters.get().monitor_settings());
-                self.carry_out(Order::Parameters);
+                self.process(LoaderCommand::Parameters);
             }
             _ => self.respond(kind, bytes)?,
         }
@@ -177,20 +183,21 @@ impl OfflineNode {
             MessageKind::CheckMotion => {
                 let mut request: CheckMotionRequest = cdr::decode(bytes)?;
                 limit_time(&mut request.terms);
-                let answer = answer_motion(&request, ContinuousDirection::Shortest, evaluation, workspace);
-                cdr::encode(&answer.response).map(drop)
+                let response =
+                    evaluate_motion(&request, ContinuousDirection::Shortest, evaluation, workspace);
+                cdr::encode(&response.response).map(drop)
             }
             MessageKind::CheckTrajectory => {
                 let mut request: CheckTrajectoryRequest = cdr::decode(bytes)?;
                 limit_time(&mut request.terms);
-                let answer = answer_trajectory(&request, None, evaluation, workspace);
-                cdr::encode(&answer.response).map(drop)
+                let response = evaluate_trajectory(&request, None, evaluation, workspace);
+                cdr::encode(&response.response).map(drop)
             }
             MessageKind::CheckStates => {
-                cdr::encode(&answer_states(&cdr::decode(bytes)?, evaluation, workspace)).map(drop)
+                cdr::encode(&evaluate_states(&cdr::decode(bytes)?, evaluation, workspace)).map(drop)
             }
             MessageKind::GetDistances => {
-                cdr::encode(&answer_distances(&cdr::decode(bytes)?, evaluation, workspace)).map(drop)
+                cdr::encode(&evaluate_distances(&cdr::decode(bytes)?, evaluation, workspace)).map(drop)
             }
             _ => self.respond_validity(&cdr::decode(bytes)?),
         }
@@ -201,8 +208,8 @@ impl OfflineNode {
         let scene = scene.lock().unwrap_or_else(PoisonError::into_inner).clone();
         let scene = scene.ok_or("there is no robot")?;
         let (evaluation, transforms) = (self.evaluation.as_ref(), &self.transforms);
-        let situation = Situation { scene: &scene, evaluation, transforms, now: self.now() };
-        cdr::encode(&state_validity(request, &situation)?).map(drop)
+        let context = ValidityContext { scene: &scene, evaluation, transforms, now: self.now() };
+        cdr::encode(&state_validity(request, &context)?).map(drop)
     }
 
     fn now(&self) -> Now {
@@ -211,30 +218,32 @@ impl OfflineNode {
         Now { ros: Some(Time::from_nanoseconds(nanoseconds)), steady }
     }
 
-    fn change_scene(&mut self, order: SceneOrder) {
-        self.carry_out(Order::Scene(Box::new(order)));
+    fn change_scene(&mut self, command: SceneCommand) {
+        self.process(LoaderCommand::Scene(Box::new(command)));
     }
 
-    fn carry_out(&mut self, order: Order) {
-        self.pass(vec![order], BTreeMap::new());
+    fn process(&mut self, command: LoaderCommand) {
+        self.pass(vec![command], BTreeMap::new());
     }
 
-    fn pass(&mut self, orders: Vec<Order>, clouds: BTreeMap<String, CloudMessage>) {
+    fn pass(&mut self, commands: Vec<LoaderCommand>, clouds: BTreeMap<String, CloudMessage>) {
         let update_context = SceneUpdateContext {
             now: self.now(),
             parameters: self.parameters.get(),
             transforms: self.transforms.clone(),
             evaluation: self.evaluation.clone(),
-            places: places_of(&clouds, &self.joint_state_history),
+            robots_at_stamps: robots_at_stamps(&clouds, &self.joint_state_history),
         };
         let monitor = &mut self.monitor;
-        self.loader.carry_out(Pass { update_context, orders, clouds }, |event| match event {
-            Event::Checker(revision) => monitor.set_checker(revision),
-            Event::ModelSwap => monitor.note_model_swap(),
-            Event::ModelFault(fault) => monitor.note_model_fault(fault),
-            Event::Heeded(descriptions) => monitor.note_heeded(descriptions),
-            Event::World(_, faults, incomplete) => monitor.note_world_faults(faults, incomplete),
-            Event::WorldUpdate(update) => update.tell(monitor),
+        self.loader.process(Pass { update_context, commands, clouds }, |event| match event {
+            MonitorEvent::Checker(revision) => monitor.set_checker(revision),
+            MonitorEvent::ModelSwap => monitor.note_model_swap(),
+            MonitorEvent::ModelFault(fault) => monitor.note_model_fault(fault),
+            MonitorEvent::DescriptionsProcessed(descriptions) => {
+                monitor.note_processed_descriptions(descriptions);
+            }
+            MonitorEvent::World { faults, incomplete, .. } => monitor.note_world_faults(faults, incomplete),
+            MonitorEvent::WorldUpdate(update) => update.apply_to(monitor),
             _ => {}
         });
     }

@@ -1,4 +1,5 @@
-//! The ROS 2 node: connects subscriptions to the monitor, and evaluations to publishers. This crate makes no safety decisions.
+//! The ROS 2 node: connects subscriptions to the monitor, and evaluations to publishers. This crate makes no safety
+//! decisions.
 //!
 //! ```text
 //! robot_description, parameters ──> loader ──────┐ checkers
@@ -6,94 +7,85 @@
 //! parameter services, /clock ──> services ───────┘ settings │   ~/speed_scale; markers ──> ~/markers
 //! ~/enable ──> services ──> monitor loop
 //! ~/check_motion, ~/check_trajectory ──> services ──> motions <─┘ the robot, the world, the current joint state
-//!                                       answers <── services <──┘ └──> ~/certificates, ~/swept_volume
-//! ~/check_states, ~/get_distances ──> services ──> states ──> services ──> answers
+//!                                     responses <── services <──┘ └──> ~/certificates, ~/swept_volume
+//! ~/check_states, ~/get_distances ──> services ──> states ──> services ──> responses
+//! planning scenes, octomaps, clouds, tf, services about them ──> world ──> loader
+//! monitor loop, loader, world ──> recorder, if recording is on
 //! ```
 //!
-//! planning scenes, octomaps, clouds, tf, services about them ──> world ──> loader
+//! Each box is a thread; the threads communicate through channels. With the option `view`, every evaluation is also
+//! passed to the view, which shows it in web browsers. `threading::thread_priority` documents the priorities of the
+//! threads, and why no thread may wait for another one by yielding.
 //!
-//! monitor loop, loader, world ──> recorder, if it is wanted
+//! A folder uses only folders above it in this table:
 //!
-//! With the option `view`, every evaluation is also passed to the `view`, which shows it in web browsers.
-//!
-//! Each box is a thread; the threads communicate through channels. Only `middleware` calls the ROS client library. `thread_priority`
-//! documents the priorities of the threads, and why no thread may wait for another one by yielding.
+//! | folder | content |
+//! |---|---|
+//! | `threading` | queues, waits and priorities |
+//! | `parameters` | values, declarations, files |
+//! | `dds` | participant, endpoints, discovery; the only user of the DDS library |
+//! | `messages` | messages as structs, conversions |
+//! | `monitor_events` | data between the monitor thread and other threads |
+//! | `recording` | steps and messages, in an MCAP file |
+//! | `scene` | the scene of the loader, and its commands |
+//! | `topics` | publishers and subscriptions |
+//! | `services` | services and the action |
+//! | `loading` | the loader thread |
+//! | `node` | start, monitor thread, end |
+//! | `replay` | recordings without a network |
+//! | `view` | web browsers |
+//! | `doctor` | faults of the network |
 
 // minima of floating-point numbers: see `math/extremes.rs` of clearance-geometry
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
-mod activity;
 mod arguments;
-mod cdr;
-mod checker_of_scene;
-pub mod clearance_msgs;
-pub mod clearance_srvs;
 mod clock;
-mod diagnostics;
-pub mod doctor;
-mod enable_service;
+mod dds;
+mod doctor;
 mod environment;
 #[doc(hidden)]
 pub mod fuzzing;
-mod goals;
-#[cfg(test)]
-mod interface_text;
-mod link_volumes;
-mod loader;
-mod loader_inputs;
+mod loading;
 mod log_rate_limiter;
-mod logged_meshes;
-pub mod logging;
-mod lost_messages;
-mod mailbox;
-mod marker_topic;
-mod markers;
-mod memory_limit;
+mod logging;
 mod messages;
-mod middleware;
-mod missing_objects;
-mod monitor_loop;
-mod motion;
-mod motion_requests;
-mod motion_services;
+mod monitor_events;
 mod names;
-mod order;
-mod parameter_files;
-mod parameter_services;
-mod parameter_value;
+mod node;
+mod node_error;
 mod parameters;
-mod publishers;
-pub mod recording;
-mod refusal;
-mod request_context;
-mod run;
+mod recording;
+mod replay;
 mod scene;
-mod scene_keeper;
-mod scene_order;
-mod sequence_gaps;
-mod simulation_clock;
-mod startup;
-mod state_requests;
-mod state_services;
-mod swept_volume_markers;
-mod termination;
-mod thread_priority;
-mod threads;
-mod trajectory_action;
+mod services;
+mod threading;
+mod topics;
 mod view;
-mod waiting;
-mod whole_scene;
 
-pub use arguments::{ArgumentError, ParameterSource, RosArguments};
+pub use arguments::{ArgumentError, RosArguments};
+pub use dds::announcement::Announcement;
+pub use dds::middleware_error::MiddlewareError;
+pub use doctor::examination::{DoctorOptions, run_doctor};
+pub use doctor::finding::{Finding, Verdict};
 pub use environment::{Environment, EnvironmentError, Reach};
-pub use loader::Surroundings;
-pub use middleware::{Announcement, MiddlewareError};
-pub use monitor_loop::Observer;
-pub use motion::{Motion, Trajectory};
-pub use parameter_value::Value;
-pub use parameters::Parameters;
-pub use run::{NODE_NAME, NodeError, NodeOptions, initial_parameters, run};
-pub use startup::Startup;
-pub use termination::is_ending;
-pub use thread_priority::ThreadPriority;
-pub use view::{View, ViewAddress, ViewAddressError, ViewError};
+pub use loading::loader::Surroundings;
+pub use logging::start_logging;
+pub use monitor_events::current_evaluation::Observer;
+pub use names::{NODE_NAME, NameError};
+pub use node::run::{NodeOptions, initial_parameters, run};
+pub use node::startup::Startup;
+pub use node::termination::is_ending;
+pub use node_error::NodeError;
+pub use parameters::parameter_set::Parameters;
+pub use parameters::parameter_source::ParameterSource;
+pub use parameters::parameter_value::Value;
+pub use recording::mcap_file::ReadError;
+pub use recording::recorder_handle::CommandLineInputs;
+pub use recording::save::save_part;
+pub use replay::archive::Archive;
+pub use replay::replayer::{Difference, Outcome, Prepared, recorded_path, replay};
+pub use threading::thread_priority::ThreadPriority;
+pub use topics::demo_motion::{Motion, Trajectory};
+pub use view::address::{ViewAddress, ViewAddressError};
+pub use view::server::{View, ViewError};

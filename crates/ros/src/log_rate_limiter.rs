@@ -11,17 +11,17 @@ const MOST: u32 = 10;
 pub struct LogRateLimiter {
     /// Steady time at which the current period began.
     since: Duration,
-    said: u32,
+    logged: u32,
 }
 
 impl LogRateLimiter {
     /// Whether one more message may be logged at this steady time.
     pub fn admit(&mut self, now: Duration) -> bool {
         if now.saturating_sub(self.since) >= PERIOD {
-            *self = Self { since: now, said: 0 };
+            *self = Self { since: now, logged: 0 };
         }
-        self.said += 1;
-        self.said <= MOST
+        self.logged += 1;
+        self.logged <= MOST
     }
 }
 

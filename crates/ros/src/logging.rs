@@ -5,27 +5,20 @@ use std::sync::{Mutex, PoisonError};
 use clearance_files::readable_text;
 use log::{Level, LevelFilter, Log, Metadata, Record};
 
-use super::mailbox::{self, Receiver, Sender};
-use super::middleware;
+use crate::dds::log_line::LogLine;
+use crate::dds::receive_thread_watch::check_log_record;
+use crate::threading::mailbox;
+use crate::threading::mailbox::{Receiver, Sender};
 
 /// Maximum number of lines that wait for `/rosout`; further lines appear only on stderr.
 const WAITING: usize = 1000;
 
 /// Sender of lines to `/rosout`, once it is set up.
-static TELLER: Mutex<Option<Sender<Line>>> = Mutex::new(None);
+static ROSOUT: Mutex<Option<Sender<LogLine>>> = Mutex::new(None);
 
-/// One line of this program's log.
-#[derive(Clone, Debug)]
-pub struct Line {
-    pub level: Level,
-    pub text: String,
-    pub file: &'static str,
-    pub line: u32,
-}
-
-/// Sets up the log. Only errors of the DDS library are logged: it warns about every datagram over 1500 bytes, and about every message on an
-/// interface without multicast.
-pub fn start(level: LevelFilter) {
+/// Sets up the log. Only errors of the DDS library are logged: it warns about every datagram over 1500 bytes, and about
+/// every message on an interface without multicast.
+pub fn start_logging(level: LevelFilter) {
     let quiet = level.min(LevelFilter::Warn);
     let very_quiet = level.min(LevelFilter::Error);
     let stderr = env_logger::Builder::new()
@@ -49,9 +42,9 @@ pub fn start(level: LevelFilter) {
 
 /// Opens the queue of log lines for `/rosout`. From now on, lines are also sent to it.
 #[must_use]
-pub fn listen() -> Receiver<Line> {
-    let (teller, lines) = mailbox::bounded(WAITING);
-    *TELLER.lock().unwrap_or_else(PoisonError::into_inner) = Some(teller);
+pub fn open_rosout_queue() -> Receiver<LogLine> {
+    let (sender, lines) = mailbox::bounded(WAITING);
+    *ROSOUT.lock().unwrap_or_else(PoisonError::into_inner) = Some(sender);
     lines
 }
 
@@ -74,13 +67,13 @@ impl Log for Both {
     fn log(&self, record: &Record) {
         let text = readable_text::lines(&record.args().to_string()).into_owned();
         self.stderr.log(&with_text(record, format_args!("{text}")));
-        middleware::heed(record);
+        check_log_record(record);
         // other crates log about the network itself: to publish these lines could cause an endless loop
         if record.level() > Level::Info || !record.target().starts_with("clearance") {
             return;
         }
-        if let Some(teller) = &*TELLER.lock().unwrap_or_else(PoisonError::into_inner) {
-            let _ = teller.send(Line {
+        if let Some(sender) = &*ROSOUT.lock().unwrap_or_else(PoisonError::into_inner) {
+            let _ = sender.send(LogLine {
                 level: record.level(),
                 text,
                 file: record.file_static().unwrap_or_default(),

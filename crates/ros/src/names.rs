@@ -2,6 +2,11 @@
 
 use std::fmt;
 
+use crate::node_error::NodeError;
+
+/// Name of the node, unless it is remapped.
+pub const NODE_NAME: &str = "clearance";
+
 /// Valid absolute name, such as `/robot1/joint_states`.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct FullName(String);
@@ -26,6 +31,12 @@ pub struct NameError {
     name: String,
     kind: &'static str,
     why: &'static str,
+}
+
+impl From<NameError> for NodeError {
+    fn from(error: NameError) -> Self {
+        Self::Input(error.to_string())
+    }
 }
 
 /// Remapping rule `from:=to`, for every node or for the node named `node`.

@@ -1,7 +1,7 @@
 //! Processing of point clouds: transform, crop, self-filter and voxel filter.
 
+mod cloud_filter;
 mod self_filter;
-mod sieve;
 
+pub use cloud_filter::{CloudFilter, FilteredCloud};
 pub use self_filter::SelfFilter;
-pub use sieve::{Sieve, Sieved};

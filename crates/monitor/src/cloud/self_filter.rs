@@ -39,6 +39,7 @@ struct Placed<'p> {
 }
 
 impl SelfFilter {
+    /// Creates the filter of a robot without attached objects.
     #[must_use]
     #[expect(clippy::missing_panics_doc, reason = "a body of one shape exists")]
     pub fn new(robot: Arc<RobotModel>) -> Self {
@@ -53,6 +54,7 @@ impl SelfFilter {
         Self { robot, links, held: Vec::new(), point }
     }
 
+    /// The robot whose points are removed.
     #[must_use]
     pub fn robot(&self) -> &Arc<RobotModel> {
         &self.robot

@@ -5,7 +5,7 @@ use super::*;
 #[test]
 fn the_time_to_contact_is_proven_from_velocities() {
     let ahead = |evaluation: &Evaluation| evaluation.checked_state.as_ref().unwrap().look_ahead.unwrap();
-    let mut monitor = lookout();
+    let mut monitor = look_ahead();
     let still = monitor.on_joint_state(moving(0.0, FREE, &[0.0, 0.0]), at(0.0));
     assert_eq!((ahead(&still).free_for, ahead(&still).first), (0.5, None));
     assert_eq!(still.time_to_contact(), 0.5);
@@ -31,7 +31,7 @@ fn the_time_to_contact_is_proven_from_velocities() {
 #[test]
 fn without_velocities_the_time_to_contact_is_not_known() {
     for velocities in [&[][..], &[0.0], &[0.0, f64::NAN], &[0.0, 1e300], &[0.0; 3]] {
-        let evaluation = lookout().on_joint_state(moving(0.0, FREE, velocities), at(0.0));
+        let evaluation = look_ahead().on_joint_state(moving(0.0, FREE, velocities), at(0.0));
         assert_eq!(code(&evaluation), "FREE");
         assert!(evaluation.checked_state.as_ref().unwrap().look_ahead.is_none(), "{velocities:?}");
         assert_eq!(evaluation.time_to_contact(), 0.0);

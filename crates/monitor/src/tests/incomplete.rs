@@ -29,7 +29,7 @@ fn a_world_known_to_be_incomplete_is_unknown_until_it_is_not() {
         for (seconds, joints) in [(0.0, FREE), (0.1, COLLIDING), (0.2, FREE)] {
             let evaluation = monitor.on_joint_state(state(seconds, joints), at(seconds));
             assert_eq!(code(&evaluation), reason.code());
-            assert!(evaluation.stale_world.is_some() && evaluation.placement.is_some());
+            assert!(evaluation.stale_world.is_some() && evaluation.robot_state.is_some());
             assert_eq!((evaluation.speed_scale, evaluation.distance().is_nan()), (0.0, true));
             let text = evaluation.status.reason().unwrap().to_string();
             assert!(text.contains(named), "{text}");

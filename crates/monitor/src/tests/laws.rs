@@ -48,7 +48,8 @@ fn now() -> impl Strategy<Value = Now> {
     (ros, 0..2000u64).prop_map(|(ros, ms)| Now { ros, steady: Duration::from_millis(ms) })
 }
 
-/// Whether FREE is allowed at `now`, after these messages with their times of reception: the last one with each joint counts.
+/// Whether FREE is allowed at `now`, after these messages with their times of reception: the last one with each joint
+/// counts.
 fn may_be_free(heard: &[(JointStateInput, Now)], now: Now) -> bool {
     let Some(ros) = now.ros else { return false };
     ["shoulder", "elbow"].into_iter().all(|name| {
@@ -61,12 +62,12 @@ fn may_be_free(heard: &[(JointStateInput, Now)], now: Now) -> bool {
             Time::ZERO => true,
             stamp => ros.seconds_since(stamp).abs() <= 0.5,
         };
-        let silence = now.steady.saturating_sub(came.steady);
+        let since_reception = now.steady.saturating_sub(came.steady);
         input.names.len() == input.positions.len()
             && names(input) == 1
             && input.positions[place].is_finite()
             && fresh
-            && silence <= Duration::from_millis(500)
+            && since_reception <= Duration::from_millis(500)
     })
 }
 
@@ -75,7 +76,7 @@ proptest! {
     fn nothing_panics_and_free_is_never_said_without_a_whole_fresh_joint_state(
         happenings in prop::collection::vec((happening(), now()), 0..30)
     ) {
-        let mut monitor = lookout();
+        let mut monitor = look_ahead();
         let mut heard = Vec::new();
         for (happening, now) in happenings {
             let evaluation = match happening {

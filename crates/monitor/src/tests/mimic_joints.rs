@@ -1,4 +1,4 @@
-//! Reports of mimic joints: `follower` of the folding robot mimics its elbow.
+//! Reports of mimic joints: `mimic_joint` of the folding robot mimics its elbow.
 
 use super::*;
 
@@ -17,8 +17,8 @@ fn part(from: u8, seconds: f64, joints: &[(&str, f64)]) -> JointStateInput {
     JointStateInput { source: SourceId([from; 16]), ..input(seconds, joints) }
 }
 
-fn with_follower(seconds: f64, follower: f64) -> JointStateInput {
-    input(seconds, &[("shoulder", 0.0), ("follower", follower), ("elbow", 0.0)])
+fn with_follower(seconds: f64, mimic_joint: f64) -> JointStateInput {
+    input(seconds, &[("shoulder", 0.0), ("follower", mimic_joint), ("elbow", 0.0)])
 }
 
 fn monitor_that_warns() -> Monitor {
@@ -41,10 +41,10 @@ fn monitor_of(urdf: &str) -> Monitor {
 
 #[test]
 fn wrong_mimic_joints_of_one_message_are_unknown_and_named() {
-    for (follower, expected) in CASES_IN_ONE_MESSAGE {
-        let evaluation = monitor().on_joint_state(with_follower(0.0, follower), at(0.0));
-        assert_eq!(code(&evaluation), expected, "{follower}");
-        assert_eq!(evaluation.placement.is_some(), expected == "FREE");
+    for (mimic_joint, expected) in CASES_IN_ONE_MESSAGE {
+        let evaluation = monitor().on_joint_state(with_follower(0.0, mimic_joint), at(0.0));
+        assert_eq!(code(&evaluation), expected, "{mimic_joint}");
+        assert_eq!(evaluation.robot_state.is_some(), expected == "FREE");
         let reason = evaluation.status.reason().map_or("'follower'".to_owned(), ToString::to_string);
         assert!(reason.contains("'follower'"), "{reason}");
     }
@@ -56,23 +56,25 @@ fn wrong_mimic_joints_of_one_message_are_unknown_and_named() {
 
 #[test]
 fn wrong_mimic_joints_of_a_message_of_their_own_are_unknown_as_well() {
-    for (follower, expected) in CASES_IN_ONE_MESSAGE {
+    for (mimic_joint, expected) in CASES_IN_ONE_MESSAGE {
         for follower_first in [true, false] {
             let mut monitor = monitor();
-            let parts =
-                [part(1, 0.0, &[("shoulder", 0.0), ("elbow", 0.0)]), part(2, 0.0, &[("follower", follower)])];
+            let parts = [
+                part(1, 0.0, &[("shoulder", 0.0), ("elbow", 0.0)]),
+                part(2, 0.0, &[("follower", mimic_joint)]),
+            ];
             let [first, last] = if follower_first { [1, 0] } else { [0, 1] };
             monitor.on_joint_state(parts[first].clone(), at(0.0));
             let evaluation = monitor.on_joint_state(parts[last].clone(), at(0.0));
-            assert_eq!(code(&evaluation), expected, "{follower}");
+            assert_eq!(code(&evaluation), expected, "{mimic_joint}");
             // the contradiction ends when the report is stale, or when a newer one is received
             let own = part(2, 0.1, &[("follower", 0.0)]);
-            assert_eq!(code(&monitor.on_joint_state(own, at(0.1))), "FREE", "after {follower}");
+            assert_eq!(code(&monitor.on_joint_state(own, at(0.1))), "FREE", "after {mimic_joint}");
             monitor.on_joint_state(parts[1].clone(), at(0.2));
             assert_eq!(
                 code(&monitor.on_joint_state(state(0.8, FREE), at(0.8))),
                 "FREE",
-                "long after {follower}"
+                "long after {mimic_joint}"
             );
         }
     }
@@ -144,23 +146,24 @@ fn velocities_excuse_half_a_radian_at_most() {
 
 #[test]
 fn mimic_contradictions_may_be_warnings_but_no_number_is_never_one() {
-    for (follower, expected) in CASES_IN_ONE_MESSAGE {
-        let evaluation = monitor_that_warns().on_joint_state(with_follower(0.0, follower), at(0.0));
+    for (mimic_joint, expected) in CASES_IN_ONE_MESSAGE {
+        let evaluation = monitor_that_warns().on_joint_state(with_follower(0.0, mimic_joint), at(0.0));
         if expected == "contradiction" {
-            assert_eq!(code(&evaluation), "FREE", "{follower}");
-            let warned = format!("'follower' is reported at {follower}, but it mimics 'elbow'");
+            assert_eq!(code(&evaluation), "FREE", "{mimic_joint}");
+            let warned = format!("'follower' is reported at {mimic_joint}, but it mimics 'elbow'");
             assert!(
                 evaluation.warnings.iter().any(|warning| warning.contains(&warned)),
                 "{:?}",
                 evaluation.warnings
             );
         } else {
-            assert_eq!((code(&evaluation), evaluation.warnings.len()), (expected, 0), "{follower}");
+            assert_eq!((code(&evaluation), evaluation.warnings.len()), (expected, 0), "{mimic_joint}");
         }
     }
 }
 
-/// Sliding fingers, and mimic joints of mimic joints, of fixed joints and of continuous ones, with multiplier and offset.
+/// Sliding fingers, and mimic joints of mimic joints, of fixed joints and of continuous ones, with multiplier and
+/// offset.
 #[test]
 fn mimic_joints_of_every_kind_are_compared_with_where_they_are_checked() {
     let joint = |name: &str, kind: &str, mimic: &str| {
@@ -209,7 +212,7 @@ fn mimic_joints_of_every_kind_are_compared_with_where_they_are_checked() {
 
 #[test]
 fn of_many_mimic_contradictions_one_is_told_and_the_rest_counted() {
-    let follower = |i: usize| {
+    let mimic_joint = |i: usize| {
         format!(
             r#"<link name="l{i}"/><joint name="f{i}" type="continuous"><parent link="l"/><child link="l{i}"/><mimic joint="j"/></joint>"#
         )
@@ -217,7 +220,7 @@ fn of_many_mimic_contradictions_one_is_told_and_the_rest_counted() {
     let urdf = format!(
         r#"<robot name="fan"><link name="base"/><link name="l"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
         <joint name="j" type="continuous"><parent link="base"/><child link="l"/></joint>{}</robot>"#,
-        (0..5).map(follower).collect::<String>()
+        (0..5).map(mimic_joint).collect::<String>()
     );
     let names: Vec<String> = (0..5).map(|i| format!("f{i}")).collect();
     let joints: Vec<(&str, f64)> =

@@ -9,10 +9,10 @@ mod incomplete;
 mod laws;
 mod mimic_joints;
 mod models;
-mod placement;
 mod publishers;
 mod root_location;
 mod speed;
+mod transform_joints;
 mod unpositioned;
 mod world_updates;
 
@@ -25,7 +25,8 @@ use std::time::Duration;
 
 use super::*;
 
-/// Two arms of one metre that fold: free at zero, the second on the base at pi. The joint `follower` mimics the elbow.
+/// Two arms of one metre that fold: free at zero, the second on the base at pi. The joint `mimic_joint` mimics the
+/// elbow.
 const URDF: &str = r#"<robot name="folder">
   <link name="base"><collision><geometry><box size="0.4 0.4 0.4"/></geometry></collision></link>
   <link name="upper"/>
@@ -104,7 +105,7 @@ fn settings_of_lookout() -> MonitorSettings {
 }
 
 /// A monitor with a look-ahead of half a second; the acceleration limit is 0.1 rad/s².
-fn lookout() -> Monitor {
+fn look_ahead() -> Monitor {
     let mut monitor = monitor();
     monitor.set_settings(settings_of_lookout());
     monitor
@@ -222,10 +223,10 @@ fn a_judgement_ages_while_the_monitor_is_busy() {
     let mut monitor = monitor();
     let evaluation = monitor.on_joint_state(state(0.0, FREE), at(0.0));
     let fresh = evaluation.clone().aged(at(0.49));
-    assert_eq!((code(&fresh), fresh.placement.is_some()), ("FREE", true));
+    assert_eq!((code(&fresh), fresh.robot_state.is_some()), ("FREE", true));
     assert!((fresh.age.unwrap() - 0.49).abs() < 1e-9);
     let old = evaluation.aged(at(0.51));
-    assert_eq!((code(&old), old.placement.is_some(), old.checked_state.is_some()), ("stale", false, false));
+    assert_eq!((code(&old), old.robot_state.is_some(), old.checked_state.is_some()), ("stale", false, false));
     assert_eq!((old.speed_scale, old.stale_world.is_some()), (0.0, false));
     assert!(old.status.reason().unwrap().to_string().contains("judged for 0.510 s"));
 }
@@ -307,7 +308,7 @@ fn nothing_is_known_while_checking_is_disabled() {
     monitor.set_enabled(false);
     assert_eq!(monitor.time_to_heartbeat(at(0.0)), Duration::ZERO);
     let evaluation = monitor.on_heartbeat(at(0.0));
-    assert!(code(&evaluation) == "disabled" && evaluation.placement.is_none());
+    assert!(code(&evaluation) == "disabled" && evaluation.robot_state.is_none());
     assert_eq!(code(&monitor.on_joint_state(state(0.1, FREE), at(0.1))), "disabled");
     // also if the state has become stale
     assert_eq!(code(&monitor.on_heartbeat(at(9.0))), "disabled");
@@ -334,7 +335,7 @@ fn a_check_that_takes_too_long_is_unknown_unless_it_found_a_collision() {
     assert!(
         evaluation.checked_state.is_none()
             && evaluation.distance().is_nan()
-            && evaluation.placement.is_some()
+            && evaluation.robot_state.is_some()
     );
     assert_eq!(evaluation.time_to_contact(), 0.0);
     assert!(evaluation.warnings[0].contains("check_deadline"), "{:?}", evaluation.warnings);
@@ -428,7 +429,7 @@ fn a_world_that_nobody_has_seen_lately_is_unknown() {
     assert!(evaluation.status.reason().unwrap().to_string().contains("'/camera'"));
     assert!(
         evaluation.checked_state.is_none()
-            && evaluation.placement.is_some()
+            && evaluation.robot_state.is_some()
             && evaluation.distance().is_nan()
     );
     assert_eq!(&*evaluation.warnings, ["a cloud was dropped"]);
@@ -441,7 +442,7 @@ fn a_world_that_nobody_has_seen_lately_is_unknown() {
     assert_eq!((code(&evaluation), evaluation.stale_world.is_some()), ("stale_world", true));
     // nor is it reported to a query while the monitor is busy
     let aged = monitor.on_heartbeat(at(0.2)).aged(at(0.26));
-    assert_eq!((code(&aged), aged.stale_world.is_some(), aged.placement.is_some()), ("stale", true, true));
+    assert_eq!((code(&aged), aged.stale_world.is_some(), aged.robot_state.is_some()), ("stale", true, true));
     // neither a joint state nor a collision makes the status known
     assert_eq!(code(&monitor.on_joint_state(state(0.3, COLLIDING), at(0.3))), "stale_world");
     // a message that is received late has used up its time-to-live already
@@ -452,7 +453,7 @@ fn a_world_that_nobody_has_seen_lately_is_unknown() {
     // a stale joint state is reported first
     let evaluation = monitor.on_heartbeat(at(1.0));
     assert_eq!((code(&evaluation), evaluation.stale_world.is_some()), ("stale", true));
-    assert!(evaluation.placement.is_none());
+    assert!(evaluation.robot_state.is_none());
 }
 
 #[test]

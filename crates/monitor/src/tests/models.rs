@@ -35,10 +35,10 @@ fn nothing_is_known_while_a_description_waits_for_what_is_being_built() {
     monitor.set_checker(Arc::new(Revision { world: 1, ..Arc::into_inner(revision(1)).unwrap() }));
     assert_eq!(code(&monitor.on_heartbeat(at(0.1))), "model_swap");
     monitor.note_description();
-    monitor.note_heeded(1);
+    monitor.note_processed_descriptions(1);
     assert_eq!(code(&monitor.on_heartbeat(at(0.1))), "model_swap");
     monitor.note_model_swap();
-    monitor.note_heeded(2);
+    monitor.note_processed_descriptions(2);
     assert_eq!(code(&monitor.on_heartbeat(at(0.1))), "model_swap");
     monitor.set_checker(revision(2));
     assert_eq!(code(&monitor.on_heartbeat(at(0.1))), "FREE");

@@ -84,7 +84,7 @@ fn what_is_only_heard_is_judged_with_the_next() {
 
 #[test]
 fn velocities_of_several_publishers_are_those_of_one_robot() {
-    let mut monitor = lookout();
+    let mut monitor = look_ahead();
     let with = |from, name, velocity| JointStateInput {
         velocities: vec![velocity],
         ..part(from, 0.0, &[(name, 0.0)])

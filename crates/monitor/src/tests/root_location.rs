@@ -33,7 +33,7 @@ impl Room {
         let mut room = Self::new();
         for seconds in [0.0, 0.5] {
             room.tell(0.0, seconds);
-            room.judged(seconds);
+            room.evaluated(seconds);
         }
         room
     }
@@ -68,13 +68,13 @@ impl Room {
         let checker =
             CollisionChecker::new(Arc::clone(&self.robot), &self.scene.world, Settings::default()).unwrap();
         let mut revision = Revision::new(checker, 1, 0);
-        revision.grounds = self.scene.anchor_frames(&self.robot);
+        revision.anchor_frames = self.scene.anchor_frames(&self.robot);
         revision.placed_at = placed_at.map(Duration::from_secs_f64);
         self.monitor.set_checker(Arc::new(revision));
     }
 
     /// The evaluation of a fresh joint state.
-    fn judged(&mut self, seconds: f64) -> Evaluation {
+    fn evaluated(&mut self, seconds: f64) -> Evaluation {
         self.monitor.note_transforms(&self.transforms);
         self.monitor.on_joint_state(state(seconds, FREE), at(seconds))
     }
@@ -84,7 +84,7 @@ impl Room {
 fn a_root_that_was_told_of_once_may_be_told_of_never_again() {
     let mut room = Room::new();
     for seconds in [0.0, 0.5, 5.0, 500.0] {
-        assert_eq!(code(&room.judged(seconds)), "FREE");
+        assert_eq!(code(&room.evaluated(seconds)), "FREE");
     }
 }
 
@@ -94,15 +94,15 @@ fn a_root_that_is_told_of_again_and_again_is_not_known_when_that_ends() {
     for seconds in [0.0, 0.5, 1.0] {
         // the root is at rest
         room.tell(0.0, seconds);
-        assert_eq!(code(&room.judged(seconds)), "FREE");
+        assert_eq!(code(&room.evaluated(seconds)), "FREE");
     }
-    assert_eq!(code(&room.judged(1.99)), "FREE");
-    let silent = room.judged(2.01);
+    assert_eq!(code(&room.evaluated(1.99)), "FREE");
+    let silent = room.evaluated(2.01);
     assert_eq!(code(&silent), "stale_world");
     assert!(silent.status.reason().unwrap().to_string().contains("the robot's root in map"));
     // the same is detected while ROS time stands still
     room.tell(0.0, 3.0);
-    assert_eq!(code(&room.judged(3.0)), "FREE");
+    assert_eq!(code(&room.evaluated(3.0)), "FREE");
     room.monitor.note_transforms(&room.transforms);
     let standing = Now { steady: Duration::from_secs(5), ..at(3.0) };
     let evaluation = room.monitor.on_joint_state(state(3.001, FREE), standing);
@@ -112,18 +112,18 @@ fn a_root_that_is_told_of_again_and_again_is_not_known_when_that_ends() {
 #[test]
 fn without_obstacles_nobody_has_to_know_where_the_root_is() {
     let mut room = Room::in_use();
-    assert_eq!(code(&room.judged(9.0)), "stale_world");
+    assert_eq!(code(&room.evaluated(9.0)), "stale_world");
     room.change(ObjectChange::named("pillar", Operation::Remove));
-    assert!(!room.monitor.heeds_transforms());
+    assert!(!room.monitor.uses_transforms());
     assert_eq!(code(&room.monitor.on_joint_state(state(9.1, FREE), at(9.1))), "FREE");
     // an obstacle that is added then is placed in a frame with a transform that has been stale for long
     let ball = clearance_geometry::Shape::Primitive(clearance_geometry::Primitive::sphere(0.1).unwrap());
     let shapes =
         vec![clearance_scene::ObstacleShape { pose_os: Pose::translation(9.0, 0.0, 0.0), shape: ball }];
     room.change(ObjectChange { shapes, ..ObjectChange::named("crate", Operation::Add) });
-    assert_eq!(code(&room.judged(9.2)), "stale_world");
+    assert_eq!(code(&room.evaluated(9.2)), "stale_world");
     room.tell(0.0, 9.3);
-    assert_eq!(code(&room.judged(9.3)), "FREE");
+    assert_eq!(code(&room.evaluated(9.3)), "FREE");
 }
 
 #[test]
@@ -140,9 +140,9 @@ fn what_is_told_once_on_the_way_hides_no_silence_about_the_rest() {
     });
     for seconds in [0.0, 0.5, 1.0] {
         room.tell(0.0, seconds);
-        assert_eq!(code(&room.judged(seconds)), "FREE");
+        assert_eq!(code(&room.evaluated(seconds)), "FREE");
     }
-    assert_eq!(code(&room.judged(2.1)), "stale_world");
+    assert_eq!(code(&room.evaluated(2.1)), "stale_world");
 }
 
 #[test]
@@ -153,15 +153,15 @@ fn the_moment_at_which_tf_has_been_silent_for_too_long_is_news() {
         stale_after: 9.0,
         ..MonitorSettings::default()
     });
-    room.judged(0.6);
+    room.evaluated(0.6);
     let due = room.monitor.time_to_heartbeat(at(0.6)).as_secs_f64();
     assert!((0.9..0.91).contains(&due), "{due}");
     assert_eq!(code(&room.monitor.on_heartbeat(at(0.6 + due))), "stale_world");
     // the same for obstacles that are not moved to follow `tf`
     room.tell(3.0, 2.0);
-    room.judged(2.0);
+    room.evaluated(2.0);
     room.tell(3.1, 2.5);
-    room.judged(2.5);
+    room.evaluated(2.5);
     let due = room.monitor.time_to_heartbeat(at(2.5)).as_secs_f64();
     assert!(due < 1.0, "{due}");
 }
@@ -171,16 +171,16 @@ fn obstacles_that_nobody_puts_where_they_belong_are_not_known() {
     let mut room = Room::new();
     for (x, seconds) in [(0.0, 0.0), (1.0, 0.1), (2.0, 0.9)] {
         room.tell(x, seconds);
-        assert_eq!(code(&room.judged(seconds)), "FREE", "they are on their way");
+        assert_eq!(code(&room.evaluated(seconds)), "FREE", "they are on their way");
     }
     room.tell(3.0, 1.2);
-    let late = room.judged(1.2);
+    let late = room.evaluated(1.2);
     assert_eq!(code(&late), "stale_world");
     assert!(late.status.reason().unwrap().to_string().contains("where tf has them"));
     room.tell(7.0, 1.3);
     room.follow();
     // the ball is at (2, 0, 0), and the pillar has moved there too
-    assert_eq!(code(&room.judged(1.3)), "COLLIDING");
+    assert_eq!(code(&room.evaluated(1.3)), "COLLIDING");
 }
 
 #[test]
@@ -188,16 +188,16 @@ fn obstacles_that_took_long_to_build_are_as_old_as_what_they_were_placed_by() {
     let mut room = Room::new();
     for i in 0..10_u32 {
         room.tell(0.2 * f64::from(i), 0.2 * f64::from(i));
-        room.judged(0.2 * f64::from(i));
+        room.evaluated(0.2 * f64::from(i));
     }
     // the obstacles match the root's pose at 0 s, whenever the checker is set
     room.put_in_force_of(Some(0.0));
-    assert_eq!(code(&room.judged(1.8)), "stale_world");
+    assert_eq!(code(&room.evaluated(1.8)), "stale_world");
     room.put_in_force_of(Some(1.0));
-    assert_eq!(code(&room.judged(1.8)), "FREE");
+    assert_eq!(code(&room.evaluated(1.8)), "FREE");
     room.follow();
     room.put_in_force_of(Some(1.8));
-    assert_eq!(code(&room.judged(1.8)), "FREE");
+    assert_eq!(code(&room.evaluated(1.8)), "FREE");
 }
 
 #[test]
@@ -210,28 +210,28 @@ fn what_stands_in_nothing_while_the_root_drives_is_not_known() {
     let shapes =
         vec![clearance_scene::ObstacleShape { pose_os: Pose::translation(9.0, 0.0, 0.0), shape: ball }];
     room.change(ObjectChange { shapes, ..ObjectChange::named("crate", Operation::Add) });
-    assert!(room.monitor.heeds_transforms());
-    assert_eq!(code(&room.judged(5.0)), "FREE", "tf says nothing of the root");
+    assert!(room.monitor.uses_transforms());
+    assert_eq!(code(&room.evaluated(5.0)), "FREE", "tf says nothing of the root");
     let pose_pf = Pose::identity();
     room.transforms.insert("base", Transform { parent: "odom".to_owned(), pose_pf, stamp });
-    assert_eq!(code(&room.judged(5.1)), "FREE", "it will stand there from now on");
-    assert_eq!(code(&room.judged(6.2)), "stale_world");
+    assert_eq!(code(&room.evaluated(5.1)), "FREE", "it will stand there from now on");
+    assert_eq!(code(&room.evaluated(6.2)), "stale_world");
     room.follow();
-    assert_eq!(code(&room.judged(6.3)), "FREE");
+    assert_eq!(code(&room.evaluated(6.3)), "FREE");
 }
 
 #[test]
 fn a_root_that_tf_no_longer_connects_with_the_room_is_not_known() {
     let mut room = Room::new();
-    assert_eq!(code(&room.judged(0.0)), "FREE");
+    assert_eq!(code(&room.evaluated(0.0)), "FREE");
     let pose_pf = Pose::identity();
     room.transforms.insert(
         "base",
         Transform { parent: "elsewhere".to_owned(), pose_pf, stamp: Some(time(START + 0.1)) },
     );
-    let lost = room.judged(0.1);
+    let lost = room.evaluated(0.1);
     assert_eq!(code(&lost), "stale_world");
-    assert!(lost.stale_world.is_some() && lost.placement.is_some());
+    assert!(lost.stale_world.is_some() && lost.robot_state.is_some());
 }
 
 /// The pillar is 6.8 m in front of the ball. The root drives at 1 m/s, and `tf` publishes its pose 50 times a second.
@@ -315,8 +315,8 @@ fn a_localiser_that_comes_slowly_hides_no_drive() {
             continue;
         }
         assert!(evaluation.time_to_contact() <= 0.0, "it drives after {seconds} s");
-        let drifts = &evaluation.checked_state.as_ref().unwrap().drifts;
-        let way = drifts[0].way_of(&clearance_geometry::math::Point::origin(), 1.0);
+        let obstacle_motions = &evaluation.checked_state.as_ref().unwrap().obstacle_motions;
+        let way = obstacle_motions[0].displacement(&clearance_geometry::math::Point::origin(), 1.0);
         assert!((way.x + 0.5).abs() < 1e-6, "{way}");
     }
 }

@@ -43,7 +43,8 @@ fn the_speed_is_that_of_the_distance_and_the_way_to_it() {
     assert_eq!(governed(SPEED).on_joint_state(state(0.0, FREE), at(0.0)).speed_scale, 1.0);
 }
 
-/// Where the robot is slowed down, distances are exact: points that are only nearly the nearest ones have other approach rates.
+/// Where the robot is slowed down, distances are exact: points that are only nearly the nearest ones have other
+/// approach rates.
 #[test]
 fn tolerances_leave_the_speed_as_it_is() {
     let mut exact = governed(SPEED);

@@ -21,7 +21,7 @@ fn a_message_that_is_not_in_force_soon_makes_the_state_unknown_until_it_is() {
     for (seconds, joints) in [(0.151, FREE), (0.2, COLLIDING), (5.0, FREE)] {
         let evaluation = monitor.on_joint_state(state(seconds, joints), at(seconds));
         assert_eq!(code(&evaluation), "world_update");
-        assert!(evaluation.stale_world.is_some() && evaluation.placement.is_some());
+        assert!(evaluation.stale_world.is_some() && evaluation.robot_state.is_some());
         assert_eq!((evaluation.speed_scale, evaluation.distance().is_nan()), (0.0, true));
     }
     let reason = monitor.on_heartbeat(at(5.0)).status.reason().unwrap().to_string();

@@ -46,20 +46,21 @@ pub fn bounded(findings: Vec<Finding>) -> Vec<Finding> {
         readable
     };
     let mut counts: BTreeMap<(String, &str), usize> = BTreeMap::new();
-    let mut told = Vec::new();
+    let mut bounded_findings = Vec::new();
     for Finding { verdict, about, text } in findings {
         let count = counts.entry((about.clone(), verdict.word())).or_default();
         *count += 1;
         if *count <= MOST {
-            told.push(Finding { verdict, about, text: readable(&text) });
+            bounded_findings.push(Finding { verdict, about, text: readable(&text) });
         }
     }
     for ((about, word), count) in counts {
         if count > MOST {
-            told.push(note(&about, format!("{} more of the kind '{word}' are not listed", count - MOST)));
+            bounded_findings
+                .push(note(&about, format!("{} more of the kind '{word}' are not listed", count - MOST)));
         }
     }
-    told
+    bounded_findings
 }
 
 pub fn good(about: &str, text: impl Into<String>) -> Finding {
@@ -79,15 +80,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_peers_make_up_is_told_briefly_and_is_no_terminals_command() {
+    fn text_from_peers_is_shortened_and_contains_no_control_characters() {
         let many = (0..5000).map(|number| wrong("peers", format!("peer {number}")));
         let long = good("joint_states", format!("\u{1b}[2J{}", "x".repeat(100_000)));
-        let told = bounded(many.chain([long, good("robot", "'ur5e'")]).collect());
-        assert_eq!(told.len(), 20 + 2 + 1);
-        assert!(told.last().unwrap().text.starts_with("4980 more of the kind 'wrong'"), "{told:?}");
-        let long = &told[20].text;
+        let bounded_findings = bounded(many.chain([long, good("robot", "'ur5e'")]).collect());
+        assert_eq!(bounded_findings.len(), 20 + 2 + 1);
+        assert!(
+            bounded_findings.last().unwrap().text.starts_with("4980 more of the kind 'wrong'"),
+            "{bounded_findings:?}"
+        );
+        let long = &bounded_findings[20].text;
         assert!(long.starts_with(r"\u{1b}[2J") && long.ends_with('…') && long.chars().count() == 1006);
-        assert_eq!(told[21], good("robot", "'ur5e'"));
-        assert_eq!(bounded(told.clone())[..20], told[..20]);
+        assert_eq!(bounded_findings[21], good("robot", "'ur5e'"));
+        assert_eq!(bounded(bounded_findings.clone())[..20], bounded_findings[..20]);
     }
 }

@@ -1,8 +1,8 @@
 //! Declaration of one parameter: its name, unit, meaning and range.
 
-use super::Parameters;
 use crate::names::fault_of_topic;
-use crate::parameter_value::Value;
+use crate::parameters::parameter_set::Parameters;
+use crate::parameters::parameter_value::Value;
 
 /// Kind of the names in a list of topics.
 pub(super) const TOPICS: &str = "topics";

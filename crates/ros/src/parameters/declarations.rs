@@ -2,12 +2,14 @@
 
 use std::sync::LazyLock;
 
-use super::declaration::{Access, Declaration, Range, TOPICS};
-use super::{CONTINUOUS_DIRECTIONS, Parameters, STALE_SOURCE_POLICIES, UNKNOWN_OR_WARN, UNKNOWN_SPACES};
+use crate::parameters::declaration::{Access, Declaration, Range, TOPICS};
+use crate::parameters::parameter_set::{
+    CONTINUOUS_DIRECTIONS, Parameters, STALE_SOURCE_POLICIES, UNKNOWN_OR_WARN, UNKNOWN_SPACES,
+};
 
 /// Declaration of the parameter with this name.
 #[must_use]
-pub fn declaration(name: &str) -> Option<&'static Declaration> {
+pub fn declaration_of(name: &str) -> Option<&'static Declaration> {
     DECLARATIONS.iter().find(|d| d.name == name)
 }
 
@@ -34,31 +36,39 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
         unknown_or_warn(
             "blind_cloud",
             |p| &mut p.blind_cloud,
-            "What a cloud or octomap does that shows nothing of the room: it makes the state unknown, or is a warning.",
+            "Reaction to a cloud or octomap that contains nothing of the environment: the state is unknown, or a warning.",
         ),
         double(
             "check_deadline",
             "s",
             (0.0, 10.0),
             |p| &mut p.check_deadline,
-            "Time that one answer may take, beyond which undecided pairs make the state unknown; 0 means as long as it takes.",
+            "Time limit of one check; if it passes with undecided pairs, the state is unknown. 0: no limit.",
         ),
         Declaration {
             range: Range::Point,
             access: Access::Point(|p| &mut p.cloud_crop_max),
-            ..described("cloud_crop_max", "m", "Points of clouds beyond this corner are left out.")
+            ..described(
+                "cloud_crop_max",
+                "m",
+                "Upper corner of the crop box: points of clouds beyond it are removed.",
+            )
         },
         Declaration {
             range: Range::Point,
             access: Access::Point(|p| &mut p.cloud_crop_min),
-            ..described("cloud_crop_min", "m", "Points of clouds before this corner are left out.")
+            ..described(
+                "cloud_crop_min",
+                "m",
+                "Lower corner of the crop box: points of clouds below it are removed.",
+            )
         },
         double(
             "cloud_voxel_size",
             "m",
             (0.0, 1.0),
             |p| &mut p.cloud_voxel_size,
-            "Edge of the cubes to which clouds are thinned out; 0 turns it off.",
+            "Edge of the voxels to which clouds are reduced; 0 turns it off.",
         ),
         Declaration {
             range: Range::Word(CONTINUOUS_DIRECTIONS),
@@ -66,7 +76,7 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             ..described(
                 "continuous_joint_direction",
                 "",
-                "Which way round continuous joints go from the current state in ~/check_motion.",
+                "Direction in which continuous joints move from the current state in ~/check_motion.",
             )
         },
         double(
@@ -74,35 +84,35 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             "m",
             (0.0, 1.0),
             |p| &mut p.distance_absolute_tolerance,
-            "By how much distances may be told too small, for answers in a fraction of the time; 0 means exactly. The larger of this and distance_relative_tolerance counts.",
+            "Largest amount by which reported distances may be too small, for faster checks; 0: exact. The larger of this and distance_relative_tolerance counts.",
         ),
         double(
             "distance_limit",
             "m",
             (0.0, 100.0),
             |p| &mut p.distance_limit,
-            "Distance beyond which the least distance is not looked for; it is then reported as infinite.",
+            "Distance beyond which the least distance is not computed; it is then reported as infinite.",
         ),
         double(
             "distance_relative_tolerance",
             "m/m",
             (0.0, 0.9),
             |p| &mut p.distance_relative_tolerance,
-            "By which share of themselves distances may be told too small; the larger of this and distance_absolute_tolerance counts.",
+            "The same as a share of the distance; the larger of this and distance_absolute_tolerance counts.",
         ),
         double(
             "exact_distance_share",
             "s/s",
             (0.0, 1.0),
             |p| &mut p.exact_distance_share,
-            "The share of the time between joint states that exact distances may take; beyond it they are told within a tenth or a millimetre. 0: as long as they take.",
+            "Share of the time between joint states that exact distances may take; beyond it, distances have a tolerance of a tenth or a millimetre. 0: no limit.",
         ),
         double(
             "heartbeat_rate",
             "Hz",
             (0.1, 1000.0),
             |p| &mut p.heartbeat_rate,
-            "How often the state is published at least, also when no joint state arrives.",
+            "Lowest rate at which the state is published, also without joint states.",
         ),
         double(
             "influence_distance",
@@ -117,7 +127,7 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             ..described(
                 "joint_prefix",
                 "",
-                "What the names of this robot's joints begin with, before those of its URDF.",
+                "Prefix of the names of this robot's joints, before the names of its URDF.",
             )
         },
         Declaration {
@@ -126,71 +136,71 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             ..described(
                 "link_prefix",
                 "",
-                "What the names of this robot's links begin with, before those of its URDF.",
+                "Prefix of the names of this robot's links, before the names of its URDF.",
             )
         },
         integer(
             "link_volume_level",
             (-1, 20),
             |p| &mut p.link_volume_level,
-            "Level of the hierarchies of which ~/link_volumes shows the boxes; -1 shows none.",
+            "Level of the bounding volume hierarchies whose boxes ~/link_volumes shows; -1 shows none.",
         ),
         double(
             "look_ahead_acceleration",
             "rad/s2",
             (0.0, 10000.0),
             |p| &mut p.look_ahead_acceleration,
-            "Acceleration (m/s2 of sliding joints) that joints without a limit of their own are thought capable of.",
+            "Acceleration limit (m/s2 for prismatic joints) of joints without their own limit.",
         ),
         double(
             "look_ahead_horizon",
             "s",
             (0.0, 10.0),
             |p| &mut p.look_ahead_horizon,
-            "How far ahead contacts are looked for from the joint velocities; 0 turns it off.",
+            "Time ahead in which contacts are searched from the joint velocities; 0 turns it off.",
         ),
         unknown_or_warn(
             "lost_messages",
             |p| &mut p.lost_messages,
-            "What lost messages about the world do: they make the state unknown until a whole scene comes, or are a warning.",
+            "Reaction to lost scene messages: the state is unknown until a whole scene is received, or a warning.",
         ),
         double(
             "marker_rate",
             "Hz",
             (0.1, 1000.0),
             |p| &mut p.marker_rate,
-            "How often markers are published at most; a change of status publishes them at once.",
+            "Highest rate at which markers are published; a change of status publishes them at once.",
         ),
         double(
             "memory_limit",
             "MiB",
             (0.0, 1e9),
             |p| &mut p.memory_limit,
-            "Resident memory of the process above which the state is unknown and the node ends with exit code 5; 0 means 2048, a quarter of the machine's or 90 % of the container's, whichever is least.",
+            "Resident memory of the process above which the state is unknown and the node ends with exit code 5; 0: the least of 2048, a quarter of the machine's memory and 90 % of the container's.",
         ),
         unknown_or_warn(
             "mimic_contradiction",
             |p| &mut p.mimic_contradiction,
-            "What a mimic joint does that is reported elsewhere than its leader takes it: it makes the state unknown, or is a warning.",
+            "Reaction to a mimic joint whose reported position differs from the position that its leader implies: the state is unknown, or a warning.",
         ),
         double(
             "octomap_ttl",
             "s",
             (0.0, 86400.0),
             |p| &mut p.octomap_ttl,
-            "Age of an octomap beyond which it says nothing about the world any more; 0 means never.",
+            "Age beyond which an octomap is out of date; 0: never.",
         ),
         boolean(
             "pad_self",
             |p| &mut p.pad_self,
-            "Whether padding counts between links of the robot too, or against the world only.",
+            "Whether padding also applies between links of the robot, or only between links and obstacles.",
         ),
         double(
             "padding",
             "m",
             (0.0, 1.0),
             |p| &mut p.padding,
-            "Safety distance by which every link counts as larger.",
+            "Safety distance by which every link is enlarged.",
         ),
         Declaration {
             range: Range::Service,
@@ -198,7 +208,7 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             ..described(
                 "planning_scene_service",
                 "",
-                "The service of another node, such as move_group, that is asked for its whole planning scene; none if empty.",
+                "Service of another node, such as move_group, from which the whole planning scene is requested; none if empty.",
             )
         },
         double(
@@ -206,19 +216,19 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             "s",
             (0.01, 86400.0),
             |p| &mut p.point_cloud_ttl,
-            "Age of a point cloud beyond which it says nothing about the world any more.",
+            "Age beyond which a point cloud is out of date.",
         ),
         Declaration {
             range: Range::Names(TOPICS),
             access: Access::Texts(|p| &mut p.point_cloud_topics),
-            ..described("point_cloud_topics", "", "Topics of point clouds that have to be avoided.")
+            ..described("point_cloud_topics", "", "Topics of point clouds that are obstacles.")
         },
         double(
             "point_radius",
             "m",
             (0.0, 1.0),
             |p| &mut p.point_radius,
-            "Radius of the balls that the points of clouds are.",
+            "Radius of the ball around each point of a cloud.",
         ),
         boolean("publish_markers", |p| &mut p.publish_markers, "Whether markers are published for RViz."),
         Declaration {
@@ -227,7 +237,7 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             ..described(
                 "record_file",
                 "",
-                "The MCAP file to which inputs and answers are recorded; none if empty.",
+                "MCAP file to which inputs and results are recorded; none if empty.",
             )
         },
         double(
@@ -235,80 +245,76 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             "s",
             (0.0, 1e9),
             |p| &mut p.record_max_duration,
-            "Time after which a recording ends; 0 means never.",
+            "Time after which a recording ends; 0: never.",
         ),
         double(
             "record_max_size",
             "MB",
             (0.0, 1e9),
             |p| &mut p.record_max_size,
-            "Size at which a recording ends; 0 means never.",
+            "Size at which a recording ends; 0: never.",
         ),
         unknown_or_warn(
             "rejected_obstacle",
             |p| &mut p.rejected_obstacle,
-            "What an obstacle that was announced and rejected does: it makes the state unknown, or is a warning.",
+            "Reaction to an obstacle that was received and rejected: the state is unknown, or a warning.",
         ),
         boolean(
             "require_planning_scene",
             |p| &mut p.require_planning_scene,
-            "Whether nothing is known of the world until a message has brought a whole planning scene.",
+            "Whether the world is unknown until a whole planning scene is received.",
         ),
         double(
             "self_filter_padding",
             "m",
             (0.0, 1.0),
             |p| &mut p.self_filter_padding,
-            "Points of clouds nearer than this to the robot, or to what it holds, are taken for the robot.",
+            "Points of clouds nearer than this to the robot or its attached objects are treated as points of the robot.",
         ),
         double(
             "slowdown_distance_self",
             "m",
             (0.0, 10.0),
             |p| &mut p.slowdown_distance_self,
-            "Distance between links below which ~/speed_scale is less than 1; 0 means only when they touch.",
+            "Distance between links below which ~/speed_scale is less than 1; 0: only in contact.",
         ),
         double(
             "slowdown_distance_world",
             "m",
             (0.0, 10.0),
             |p| &mut p.slowdown_distance_world,
-            "Distance to an obstacle below which ~/speed_scale is less than 1; 0 means only when it is touched.",
+            "Distance to an obstacle below which ~/speed_scale is less than 1; 0: only in contact.",
         ),
         double(
             "slowdown_reaction_time",
             "s",
             (0.0, 10.0),
             |p| &mut p.slowdown_reaction_time,
-            "Time that the robot needs to slow down: what approaches counts as nearer by its way in this time.",
+            "Time that the robot needs to slow down: the distance of an approaching pair is reduced by its motion in this time.",
         ),
         integer(
             "slowdown_release_count",
             (1, 1000),
             |p| &mut p.slowdown_release_count,
-            "States in a row that have to ask for more speed before ~/speed_scale rises.",
+            "Number of successive states that must request more speed before ~/speed_scale rises.",
         ),
         integer(
             "slowdown_trigger_count",
             (1, 1000),
             |p| &mut p.slowdown_trigger_count,
-            "States in a row that have to ask for less speed before ~/speed_scale falls.",
+            "Number of successive states that must request less speed before ~/speed_scale falls.",
         ),
         double(
             "stale_after",
             "s",
             (0.001, 3600.0),
             |p| &mut p.stale_after,
-            "Age of a joint state beyond which it says nothing about the robot any more.",
+            "Age beyond which a joint state is out of date.",
         ),
         Declaration {
             range: Range::Word(STALE_SOURCE_POLICIES),
             access: Access::Word(|p| &mut p.stale_source_policy),
-            ..described(
-                "stale_source_policy",
-                "",
-                "What becomes of a cloud or octomap that has grown too old.",
-            )
+            ..described("stale_source_policy", "", "Reaction to a cloud or octomap that is out of date.")
         },
         Declaration {
             range: Range::Names("joints"),
@@ -316,7 +322,7 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             ..described(
                 "transform_joints",
                 "",
-                "Planar and floating joints whose positions tf tells, instead of joint states.",
+                "Planar and floating joints whose positions come from tf, instead of joint states.",
             )
         },
         double(
@@ -338,22 +344,22 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             "s",
             (0.001, 3600.0),
             |p| &mut p.transform_ttl,
-            "Age of a transform on tf beyond which it says nothing any more.",
+            "Age beyond which a transform on tf is out of date.",
         ),
         Declaration {
             range: Range::Word(UNKNOWN_SPACES),
             access: Access::Word(|p| &mut p.unknown_space),
-            ..described("unknown_space", "", "What the space that an octomap does not know counts as.")
+            ..described("unknown_space", "", "Treatment of the unknown space of an octomap.")
         },
         boolean(
             "use_realtime_priority",
             |p| &mut p.use_realtime_priority,
-            "Whether the threads from joint states to answers run before all others of the machine; counts at the start only.",
+            "Whether the threads that receive, check and publish joint states have realtime priority; read at the start only.",
         ),
         boolean(
             "use_sim_time",
             |p| &mut p.use_sim_time,
-            "Whether time is read from /clock instead of the system's clock.",
+            "Whether time is read from /clock instead of the system clock.",
         ),
     ]
 });

@@ -10,8 +10,8 @@ use mcap::records::{Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use ros2_interfaces_jazzy_serde::std_msgs::msg::String as StringMessage;
 
-use super::step::RecordStep;
-use crate::cdr;
+use crate::dds::cdr;
+use crate::recording::step::RecordStep;
 
 /// Private name of the topic that contains the steps.
 pub const STEPS: &str = "recording";
@@ -19,8 +19,8 @@ pub const STEPS: &str = "recording";
 /// Largest record (bytes) that is read: the largest attached file, plus room for its description.
 const LARGEST_RECORD: usize = (512 << 20) + (1 << 20);
 
-/// Bytes that are read at once at most. The length of a record in the file is not trusted: memory grows with the contents of the file,
-/// and with those of a compressed chunk up to [`LARGEST_RECORD`].
+/// Bytes that are read at once at most. The length of a record in the file is not trusted: memory grows with the
+/// contents of the file, and with those of a compressed chunk up to [`LARGEST_RECORD`].
 const BYTES_AT_ONCE: usize = 1 << 20;
 
 /// Limits for one step: number of its messages, and their total size (bytes).
@@ -115,7 +115,7 @@ impl RecordingFile {
         self.is_cut_off
     }
 
-    pub fn refuse(&self, why: impl Into<String>) -> ReadError {
+    pub fn error(&self, why: impl Into<String>) -> ReadError {
         ReadError { file: self.path.clone(), why: why.into() }
     }
 
@@ -141,7 +141,7 @@ impl RecordingFile {
                 Some(Ok(LinearReadEvent::Record { data, opcode })) => {
                     match lengths_fit(opcode, data) {
                         None => {
-                            return Err(self.refuse("is damaged: a record is shorter than the lengths in it"));
+                            return Err(self.error("is damaged: a record is shorter than the lengths in it"));
                         }
                         Some(false) => continue,
                         Some(true) => {}
@@ -155,7 +155,7 @@ impl RecordingFile {
                     return Ok(None);
                 }
                 Some(Err(mcap::McapError::BadMagic)) => {
-                    return Err(self.refuse("is no MCAP file"));
+                    return Err(self.error("is no MCAP file"));
                 }
                 Some(Err(error)) => return Err(damaged(&self.path, &error)),
             };
@@ -171,7 +171,7 @@ impl RecordingFile {
         match record {
             Record::Schema { header, data } => {
                 if data.len() > BYTES_OF_A_SCHEMA || self.schemas.len() >= MOST_SCHEMAS {
-                    return Err(self.refuse("its schemas are too many or too large"));
+                    return Err(self.error("its schemas are too many or too large"));
                 }
                 self.schemas.insert(header.id, (header.name, data.into_owned()));
             }
@@ -183,7 +183,7 @@ impl RecordingFile {
             }
             Record::Message { header, data } => {
                 let (topic, schema) = (self.channels.get(&header.channel_id))
-                    .ok_or_else(|| self.refuse(format!("channel {} is not declared", header.channel_id)))?;
+                    .ok_or_else(|| self.error(format!("channel {} is not declared", header.channel_id)))?;
                 let (kind, schema) = self.schemas.get(schema).cloned().unwrap_or_default();
                 let (topic, data) = (topic.clone(), data.into_owned());
                 let is_step = topic.rsplit('/').next() == Some(STEPS) && kind == "std_msgs/msg/String";
@@ -193,7 +193,7 @@ impl RecordingFile {
                 }
                 self.bytes += message.data.len() + message.schema.len();
                 if self.messages.len() >= MESSAGES_OF_A_STEP || self.bytes > BYTES_OF_A_STEP {
-                    return Err(self.refuse(format!(
+                    return Err(self.error(format!(
                         "too many messages stand in it without one on a topic '{STEPS}': it is no recording of clearance"
                     )));
                 }
@@ -205,7 +205,7 @@ impl RecordingFile {
     }
 
     fn step(&mut self, itself: RawMessage) -> Result<Entry, ReadError> {
-        let wrong = |why: String| self.refuse(format!("{}: {why}", itself.topic));
+        let wrong = |why: String| self.error(format!("{}: {why}", itself.topic));
         let text: StringMessage = cdr::decode(&itself.data).map_err(wrong)?;
         let step = serde_json::from_str(&text.data)
             .map_err(|error| wrong(format!("is no step of this version of clearance: {error}")))?;

@@ -1,30 +1,17 @@
-//! Recordings of the node's inputs and outputs in processing order, and their replay without a network.
+//! Recordings of the node's inputs and outputs in processing order.
 //!
 //! ```text
-//! monitor loop, loader, tf, clock ──> tape (bounded, never waits) ──> writer ──> FILE.mcap
-//! FILE.mcap ──> reader ──> replay: the same loader and the same monitor ──> the first answer that differs
+//! monitor loop, loader, tf, clock ──> recorder handle (bounded, never waits) ──> recorder ──> FILE.mcap
 //! ```
 //!
-//! A recording is an MCAP file of the `ros2` profile: messages in CDR with `ros2msg` schemas, as `ros2 bag` and Foxglove read them.
-//! The topic `~/recording` (`std_msgs/String`) has one `RecordStep` in JSON for each event that changed the node's inputs or
-//! outputs. The messages of a step are stored right before it. Files (robot, world, meshes) are attachments.
+//! A recording is an MCAP file of the `ros2` profile: messages in CDR with `ros2msg` schemas, as `ros2 bag` and
+//! Foxglove read them. The topic `~/recording` (`std_msgs/String`) has one `RecordStep` in JSON for each event that
+//! changed the node's inputs or outputs. The messages of a step are stored right before it. Files (robot, world,
+//! meshes) are attachments.
 
-mod difference;
-mod mcap_file;
-mod messages;
-mod recorder_handle;
-mod replay;
-mod save;
-mod step;
-mod step_messages;
-mod writer;
-
-#[cfg(test)]
-mod tests;
-
-pub use mcap_file::ReadError;
-pub use recorder_handle::{Given, Judged, OriginalMessage, RecordedEvent, RecorderHandle};
-pub use replay::{Archive, Difference, Outcome, Prepared, recorded_path, replay};
-pub use save::save_part;
-pub use step::{Clocks, OrderStep, RecordedMonitorEvent, SceneDoor};
-pub use writer::{Recorder, RecordingSettings};
+pub mod mcap_file; // reader of MCAP files
+pub mod message_schemas; // message schemas that are stored in a recording
+pub mod recorder; // recorder thread: writes an MCAP file
+pub mod recorder_handle; // handle through which the node records events
+pub mod save; // saves a part of a recording
+pub mod step; // steps of a recording

@@ -16,18 +16,18 @@ use ros2_interfaces_jazzy_serde::rosgraph_msgs::msg::Clock;
 use ros2_interfaces_jazzy_serde::sensor_msgs::msg::{JointState, PointCloud2};
 use ros2_interfaces_jazzy_serde::tf2_msgs::msg::TFMessage;
 
-use super::step::{OrderStep, RecordedMonitorEvent};
-use crate::clearance_msgs::{BodyPair, CollisionState};
-use crate::mailbox::{Refused, Sender};
-use crate::messages::collision_state;
-use crate::parameters::Parameters;
+use crate::messages::clearance_msgs::{BodyPair, CollisionState};
+use crate::messages::collision_state::collision_state;
+use crate::parameters::parameter_set::Parameters;
+use crate::recording::step::{RecordedCommand, RecordedMonitorEvent};
+use crate::threading::mailbox::{SendError, Sender};
 
 /// Largest total size (bytes) of the events in the queue.
 const LONGEST_QUEUE: usize = 256 << 20;
 
 /// Command-line inputs of the node, stored for the replay.
 #[derive(Clone, Debug, Default)]
-pub struct Given {
+pub struct CommandLineInputs {
     /// The arguments, which only the command line interprets.
     pub arguments: serde_json::Value,
     /// Files that the arguments name.
@@ -54,21 +54,21 @@ pub enum RecordedEvent {
     Pass {
         now: Now,
         parameters: Box<Parameters>,
-        orders: Vec<(OrderStep, Option<OriginalMessage>)>,
+        commands: Vec<(RecordedCommand, Option<OriginalMessage>)>,
         clouds: Vec<(String, Now, Arc<PointCloud2>)>,
     },
-    Told(RecordedMonitorEvent),
+    MonitorEvent(RecordedMonitorEvent),
     Parameters(Box<Parameters>),
     Enabled(bool),
     /// The monitor read the transforms.
-    Looked,
+    TransformsRead,
     /// A joint state was received and not evaluated, because the next one followed at once.
-    Heard {
+    JointStateReceived {
         now: Now,
         message: Box<JointState>,
         source: SourceId,
     },
-    Judged(Box<Judged>),
+    Evaluated(Box<RecordedEvaluation>),
     Transforms {
         message: TFMessage,
         now: Option<Time>,
@@ -79,14 +79,14 @@ pub enum RecordedEvent {
 
 /// An evaluation that is published, and its cause: a joint state, or the passage of time.
 #[derive(Debug)]
-pub struct Judged {
+pub struct RecordedEvaluation {
     pub now: Now,
-    pub heard: Option<(JointState, SourceId)>,
-    pub answer: RecordedResult,
+    pub joint_state: Option<(JointState, SourceId)>,
+    pub result: RecordedResult,
 }
 
-/// The recorded part of an evaluation. It holds no checker, so that events that wait for a slow disk keep no old robots and worlds
-/// in memory.
+/// The recorded part of an evaluation. It holds no checker, so that events that wait for a slow disk keep no old robots
+/// and worlds in memory.
 #[derive(Debug)]
 pub struct RecordedResult {
     pub state: CollisionState,
@@ -109,7 +109,7 @@ impl From<&Evaluation> for RecordedResult {
 }
 
 /// An event in the queue to the recorder.
-pub(super) struct Item {
+pub struct Item {
     /// Time of the event (ns since 1970).
     pub at: u64,
     pub what: RecordedEvent,
@@ -128,7 +128,7 @@ struct Line {
 
 /// Counters of the queue: bytes that wait, and events that did not fit.
 #[derive(Debug, Default)]
-pub(super) struct Backlog {
+pub struct Backlog {
     pub bytes: AtomicUsize,
     pub lost: AtomicU64,
     /// The recording has ended: later events are not part of it.
@@ -148,7 +148,7 @@ impl Backlog {
 }
 
 impl RecorderHandle {
-    pub(super) fn to(items: Sender<Item>, backlog: Arc<Backlog>) -> Self {
+    pub fn to(items: Sender<Item>, backlog: Arc<Backlog>) -> Self {
         Self(Some(Arc::new(Line { items, backlog })))
     }
 
@@ -172,13 +172,14 @@ impl RecorderHandle {
 
     /// Counts this number of steps as lost.
     #[cfg(test)]
-    pub(super) fn lose(&self, steps: u64) {
+    pub fn lose(&self, steps: u64) {
         if let Some(line) = &self.0 {
             line.backlog.lost.fetch_add(steps, Ordering::Relaxed);
         }
     }
 
-    /// Records an event, if a recorder runs; never waits. An event that does not fit into the queue is lost and counted.
+    /// Records an event, if a recorder runs; never waits. An event that does not fit into the queue is lost and
+    /// counted.
     pub fn note(&self, what: impl FnOnce() -> RecordedEvent) {
         let Some(line) = &self.0 else { return };
         let what = what();
@@ -187,9 +188,9 @@ impl RecorderHandle {
         let sent = waiting <= LONGEST_QUEUE && {
             match line.items.send(Item { at: system_time(), what, bytes }) {
                 Ok(()) => true,
-                Err(Refused::Full) => false,
+                Err(SendError::Full) => false,
                 // after the end of the recording, events are not counted as lost
-                Err(Refused::Unread) => return,
+                Err(SendError::Closed) => return,
             }
         };
         if !sent {
@@ -199,7 +200,7 @@ impl RecorderHandle {
     }
 }
 
-pub(super) fn system_time() -> u64 {
+pub fn system_time() -> u64 {
     let since_epoch = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     u64::try_from(since_epoch.as_nanos()).unwrap_or(u64::MAX)
 }
@@ -236,15 +237,19 @@ fn size(what: &RecordedEvent) -> usize {
         OriginalMessage::Octomap(octomap) => octomap.data.len(),
     };
     ANY + match what {
-        RecordedEvent::Pass { orders, clouds, .. } => {
+        RecordedEvent::Pass { commands, clouds, .. } => {
             let clouds: usize = clouds.iter().map(|(_, _, cloud)| cloud.data.len()).sum();
             clouds
-                + orders.iter().filter_map(|(_, original)| original.as_ref()).map(of_original).sum::<usize>()
+                + commands
+                    .iter()
+                    .filter_map(|(_, original)| original.as_ref())
+                    .map(of_original)
+                    .sum::<usize>()
         }
-        RecordedEvent::Heard { message, .. } => of_joint_state(message),
-        RecordedEvent::Judged(judged) => {
-            let heard = judged.heard.as_ref().map_or(0, |(state, _)| of_joint_state(state));
-            heard + of_collision_state(&judged.answer.state)
+        RecordedEvent::JointStateReceived { message, .. } => of_joint_state(message),
+        RecordedEvent::Evaluated(evaluated) => {
+            let received = evaluated.joint_state.as_ref().map_or(0, |(state, _)| of_joint_state(state));
+            received + of_collision_state(&evaluated.result.state)
         }
         RecordedEvent::Transforms { message, .. } => {
             let name = |transform: &TransformStamped| {
@@ -253,7 +258,7 @@ fn size(what: &RecordedEvent) -> usize {
             message.transforms.iter().map(|transform| 200 + name(transform)).sum()
         }
         RecordedEvent::Meshes(meshes) => ANY * meshes.len(),
-        RecordedEvent::Told(RecordedMonitorEvent::ModelFault(fault)) => fault.len(),
+        RecordedEvent::MonitorEvent(RecordedMonitorEvent::ModelFault(fault)) => fault.len(),
         _ => 0,
     }
 }
@@ -286,9 +291,9 @@ mod tests {
     use std::time::Duration;
 
     use super::*;
-    use crate::clearance_msgs::PairDistance;
-    use crate::mailbox;
-    use crate::waiting::wait_at_most;
+    use crate::messages::clearance_msgs::PairDistance;
+    use crate::threading::mailbox;
+    use crate::threading::timed_wait::wait_at_most;
     use clearance_monitor::{Expiry, Reason, Status};
 
     fn evaluation() -> Evaluation {
@@ -297,7 +302,7 @@ mod tests {
             stamp: None,
             age: None,
             checked_state: None,
-            placement: None,
+            robot_state: None,
             speed_scale: 0.0,
             left_out: LeftOut::Nothing,
             is_swapping: false,
@@ -308,17 +313,17 @@ mod tests {
         }
     }
 
-    fn judged(pairs: usize, warning: usize) -> RecordedEvent {
-        let mut answer = RecordedResult::from(&evaluation());
-        answer.state.pair_distances = vec![PairDistance::default(); pairs];
-        answer.state.warnings = vec!["w".repeat(warning)];
+    fn evaluated(pairs: usize, warning: usize) -> RecordedEvent {
+        let mut result = RecordedResult::from(&evaluation());
+        result.state.pair_distances = vec![PairDistance::default(); pairs];
+        result.state.warnings = vec!["w".repeat(warning)];
         let now = Now { ros: None, steady: std::time::Duration::ZERO };
-        RecordedEvent::Judged(Box::new(Judged { now, heard: None, answer }))
+        RecordedEvent::Evaluated(Box::new(RecordedEvaluation { now, joint_state: None, result }))
     }
 
     #[test]
-    fn an_answer_counts_with_all_that_it_holds() {
-        let (bare, full) = (size(&judged(0, 0)), size(&judged(1000, 5000)));
+    fn the_size_of_a_result_includes_all_parts() {
+        let (bare, full) = (size(&evaluated(0, 0)), size(&evaluated(1000, 5000)));
         assert_eq!(full - bare, 1000 * size_of::<PairDistance>() + 5000);
     }
 
@@ -326,10 +331,10 @@ mod tests {
     fn what_waits_has_a_bound_in_bytes() {
         let (items, waiting) = mailbox::bounded(1000);
         let backlog = Arc::new(Backlog::default());
-        let tape = RecorderHandle::to(items, Arc::clone(&backlog));
+        let recording = RecorderHandle::to(items, Arc::clone(&backlog));
         let large = LONGEST_QUEUE / 4;
         for _ in 0..10 {
-            tape.note(|| judged(0, large));
+            recording.note(|| evaluated(0, large));
         }
         let mut queued = 0;
         while wait_at_most(Duration::ZERO, waiting.receive()).is_some() {

@@ -8,56 +8,56 @@ use std::path::Path;
 use mcap::Attachment;
 use mcap::records::MessageHeader;
 
-use super::mcap_file::{Entry, RawMessage, ReadError, RecordingFile};
-use super::step::RecordStep;
-use super::writer::mcap_writer;
+use crate::recording::mcap_file::{Entry, RawMessage, ReadError, RecordingFile};
+use crate::recording::recorder::mcap_writer;
+use crate::recording::step::RecordStep;
 
-/// Copies a recording up to its answer number `last` (counted from 1). Of the earlier answers it keeps the last `kept`, and those
-/// that the loader used. Everything else is copied completely.
+/// Copies a recording up to its result number `last` (counted from 1). Of the earlier results it keeps the last `kept`,
+/// and those that the loader used. Everything else is copied completely.
 pub fn save_part(from: &Path, to: &Path, last: u64, kept: u64) -> Result<(), ReadError> {
     let mut source = RecordingFile::open(from)?;
-    let refused = |error: &dyn std::fmt::Display| ReadError::new(to, error.to_string());
-    let file = File::create_new(to).map_err(|error| refused(&error))?;
+    let failed = |error: &dyn std::fmt::Display| ReadError::new(to, error.to_string());
+    let file = File::create_new(to).map_err(|error| failed(&error))?;
     let mut copy = Copy {
-        mcap: mcap_writer(file).map_err(|error| refused(&error))?,
+        mcap: mcap_writer(file).map_err(|error| failed(&error))?,
         channels: BTreeMap::new(),
         written: 0,
     };
-    let (mut answers, mut is_part) = (0, false);
-    // the last answer that was left out: the next loader step depends on the robot's position in it
+    let (mut results, mut is_part) = (0, false);
+    // the last result that was left out: the next loader step depends on the robot's position in it
     let mut before: Option<Vec<RawMessage>> = None;
     while let Some(entry) = source.next()? {
         match entry {
             Entry::Attachment { name, data } => {
-                copy.attachment(name, data).map_err(|error| refused(&error))?;
+                copy.attachment(name, data).map_err(|error| failed(&error))?;
             }
             Entry::RecordStep { step, mut messages, itself } => {
                 messages.push(itself);
-                let is_answer = matches!(*step, RecordStep::JointState { .. } | RecordStep::Heartbeat { .. });
-                answers += u64::from(is_answer);
-                if is_answer && answers.saturating_add(kept) < last {
+                let is_result = matches!(*step, RecordStep::JointState { .. } | RecordStep::Heartbeat { .. });
+                results += u64::from(is_result);
+                if is_result && results.saturating_add(kept) < last {
                     is_part = true;
                     leave_out_speed(&mut messages);
                     before = Some(messages);
                     continue;
                 }
-                if is_part && is_answer {
+                if is_part && is_result {
                     leave_out_speed(&mut messages);
                 }
-                let before = before.take_if(|_| is_answer || matches!(*step, RecordStep::Pass { .. }));
+                let before = before.take_if(|_| is_result || matches!(*step, RecordStep::Pass { .. }));
                 for message in before.iter().flatten().chain(&messages) {
-                    copy.message(message).map_err(|error| refused(&error))?;
+                    copy.message(message).map_err(|error| failed(&error))?;
                 }
             }
         }
-        if answers >= last {
+        if results >= last {
             break;
         }
     }
-    copy.mcap.finish().map(drop).map_err(|error| refused(&error))
+    copy.mcap.finish().map(drop).map_err(|error| failed(&error))
 }
 
-/// Removes the allowed speed: it depends on more answers than a part contains.
+/// Removes the allowed speed: it depends on more results than a part contains.
 fn leave_out_speed(answer: &mut Vec<RawMessage>) {
     let is_number = |message: &RawMessage| message.kind == "std_msgs/msg/Float64";
     let distance = answer.iter().position(is_number);

@@ -7,39 +7,52 @@ use clearance_monitor::{LeftOut, Now, Time};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value as Json};
 
-use crate::monitor_loop::WorldUpdate;
-use crate::parameter_value::{self, Value};
-use crate::parameters::{DECLARATIONS, Parameters, UNKNOWN_OR_WARN};
+use crate::monitor_events::world_update::WorldUpdate;
+use crate::parameters::assignment::assign;
+use crate::parameters::declarations::DECLARATIONS;
+use crate::parameters::parameter_set::{Parameters, UNKNOWN_OR_WARN};
+use crate::parameters::parameter_value;
+use crate::parameters::parameter_value::Value;
 
 /// An event that changed the node's inputs or outputs. Its messages are stored right before it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RecordStep {
-    /// The node started. `given` holds the command-line inputs; the files that they name are attached under their names.
+    /// The node started. `given` holds the command-line inputs; the files that they name are attached under their
+    /// names.
     Started { version: String, node: String, parameters: Map<String, Json>, given: Json },
     /// A mesh URI was resolved to a file, which is attached under its real path.
     Mesh { folder: Option<PathBuf>, uri: String, file: PathBuf },
-    /// The loader processed orders and clouds: one message each, in this order.
-    Pass { now: Clocks, parameters: Map<String, Json>, orders: Vec<OrderStep>, clouds: Vec<CloudStep> },
+    /// The loader processed commands and clouds: one message each, in this order.
+    Pass {
+        now: Clocks,
+        parameters: Map<String, Json>,
+        #[serde(rename = "orders")]
+        commands: Vec<RecordedCommand>,
+        clouds: Vec<CloudStep>,
+    },
     /// The monitor processed the loader's next event.
-    Told(RecordedMonitorEvent),
+    #[serde(rename = "told")]
+    MonitorEvent(RecordedMonitorEvent),
     /// The monitor's parameters changed.
     Parameters(Map<String, Json>),
     /// Checking was switched on or off.
     Enabled(bool),
     /// The monitor read the transforms.
-    Looked,
-    /// A joint state was received and not evaluated, because the next one followed at once. Its message precedes this step.
-    /// `source` identifies its publisher, in hexadecimal digits.
-    Heard { now: Clocks, source: String },
-    /// A joint state was evaluated. Its message precedes this step, followed by the answers.
+    #[serde(rename = "looked")]
+    TransformsRead,
+    /// A joint state was received and not evaluated, because the next one followed at once. Its message precedes this
+    /// step. `source` identifies its publisher, in hexadecimal digits.
+    #[serde(rename = "heard")]
+    JointStateReceived { now: Clocks, source: String },
+    /// A joint state was evaluated. Its message precedes this step, followed by the results.
     JointState {
         now: Clocks,
         source: String,
         #[serde(default)]
         late: Late,
     },
-    /// The state was published again or evaluated again. The answers precede this step.
+    /// The state was published again or evaluated again. The results precede this step.
     Heartbeat {
         now: Clocks,
         #[serde(default)]
@@ -55,7 +68,7 @@ pub enum RecordStep {
     Ended { why: String },
 }
 
-/// The part of an answer that was not computed in time, which depends on the machine.
+/// The part of a result that was not computed in time, which depends on the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Late {
@@ -91,10 +104,10 @@ pub struct Clocks {
     pub steady: u64,
 }
 
-/// One order to the loader.
+/// One command to the loader.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum OrderStep {
+pub enum RecordedCommand {
     Description,
     Semantic,
     Parameters,
@@ -106,13 +119,14 @@ pub enum OrderStep {
     ClearOctomap,
     /// A message about the world that could not be decoded.
     Unreadable {
-        by: SceneDoor,
+        by: SceneSource,
     },
     /// A message about the world.
     Scene {
-        by: SceneDoor,
+        by: SceneSource,
         /// Time of reception.
-        came: Clocks,
+        #[serde(rename = "came")]
+        received_at: Clocks,
         unknown_is_occupied: bool,
         /// Number of messages that were lost right before it.
         #[serde(default)]
@@ -123,7 +137,7 @@ pub enum OrderStep {
 /// Topic or service on which a message about the world was received.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum SceneDoor {
+pub enum SceneSource {
     PlanningScene,
     ApplyPlanningScene,
     /// Service of another node, called by this node.
@@ -140,10 +154,11 @@ pub enum SceneDoor {
 pub struct CloudStep {
     pub topic: String,
     /// Time of reception.
-    pub came: Clocks,
+    #[serde(rename = "came")]
+    pub received_at: Clocks,
 }
 
-impl SceneDoor {
+impl SceneSource {
     /// Relative name of the topic or service.
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -219,7 +234,7 @@ pub fn parameters_from_json(json: &Map<String, Json>) -> Result<Parameters, Stri
         // a text stays a text, whatever its meaning in YAML
         let text = value.as_str().map(|text| Value::Text(text.to_owned()));
         let value = text.unwrap_or_else(|| parameter_value::from_node(value));
-        parameters.assign(name, &value)?;
+        assign(&mut parameters, name, &value)?;
     }
     if !json.contains_key("exact_distance_share") {
         // versions without this parameter computed exact distances
@@ -228,7 +243,7 @@ pub fn parameters_from_json(json: &Map<String, Json>) -> Result<Parameters, Stri
     // versions without these parameters had warnings in these cases
     for name in ["blind_cloud", "rejected_obstacle", "lost_messages", "mimic_contradiction"] {
         if !json.contains_key(name) {
-            parameters.assign(name, &Value::Text(UNKNOWN_OR_WARN[1].to_owned()))?;
+            assign(&mut parameters, name, &Value::Text(UNKNOWN_OR_WARN[1].to_owned()))?;
         }
     }
     parameters.check_together()?;

@@ -1,32 +1,30 @@
-//! The world interface: MoveIt's scene topics and services. Converts messages to scene changes, and the scene to messages.
+//! The scene of the loader: conversion of messages, storage, and what is missing in it.
 //!
 //! ```text
-//! planning_scene, collision_object, … ─┐                       ┌─> monitored_planning_scene
-//! the scene of move_group ─> asking ─> │
-//! octomaps, clouds, tf ────────────> topics ──> loader ──> monitor
-//! apply_planning_scene, clear_octomap ─┘          │ the scene in force
-//! get_planning_scene, check_state_validity <──────┘
+//! planning_scene, collision_object, … ─> topics ─┐
+//! apply_planning_scene, … ────────> services ────┤─> scene commands ─> loader ─> loader scene ─> checker ─> monitor
+//! octomaps, clouds, tf ───────────> topics ──────┘
 //! ```
 
-mod clouds;
-mod monitored;
-mod octomaps;
-mod orders;
-mod reading;
-mod scene_messages;
-mod scene_request;
-mod services;
+pub mod active_scene; // the robot and the scene in use
+pub mod cloud_inbox; // received point clouds that wait for the loader
+pub mod command_conversion; // scene messages to scene commands
+pub mod loader_command; // commands of the loader
+pub mod loader_scene; // the scene of the loader
+pub mod lost_messages; // scene messages that were lost
+pub mod missing_objects; // objects that were rejected
+pub mod octomap_messages; // octomap messages to scene changes
+pub mod point_cloud_decoder; // decoder of `PointCloud2`
+pub mod scene_checker; // checker of a robot in a scene
+pub mod scene_command; // loader command for one scene message
+pub mod scene_command_sender; // sender of scene commands to the loader
+pub mod scene_message_reader; // scene messages to scene changes
+pub mod scene_message_writer; // the scene to messages
+pub mod scene_update_context; // snapshot that updates are applied against
+pub mod shared_state; // state shared between threads
+pub mod topic_cloud; // state of the last point cloud of one topic
+pub mod transform_messages; // transforms to poses and to the transform tree
+pub mod whole_scene; // whether the complete scene was received
+
 #[cfg(test)]
 mod tests;
-mod topics;
-mod validity;
-
-pub use clouds::{CloudMessage, CloudReport, decode, is_at_origin};
-pub use monitored::Monitored;
-pub use orders::{
-    CLEAR_OCTOMAP, attached_order, clear_octomap, object_order, octomap_order, scene_order, unreadable_order,
-    world_order,
-};
-pub use services::SceneServices;
-pub use topics::{OCTOMAP_SOURCE, SceneTopics, Shared, Transforms, note_transforms};
-pub use validity::{Situation, state_validity};

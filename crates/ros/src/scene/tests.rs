@@ -24,14 +24,15 @@ use ros2_interfaces_jazzy_serde::octomap_msgs::msg::Octomap;
 use ros2_interfaces_jazzy_serde::sensor_msgs::msg::{PointCloud2, PointField};
 use ros2_interfaces_jazzy_serde::shape_msgs::msg::{Mesh, MeshTriangle, Plane, SolidPrimitive};
 
-use super::octomaps::octomap_placement;
-use super::reading::{object_change, scene_change};
-use super::scene_messages::{SceneMessages, scene_message};
-use super::validity::{Situation, state_validity};
-use super::{decode, monitored};
-use crate::checker_of_scene::checker_of;
-use crate::parameters::Parameters;
-use crate::scene_keeper::SceneInForce;
+use crate::parameters::parameter_set::Parameters;
+use crate::scene::active_scene::ActiveScene;
+use crate::scene::octomap_messages::octomap_placement;
+use crate::scene::point_cloud_decoder::decode;
+use crate::scene::scene_checker::checker_of;
+use crate::scene::scene_message_reader::{object_change, scene_change};
+use crate::scene::scene_message_writer::{SceneMessages, scene_message};
+use crate::services::state_validity::{ValidityContext, state_validity};
+use crate::topics::monitored_scene;
 
 mod validity;
 
@@ -100,7 +101,7 @@ fn scene(messages: &[PlanningScene]) -> Scene {
     let mut scene = Scene::default();
     for message in messages {
         let read = scene_change(message, false);
-        assert_eq!(read.refusals, []);
+        assert_eq!(read.rejections, []);
         let applied = scene.apply(&SceneUpdate::Scene(Box::new(read.change)), &context);
         assert_eq!(applied.refusals, []);
     }
@@ -128,7 +129,7 @@ fn names_without_end_are_rejected() {
         let read = scene_change(&message, false);
         let mut scene = Scene::default();
         let applied = scene.apply(&SceneUpdate::Scene(Box::new(read.change)), &context);
-        let refusals: Vec<_> = read.refusals.iter().chain(&applied.refusals).collect();
+        let refusals: Vec<_> = read.rejections.iter().chain(&applied.refusals).collect();
         assert_eq!(refusals.len(), 1);
         let words = refusals[0].to_string();
         assert!(
@@ -147,15 +148,15 @@ fn difference(objects: Vec<CollisionObject>, attached: Vec<AttachedCollisionObje
     message
 }
 
-fn in_force(scene: Scene, sources: Vec<WorldSource>) -> Arc<SceneInForce> {
+fn in_force(scene: Scene, sources: Vec<WorldSource>) -> Arc<ActiveScene> {
     in_force_of(&robot(), scene, sources)
 }
 
-fn in_force_of(robot: &Arc<RobotModel>, scene: Scene, sources: Vec<WorldSource>) -> Arc<SceneInForce> {
+fn in_force_of(robot: &Arc<RobotModel>, scene: Scene, sources: Vec<WorldSource>) -> Arc<ActiveScene> {
     let parameters = Parameters::default();
     let checker = checker_of(robot, &scene, MeshModel::Surface, &parameters, None).unwrap();
     let revision = Arc::new(Revision { sources, ..Revision::new(checker, 1, 1) });
-    Arc::new(SceneInForce { revision, scene, octomap: None, mesh_model: MeshModel::Surface, parameters })
+    Arc::new(ActiveScene { revision, scene, octomap: None, mesh_model: MeshModel::Surface, parameters })
 }
 
 #[test]
@@ -284,7 +285,7 @@ fn differences_of_scenes_lead_from_one_to_the_other() {
     // the same objects, shared in memory
     let mut shared = before.clone();
     let [before, after] = [before, after].map(|scene| in_force(scene, vec![]));
-    let told = monitored::differences(&before, &after);
+    let told = monitored_scene::differences(&before, &after);
     assert!(told.iter().all(|message| message.is_diff));
     let (robot, transforms) = (robot(), TransformTree::default());
     let mut poses = LinkPoses::new(&robot);
@@ -301,11 +302,11 @@ fn differences_of_scenes_lead_from_one_to_the_other() {
         (names, scene.world.attached().len())
     };
     assert_eq!(names(&shared), names(&after.scene));
-    assert!(monitored::differences(&after, &after).is_empty());
+    assert!(monitored_scene::differences(&after, &after).is_empty());
 
     // objects that do not fit into one message follow in others
     let many = (0..2000).map(|i| ball(&format!("thing {i}"), at(f64::from(i), 0.0, 5.0), 0.1, "")).collect();
-    let whole = monitored::whole(&in_force(scene(&[difference(many, vec![])]), vec![]));
+    let whole = monitored_scene::whole(&in_force(scene(&[difference(many, vec![])]), vec![]));
     assert!(whole.len() > 1 && !whole[0].is_diff && whole[1..].iter().all(|message| message.is_diff));
     assert_eq!(whole.iter().map(|message| message.world.collision_objects.len()).sum::<usize>(), 2000);
 }

@@ -1,7 +1,7 @@
 //! The live view: shows robot and world in a web browser, with the results of the monitor.
 //!
 //! ```text
-//! monitor loop ──observer──> slot (the last evaluation) <──at its own rate── server ──HTTP──> browsers: view/src
+//! monitor loop ──observer──> latest evaluation <──at its own rate── server ──HTTP──> browsers: view/src
 //! ```
 //!
 //! | path | content |
@@ -12,21 +12,17 @@
 //!
 //! The monitor stores each evaluation in the slot and continues; it never waits for a browser. No path opens a file.
 
-mod address;
-mod assets;
-mod document;
-mod in_memory;
-mod reach;
-mod scene;
-mod server;
-mod site;
-mod slot;
-mod update;
-mod watched_stream;
+pub mod address; // address of the server
+pub mod assets; // files of the page
+pub mod document; // geometry document: JSON and arrays
+pub mod geometry_documents; // robot and world as geometry documents
+pub mod http_service; // responses to HTTP requests
+pub mod in_memory; // connection in memory, for fuzz targets
+pub mod latest_evaluation; // slot with the last evaluation
+pub mod reach; // reach of the robot, for the camera
+pub mod server; // HTTP server
+pub mod update_message; // evaluation to update message
+pub mod watched_stream; // connection that detects a stalled peer
 
 #[cfg(test)]
 mod tests;
-
-pub use address::{ViewAddress, ViewAddressError};
-pub use in_memory::respond_in_memory;
-pub use server::{View, ViewError};

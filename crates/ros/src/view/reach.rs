@@ -17,8 +17,8 @@ struct Sphere {
     radius: f64,
 }
 
-/// Lower and upper corner (root frame, m) of a box around the robot in many configurations within its joint limits. Planar and
-/// floating joints keep their default positions. `None` without geometry.
+/// Lower and upper corner (root frame, m) of a box around the robot in many configurations within its joint limits.
+/// Planar and floating joints keep their default positions. `None` without geometry.
 ///
 /// For display only: the box comes from samples, so the robot may reach a little farther.
 pub fn sampled_reach(robot: &RobotModel) -> Option<[Vector; 2]> {

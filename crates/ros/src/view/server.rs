@@ -16,11 +16,11 @@ use smol::net::{TcpListener, TcpStream};
 use smol::{LocalExecutor, Timer};
 use smol_hyper::rt::{FuturesIo, SmolTimer};
 
-use super::ViewAddress;
-use super::site::{Site, VIEWERS};
-use super::slot::Slot;
-use super::watched_stream::WatchedStream;
-use crate::Observer;
+use crate::monitor_events::current_evaluation::Observer;
+use crate::view::address::ViewAddress;
+use crate::view::http_service::{HttpService, VIEWERS};
+use crate::view::latest_evaluation::EvaluationSlot;
+use crate::view::watched_stream::WatchedStream;
 
 /// Largest number of connections at once; a page needs two beside its updates.
 const CONNECTIONS: usize = 4 * VIEWERS;
@@ -46,7 +46,7 @@ pub struct ViewError {
 #[derive(Debug)]
 pub struct View {
     url: String,
-    slot: Arc<Slot>,
+    slot: Arc<EvaluationSlot>,
     stop: Sender<()>,
     thread: Option<JoinHandle<()>>,
 }
@@ -56,11 +56,11 @@ impl View {
     pub fn open(address: &ViewAddress) -> Result<Self, ViewError> {
         let failed = |error| ViewError { address: address.socket, error };
         let (listener, socket) = listen(address).map_err(failed)?;
-        let slot = Arc::new(Slot::default());
+        let slot = Arc::new(EvaluationSlot::default());
         let (stop, stopped) = channel::bounded(1);
-        let site = Arc::new(Site::new(Arc::clone(&slot)));
+        let http = Arc::new(HttpService::new(Arc::clone(&slot)));
         let thread = thread::Builder::new().name("view".to_owned());
-        let thread = thread.spawn(move || serve(&listener, &site, &stopped)).map_err(failed)?;
+        let thread = thread.spawn(move || serve(&listener, &http, &stopped)).map_err(failed)?;
         Ok(Self { url: format!("http://{socket}/"), slot, stop, thread: Some(thread) })
     }
 
@@ -100,24 +100,24 @@ fn listen(address: &ViewAddress) -> std::io::Result<(TcpListener, SocketAddr)> {
     Ok((listener.try_into()?, socket))
 }
 
-fn serve(listener: &TcpListener, site: &Arc<Site>, stopped: &Receiver<()>) {
+fn serve(listener: &TcpListener, http: &Arc<HttpService>, stopped: &Receiver<()>) {
     let executor = LocalExecutor::new();
-    let places = Arc::new(Semaphore::new(CONNECTIONS));
+    let permits = Arc::new(Semaphore::new(CONNECTIONS));
     let accept = async {
         loop {
             // further connections wait in the system's queue until one of these ends
-            let place = places.acquire_arc().await;
+            let permit = permits.acquire_arc().await;
             match listener.accept().await {
                 Ok((stream, _)) => {
-                    let site = Arc::clone(site);
+                    let http = Arc::clone(http);
                     let connection = async move {
-                        converse(stream, &site).await;
-                        drop(place);
+                        serve_connection(stream, &http).await;
+                        drop(permit);
                     };
                     executor.spawn(connection).detach();
                 }
                 Err(error) => {
-                    log::debug!("the view: a browser did not get through: {error}");
+                    log::debug!("the view: a connection failed: {error}");
                     Timer::after(Duration::from_millis(100)).await;
                 }
             }
@@ -131,19 +131,19 @@ fn serve(listener: &TcpListener, site: &Arc<Site>, stopped: &Receiver<()>) {
 }
 
 /// Responds to one request, unless the browser receives nothing of the response for too long.
-async fn converse(stream: TcpStream, site: &Arc<Site>) {
+async fn serve_connection(stream: TcpStream, http: &Arc<HttpService>) {
     let stream = WatchedStream::new(stream);
     let blocked = stream.blocked();
-    future::or(respond(stream, site), blocked.for_long(STANDSTILL)).await;
+    future::or(respond(stream, http), blocked.for_long(STANDSTILL)).await;
 }
 
 /// Answers one request.
-pub async fn respond(stream: impl AsyncRead + AsyncWrite + Unpin, site: &Arc<Site>) {
-    let answers = {
-        let site = Arc::clone(site);
+pub async fn respond(stream: impl AsyncRead + AsyncWrite + Unpin, http: &Arc<HttpService>) {
+    let service = {
+        let http = Arc::clone(http);
         service_fn(move |request| {
-            let site = Arc::clone(&site);
-            async move { Ok::<_, Infallible>(site.answer(request).await) }
+            let http = Arc::clone(&http);
+            async move { Ok::<_, Infallible>(http.respond(request).await) }
         })
     };
     let connection = http1::Builder::new()
@@ -151,7 +151,7 @@ pub async fn respond(stream: impl AsyncRead + AsyncWrite + Unpin, site: &Arc<Sit
         .header_read_timeout(REQUEST_TIME)
         .keep_alive(false)
         .max_buf_size(BUFFER)
-        .serve_connection(FuturesIo::new(stream), answers);
+        .serve_connection(FuturesIo::new(stream), service);
     if let Err(error) = connection.await {
         log::debug!("the view: a browser has gone: {error}");
     }

@@ -13,11 +13,12 @@ use std::net::{SocketAddr, TcpStream};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::server::View;
-use super::site::VIEWERS;
-use super::slot::Said;
-use super::update::update;
-use super::{ViewAddress, scene};
+use crate::view::address::ViewAddress;
+use crate::view::geometry_documents;
+use crate::view::http_service::VIEWERS;
+use crate::view::latest_evaluation::TimedEvaluation;
+use crate::view::server::View;
+use crate::view::update_message::update;
 
 /// A ball on an arm of one metre. The ball touches the box of the base at pi.
 const URDF: &str = r#"<robot name="folder">
@@ -69,8 +70,8 @@ fn told(evaluation: &Evaluation, later: Duration) -> Value {
 
 fn told_with(evaluation: &Evaluation, settings: MonitorSettings, later: Duration) -> Value {
     let at = Instant::now();
-    let said = Said { evaluation: evaluation.clone(), at, settings };
-    serde_json::from_str(&update(Some(&said), at + later)).unwrap()
+    let timed_evaluation = TimedEvaluation { evaluation: evaluation.clone(), at, settings };
+    serde_json::from_str(&update(Some(&timed_evaluation), at + later)).unwrap()
 }
 
 #[test]
@@ -158,7 +159,7 @@ fn every_kind_of_shape_is_drawn() {
     settings.link_scale.insert("ball".to_owned(), 1.5);
     let revision = revision(&world, settings);
 
-    let (text, numbers) = opened(&scene::world(&revision));
+    let (text, numbers) = opened(&geometry_documents::world(&revision));
     let drawn = text["obstacles"][0]["shapes"].as_array().unwrap();
     let kinds: Vec<&str> = drawn.iter().map(|shape| shape["kind"].as_str().unwrap()).collect();
     assert_eq!(kinds, ["cone", "plane", "points", "cubes"]);
@@ -171,7 +172,7 @@ fn every_kind_of_shape_is_drawn() {
     assert_eq!(text["attached"][0]["shapes"][0]["length"], 2.0);
     assert_eq!(text["link_scales"], serde_json::json!([1.0, 1.0, 1.5]));
 
-    let (text, _) = opened(&scene::robot(&revision));
+    let (text, _) = opened(&geometry_documents::robot(&revision));
     assert_eq!((&text["name"], &text["frame"]), (&"folder".into(), &"base".into()));
     let shapes: Vec<usize> =
         text["links"].as_array().unwrap().iter().map(|l| l["shapes"].as_array().unwrap().len()).collect();
@@ -188,7 +189,7 @@ fn a_mesh_comes_with_its_triangles() {
     let mut world = World::default();
     let shape = Shape::Mesh(Arc::new(mesh.unwrap()));
     world.add(Obstacle::of_shape("sheet", Pose::identity(), shape)).unwrap();
-    let (text, numbers) = opened(&scene::world(&revision(&world, Settings::default())));
+    let (text, numbers) = opened(&geometry_documents::world(&revision(&world, Settings::default())));
     let shape = &text["obstacles"][0]["shapes"][0];
     assert_eq!((&shape["vertices"], &shape["triangles"]), (&[0, 9].into(), &[9, 3].into()));
     let corners: Vec<u32> = numbers[9..].iter().map(|bytes| u32::from_le_bytes(*bytes)).collect();
@@ -229,7 +230,7 @@ fn read_until(stream: &mut TcpStream, wanted: &str) -> String {
     text
 }
 
-/// Publishes the evaluation and requests updates until there is a free place and an update contains the text.
+/// Publishes the evaluation and requests updates until there is a free permit and an update contains the text.
 fn seated(view: &View, wanted: &str, evaluation: &Evaluation) {
     let socket = view.url().trim_start_matches("http://").trim_end_matches('/').parse().unwrap();
     let deadline = Instant::now() + Duration::from_secs(60);
@@ -280,7 +281,7 @@ fn judgements_reach_browsers_while_others_read_nothing() {
     }
     // a lock, a queue or a write to a browser would take far longer
     assert!(start.elapsed() < Duration::from_secs(10), "{:?}", start.elapsed());
-    // a browser that disconnects frees its place
+    // a browser that disconnects frees its permit
     browsers.pop();
     seated(&view, "FREE", &free);
     seated(&view, "COLLIDING", &evaluation(std::f64::consts::PI));

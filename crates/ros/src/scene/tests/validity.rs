@@ -3,7 +3,7 @@
 use super::*;
 
 /// The evaluation of the robot at these positions.
-fn evaluation(scene: &SceneInForce, positions: &[f64]) -> Evaluation {
+fn evaluation(scene: &ActiveScene, positions: &[f64]) -> Evaluation {
     let mut monitor = Monitor::new(MonitorSettings::default(), || Duration::ZERO);
     monitor.set_checker(Arc::clone(&scene.revision));
     let names = ["joint1", "joint2"][..positions.len()].iter().map(|name| (*name).to_owned()).collect();
@@ -24,13 +24,14 @@ fn whole([joint1, joint2]: [f64; 2]) -> GetStateValidityRequest {
 }
 
 fn ask(
-    scene: &SceneInForce,
+    scene: &ActiveScene,
     current: &[f64],
     request: &GetStateValidityRequest,
 ) -> Result<GetStateValidityResponse, String> {
     let evaluation = evaluation(scene, current);
     let transforms = TransformTree::default();
-    let situation = Situation { scene, evaluation: Some(&evaluation), transforms: &transforms, now: now() };
+    let situation =
+        ValidityContext { scene, evaluation: Some(&evaluation), transforms: &transforms, now: now() };
     state_validity(request, &situation)
 }
 

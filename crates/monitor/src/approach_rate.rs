@@ -1,0 +1,135 @@
+//! Approach rate: how fast two bodies approach each other.
+use clearance_checker::{CollisionChecker, PairDistance};
+use clearance_geometry::math::{Extremes, Point, Pose, Vector};
+use clearance_robot::{Configuration, JointKind, LinkId, LinkPoses, RobotModel};
+use clearance_scene::BodyId;
+
+use super::CheckedState;
+use super::obstacle_motion::ObstacleMotion;
+use super::speed_settings::SpeedSettings;
+
+/// Time step (s) over which links are moved by their velocities: far above rounding errors, short enough for a straight
+/// motion.
+const STEP: f64 = 1e-5;
+
+/// Below this distance (m) the direction between two points is undefined.
+const LEAST_DISTANCE: f64 = 1e-9;
+
+/// Largest approach distance (m) that the range of `slowdown_range` adds to the slow-down distance.
+const LONGEST_MOTION: f64 = 1.0;
+
+/// State of the robot with its velocities.
+pub(super) struct MovingState<'s> {
+    pub configuration: &'s Configuration,
+    pub poses: &'s LinkPoses,
+    /// Velocity of each position, if known.
+    pub rates: Option<&'s [f64]>,
+    pub obstacle_motions: &'s [ObstacleMotion],
+}
+
+/// Distance (m) up to which pairs may slow the robot down: moving bodies may be nearer once the reaction time is over.
+pub(super) fn slowdown_range(
+    checker: &CollisionChecker,
+    &MovingState { configuration, poses, rates, obstacle_motions }: &MovingState,
+    settings: &SpeedSettings,
+) -> f64 {
+    let reach = settings.reach();
+    if reach == 0.0 {
+        return reach;
+    }
+    let positions = configuration.positions();
+    let later = |rates: &[f64]| -> Vec<f64> {
+        positions.iter().zip(rates).map(|(q, rate)| q + settings.reaction_time * rate).collect()
+    };
+    let of_joints = rates.map_or(0.0, |rates| checker.travel(positions, &later(rates)));
+    let moving = obstacle_motions.iter().filter(|obstacle_motion| !obstacle_motion.is_none());
+    let of_root = moving.map(|obstacle_motion| {
+        obstacle_motion.largest_displacement(checker.extent(poses), settings.reaction_time)
+    });
+    reach + (of_joints + of_root.fold(0.0, f64::greater)).lesser(LONGEST_MOTION)
+}
+
+/// Link poses at another time.
+#[derive(Clone, Debug)]
+pub(super) struct PosesAtOtherTime {
+    pub poses: LinkPoses,
+    /// Time difference (s): positive if later, negative if earlier.
+    pub after: f64,
+}
+
+/// Link poses `STEP` later, from the rates of all positions; `None` if these are unknown or are not derivatives of the
+/// positions.
+pub(super) fn poses_after_step(robot: &RobotModel, checked_state: &CheckedState) -> Option<PosesAtOtherTime> {
+    if robot.joints().iter().any(|joint| joint.kind == JointKind::Floating) {
+        return None;
+    }
+    let velocities = checked_state.rates.as_ref()?.iter();
+    let moved: Vec<f64> =
+        (checked_state.configuration.positions().iter()).zip(velocities).map(|(q, v)| q + STEP * v).collect();
+    let moved: Configuration = robot.configuration(&moved).ok()?;
+    let mut poses = LinkPoses::new(robot);
+    robot.forward_kinematics(&moved, &mut poses);
+    Some(PosesAtOtherTime { poses, after: STEP })
+}
+
+/// Rate (m/s) at which the distance of a pair shrinks; negative when it grows, `None` when the bodies touch.
+///
+/// Obstacles are at rest in the frames that they are placed in. If there are several such frames, the fastest approach
+/// counts.
+pub(super) fn approach_rate(
+    checker: &CollisionChecker,
+    pair: &PairDistance,
+    checked_state: &CheckedState,
+    other: &PosesAtOtherTime,
+) -> Option<f64> {
+    let rate =
+        |obstacle_motion| approach_rate_in(checker, pair, (&checked_state.poses, other), obstacle_motion);
+    let is_of_world = [pair.a, pair.b].iter().any(|body| matches!(body, BodyId::Obstacle(_)));
+    if !is_of_world || checked_state.obstacle_motions.is_empty() {
+        return rate(None);
+    }
+    checked_state
+        .obstacle_motions
+        .iter()
+        .map(|obstacle_motion| rate(Some(obstacle_motion)))
+        .collect::<Option<Vec<f64>>>()?
+        .into_iter()
+        .reduce(f64::greater)
+}
+
+/// Approach rate in one frame: the relative velocity of the nearest points along the line between them.
+fn approach_rate_in(
+    checker: &CollisionChecker,
+    pair: &PairDistance,
+    (now, other): (&LinkPoses, &PosesAtOtherTime),
+    obstacle_motion: Option<&ObstacleMotion>,
+) -> Option<f64> {
+    let [a, b] = pair.witness_points;
+    let way = b - a;
+    if way.norm() < LEAST_DISTANCE || pair.distance <= 0.0 {
+        return None;
+    }
+    let moved = |body, point| match carrier(checker, body) {
+        Some(link) => displacement(&point, now.pose(link), other.poses.pose(link)),
+        None => obstacle_motion
+            .map_or_else(Vector::zeros, |obstacle_motion| obstacle_motion.displacement(&point, other.after)),
+    };
+    let rate = way.normalize().dot(&(moved(pair.a, a) - moved(pair.b, b))) / other.after;
+    rate.is_finite().then_some(rate)
+}
+
+/// Displacement of a link's point between two poses.
+fn displacement(point_r: &Point, now: &Pose, then: &Pose) -> Vector {
+    let point_l = now.inverse_transform_point(point_r);
+    // both terms start from the point in the link frame, so that they have the same rounding errors
+    then * point_l - now * point_l
+}
+
+/// The link that a body is attached to.
+fn carrier(checker: &CollisionChecker, body: BodyId) -> Option<LinkId> {
+    match body {
+        BodyId::Link(link) => Some(link),
+        BodyId::Attached(id) => checker.robot().link_by_name(&checker.world().attached_object(id).link),
+        BodyId::Obstacle(_) => None,
+    }
+}

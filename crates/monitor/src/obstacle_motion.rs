@@ -1,0 +1,123 @@
+//! Velocity of world-fixed obstacles relative to the moving root link.
+
+use std::collections::VecDeque;
+
+use clearance_geometry::math::{Point, Pose, Vector};
+use clearance_scene::is_elsewhere;
+
+use super::Time;
+
+/// Shortest time (s) over which a motion is measured, since `tf` changes in steps.
+const WINDOW: f64 = 0.1;
+
+/// Recent poses of a frame in its parent, from `tf`.
+#[derive(Clone, Debug, Default)]
+pub(super) struct FramePoses {
+    /// Poses by stamp. If there are several, the first is at least one window older than the last, or the oldest known.
+    places: VecDeque<(Time, Pose)>,
+}
+
+impl FramePoses {
+    /// Records a pose from `tf`. A transform with the same stamp contains no motion.
+    pub fn note(&mut self, stamp: Time, pose_pf: Pose) {
+        match self.places.back_mut() {
+            Some((last, place)) if *last == stamp => return *place = pose_pf,
+            Some((last, _)) if *last > stamp => self.places.clear(),
+            _ => {}
+        }
+        self.places.push_back((stamp, pose_pf));
+        while self.places.get(1).is_some_and(|(second, _)| stamp.seconds_since(*second) >= WINDOW) {
+            self.places.pop_front();
+        }
+    }
+
+    /// The earlier pose, and how long ago (s) that was; `None` if the frame has not moved.
+    pub fn before(&self) -> Option<(&Pose, f64)> {
+        let ((from, before), (to, now)) = self.places.front().zip(self.places.back())?;
+        is_elsewhere(before, now).then(|| (before, to.seconds_since(*from)))
+    }
+}
+
+/// Motion of all obstacles in a frame, relative to the root.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ObstacleMotion {
+    /// Name of the frame.
+    pub frame: String,
+    /// Motions of the frame's points, in the root frame, with the time (s) that each took. There is one for each moving
+    /// transform; none if the frame is at rest.
+    pub(super) motions: Vec<(Pose, f64)>,
+}
+
+impl ObstacleMotion {
+    /// Whether the frame is at rest.
+    #[must_use]
+    pub fn is_none(&self) -> bool {
+        self.motions.is_empty()
+    }
+
+    /// Displacement (m) of an obstacle at a point if the motion continues for this time (s).
+    #[must_use]
+    pub fn displacement(&self, point_r: &Point, time: f64) -> Vector {
+        self.motions.iter().map(|(way, taken)| (way * point_r - point_r) * (time / taken)).sum()
+    }
+
+    /// Upper bound (m) on the displacement of a point at this distance (m) from the root, if the motion continues for
+    /// this time (s).
+    #[must_use]
+    pub fn largest_displacement(&self, radius: f64, time: f64) -> f64 {
+        let of = |(way, taken): &(Pose, f64)| {
+            (way.translation.vector.norm() + way.rotation.angle() * radius) * (time / taken)
+        };
+        self.motions.iter().map(of).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tracked(places: impl IntoIterator<Item = (i64, f64)>) -> ObstacleMotion {
+        let mut track = FramePoses::default();
+        for (milliseconds, x) in places {
+            track.note(Time::from_nanoseconds(milliseconds * 1_000_000), Pose::translation(x, 0.0, 0.0));
+        }
+        let moved = track
+            .before()
+            .map(|(before, taken)| (track.places[track.places.len() - 1].1 * before.inverse(), taken));
+        ObstacleMotion { frame: "map".to_owned(), motions: moved.into_iter().collect() }
+    }
+
+    /// The track is sampled every 5 ms; the pose changes every 20 or 200 ms.
+    #[test]
+    fn a_motion_in_steps_is_measured_over_a_while() {
+        for (looks_a_step, first) in [(4, 30), (40, 40)] {
+            let step = 5 * looks_a_step;
+            for end in first..200 {
+                let at = |i: i64| (i / looks_a_step) * step;
+                #[expect(clippy::cast_precision_loss, reason = "seconds")]
+                let steps = (0..=end).map(|i| (at(i), -1e-3 * at(i) as f64));
+                let way = tracked(steps).displacement(&Point::new(3.0, 0.0, 0.0), 0.5);
+                assert!((way.x + 0.5).abs() < 1e-9 && way.y == 0.0, "{way} after {end} looks");
+            }
+        }
+    }
+
+    #[test]
+    fn what_stands_still_or_was_seen_once_does_not_drift() {
+        assert!(tracked([(0, 1.0)]).is_none());
+        assert!(tracked((0..100).map(|i| (10 * i, 1.0))).is_none());
+        assert!(tracked([(0, 0.0), (10, 1.0), (20, 1.0), (500, 1.0), (700, 1.0)]).is_none());
+        // a clock that is set back restarts the track
+        assert!(tracked([(10, 0.0), (5, 1.0)]).is_none());
+    }
+
+    #[test]
+    fn a_turn_moves_what_is_far_away() {
+        let turn = clearance_geometry::math::pose_from_xyz_rpy([0.0; 3], [0.0, 0.0, 0.1]);
+        let obstacle_motion = ObstacleMotion { frame: String::new(), motions: vec![(turn, 0.1)] };
+        let way = obstacle_motion.displacement(&Point::new(2.0, 0.0, 0.0), 0.1);
+        assert!(
+            (way.norm() - 0.2).abs() < 1e-3 && way.norm() <= obstacle_motion.largest_displacement(2.0, 0.1)
+        );
+    }
+}

@@ -1,0 +1,111 @@
+//! The messages of the ROS package `clearance_msgs`, as serde structs.
+//!
+//! CDR encodes no field names and no field order: the fields below have the same order as in
+//! `interfaces/clearance_msgs/msg/*.msg`. Those files also define the unit, the frame and the meaning of every field.
+
+use ros2_client::Message;
+use ros2_interfaces_jazzy_serde::{geometry_msgs::msg::Point, std_msgs::msg::Header};
+use serde::{Deserialize, Serialize};
+
+/// Two bodies that are checked against each other.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct BodyPair {
+    pub body_a: String,
+    pub type_a: u8,
+    pub body_b: String,
+    pub type_b: u8,
+}
+
+impl BodyPair {
+    pub const LINK: u8 = 0;
+    pub const OBSTACLE: u8 = 1;
+    pub const ATTACHED: u8 = 2;
+}
+
+/// Smallest distance between two bodies, and its witness points.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PairDistance {
+    pub pair: BodyPair,
+    pub distance: f64,
+    pub witness_points: [Point; 2],
+}
+
+/// Numbers of pairs that were not checked, by reason.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SkippedPairs {
+    pub reason: String,
+    pub count: u32,
+}
+
+/// Result for one joint state. The default status is `UNKNOWN`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CollisionState {
+    pub header: Header,
+    pub status: u8,
+    pub reason: String,
+    pub reason_code: String,
+    pub colliding_pairs: Vec<BodyPair>,
+    pub distance_known: bool,
+    pub nearest: PairDistance,
+    pub pair_distances: Vec<PairDistance>,
+    pub age: f64,
+    pub model_revision: u64,
+    pub world_revision: u64,
+    pub pairs_checked: u32,
+    pub pairs_skipped: u32,
+    pub skipped: Vec<SkippedPairs>,
+    pub warnings: Vec<String>,
+    pub compute_time: f64,
+    pub fidelity: String,
+    pub time_to_contact: f64,
+    pub time_to_contact_known: bool,
+    pub first_contact_pair: BodyPair,
+    pub time_to_contact_considers_obstacle_motion: bool,
+}
+
+impl CollisionState {
+    pub const UNKNOWN: u8 = 0;
+    pub const FREE: u8 = 1;
+    pub const COLLIDING: u8 = 2;
+}
+
+impl Message for BodyPair {}
+impl Message for PairDistance {}
+impl Message for SkippedPairs {}
+impl Message for CollisionState {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::messages::interface_text::{constants_in_text, fields_in_rust, fields_in_text};
+
+    macro_rules! msg {
+        ($name:literal) => {
+            include_str!(concat!("../../../../interfaces/clearance_msgs/msg/", $name, ".msg"))
+        };
+    }
+
+    #[test]
+    fn fields_stand_in_the_order_of_the_msg_files() {
+        assert_eq!(fields_in_rust::<BodyPair>(), fields_in_text(msg!("BodyPair")));
+        assert_eq!(fields_in_rust::<PairDistance>(), fields_in_text(msg!("PairDistance")));
+        assert_eq!(fields_in_rust::<SkippedPairs>(), fields_in_text(msg!("SkippedPairs")));
+        assert_eq!(fields_in_rust::<CollisionState>(), fields_in_text(msg!("CollisionState")));
+    }
+
+    #[test]
+    fn constants_have_the_values_of_the_msg_files() {
+        assert_eq!(
+            constants_in_text(msg!("BodyPair")),
+            [("LINK", BodyPair::LINK), ("OBSTACLE", BodyPair::OBSTACLE), ("ATTACHED", BodyPair::ATTACHED),]
+        );
+        assert_eq!(
+            constants_in_text(msg!("CollisionState")),
+            [
+                ("UNKNOWN", CollisionState::UNKNOWN),
+                ("FREE", CollisionState::FREE),
+                ("COLLIDING", CollisionState::COLLIDING),
+            ]
+        );
+    }
+}

@@ -1,0 +1,175 @@
+//! Conversion of evaluations to ROS messages, except markers and diagnostics; and of joint state messages to monitor
+//! input.
+use clearance_checker::{CollisionChecker, CollisionReport, PairDistance};
+use clearance_monitor::{Evaluation, Status};
+use clearance_scene::BodyId;
+use ros2_interfaces_jazzy_serde::std_msgs::msg::Header;
+
+use crate::messages::clearance_msgs;
+use crate::messages::clearance_msgs::{BodyPair, CollisionState, SkippedPairs};
+use crate::messages::time_and_geometry::point_message;
+use crate::messages::time_and_geometry::stamp_message;
+
+/// Maximum number of pairs in one message: `RustDDS` loses messages of more than about 250 kB.
+pub const PAIRS_TOLD: usize = 1000;
+
+/// Type of the checked geometry, as reported in messages.
+const FIDELITY: &str = "mesh";
+
+/// Type of the checked geometry where distances are only lower bounds.
+const ROUGH_FIDELITY: &str = "mesh, distances as lower bounds";
+
+/// Header of all messages about one joint state.
+#[must_use]
+pub fn header(evaluation: &Evaluation) -> Header {
+    let frame = evaluation.revision.as_ref().map(|revision| revision.frame().to_owned());
+    Header { stamp: stamp_message(evaluation.stamp.unwrap_or_default()), frame_id: frame.unwrap_or_default() }
+}
+
+fn fidelity(evaluation: &Evaluation) -> &'static str {
+    let is_exact = evaluation.checked_state.as_ref().is_none_or(|checked_state| checked_state.is_exact);
+    if is_exact { FIDELITY } else { ROUGH_FIDELITY }
+}
+
+/// Message for `~/state`: the complete evaluation.
+#[must_use]
+pub fn collision_state(evaluation: &Evaluation) -> CollisionState {
+    let mut message = CollisionState {
+        header: header(evaluation),
+        status: match evaluation.status {
+            Status::Free => CollisionState::FREE,
+            Status::Colliding => CollisionState::COLLIDING,
+            Status::Unknown(_) => CollisionState::UNKNOWN,
+        },
+        age: evaluation.age.unwrap_or_default(),
+        warnings: evaluation.warnings.to_vec(),
+        fidelity: fidelity(evaluation).to_owned(),
+        ..CollisionState::default()
+    };
+    if let Some(reason) = evaluation.status.reason() {
+        message.reason = reason.to_string();
+        reason.code().clone_into(&mut message.reason_code);
+    }
+    let Some(revision) = &evaluation.revision else {
+        return message;
+    };
+    message.model_revision = revision.model;
+    message.world_revision = revision.world;
+    add_skipped(&mut message, &revision.checker);
+    if let Some(checked_state) = &evaluation.checked_state {
+        let open = undecided(&checked_state.report);
+        message.pairs_checked = count(revision.checker.pairs().len().saturating_sub(open));
+        if open > 0 {
+            message.warnings.push(format!(
+                "check_deadline passed before {open} pairs were decided: others may touch, or be nearer, than those that are told"
+            ));
+        }
+        message.compute_time = checked_state.compute_time.as_secs_f64();
+        add_findings(&mut message, &revision.checker, &checked_state.report);
+        if let Some(ahead) = &checked_state.look_ahead {
+            message.time_to_contact_known = true;
+            message.time_to_contact = ahead.free_for;
+            // the look-ahead does not use velocities of obstacles
+            message.time_to_contact_considers_obstacle_motion = false;
+            let pair = ahead.first.map(|(a, b)| pair_message(&revision.checker, a, b));
+            message.first_contact_pair = pair.unwrap_or_default();
+        }
+    }
+    message
+}
+
+/// Number of pairs that were left undecided at the deadline.
+fn undecided(report: &CollisionReport) -> usize {
+    let mut open: Vec<_> = report.undecided.iter().map(|pair| (pair.a, pair.b)).collect();
+    open.sort_unstable();
+    open.dedup();
+    open.len()
+}
+
+fn add_skipped(message: &mut CollisionState, checker: &CollisionChecker) {
+    message.skipped = (checker.pairs().skipped())
+        .filter(|(_, count)| *count > 0)
+        .map(|(reason, pairs)| SkippedPairs { reason: reason.to_string(), count: count(pairs) })
+        .collect();
+    message.pairs_skipped = message.skipped.iter().map(|s| s.count).sum();
+}
+
+fn add_findings(message: &mut CollisionState, checker: &CollisionChecker, report: &CollisionReport) {
+    message.colliding_pairs =
+        (report.colliding_pairs.iter().take(PAIRS_TOLD)).map(|&(a, b)| pair_message(checker, a, b)).collect();
+    message.pair_distances =
+        (report.pair_distances.iter().take(PAIRS_TOLD)).map(|pair| distance_message(checker, pair)).collect();
+    for (what, pairs) in [("colliding", report.colliding_pairs.len()), ("near", report.pair_distances.len())]
+    {
+        if pairs > PAIRS_TOLD {
+            message.warnings.push(format!("only {PAIRS_TOLD} of {pairs} {what} pairs are listed"));
+        }
+    }
+    if let Some(nearest) = &report.nearest {
+        message.distance_known = true;
+        message.nearest = distance_message(checker, nearest);
+    }
+}
+
+/// Kind of a body, as a constant of the message.
+#[must_use]
+pub fn body_type(body: BodyId) -> u8 {
+    match body {
+        BodyId::Link(_) => BodyPair::LINK,
+        BodyId::Attached(_) => BodyPair::ATTACHED,
+        BodyId::Obstacle(_) => BodyPair::OBSTACLE,
+    }
+}
+
+#[must_use]
+pub fn pair_message(checker: &CollisionChecker, a: BodyId, b: BodyId) -> BodyPair {
+    BodyPair {
+        body_a: checker.body_name(a).to_owned(),
+        type_a: body_type(a),
+        body_b: checker.body_name(b).to_owned(),
+        type_b: body_type(b),
+    }
+}
+
+#[must_use]
+pub fn distance_message(checker: &CollisionChecker, pair: &PairDistance) -> clearance_msgs::PairDistance {
+    clearance_msgs::PairDistance {
+        pair: pair_message(checker, pair.a, pair.b),
+        distance: pair.distance,
+        witness_points: pair.witness_points.each_ref().map(point_message),
+    }
+}
+
+fn count(number: usize) -> u32 {
+    u32::try_from(number).unwrap_or(u32::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clearance_monitor::{Expiry, LeftOut};
+
+    #[test]
+    fn an_evaluation_without_a_robot_is_unknown() {
+        let evaluation = Evaluation {
+            status: Status::Unknown(clearance_monitor::Reason::NoModel { fault: None }),
+            stamp: None,
+            age: None,
+            checked_state: None,
+            robot_state: None,
+            speed_scale: 0.0,
+            left_out: LeftOut::Nothing,
+            is_swapping: false,
+            stale_world: None,
+            revision: None,
+            warnings: [].into(),
+            expiry: Expiry::default(),
+        };
+        let message = collision_state(&evaluation);
+        assert_eq!(message.status, CollisionState::UNKNOWN);
+        assert_eq!(message.reason_code, "no_model");
+        assert_eq!(message.model_revision, 0);
+        assert!(!message.distance_known);
+        assert!(evaluation.distance().is_nan());
+    }
+}

@@ -1,0 +1,104 @@
+//! Comparison of a replayed evaluation with the recorded one.
+
+use clearance_monitor::Evaluation;
+use ros2_interfaces_jazzy_serde::std_msgs::msg::{Bool, Float64};
+use serde_json::Value as Json;
+
+use crate::dds::cdr;
+use crate::messages::clearance_msgs::CollisionState;
+use crate::messages::collision_state::collision_state;
+use crate::recording::mcap_file::RawMessage;
+use crate::recording::step::Late;
+use crate::replay::step_messages::StepMessages;
+
+/// Result of one step.
+pub(super) enum StepResult {
+    Nothing,
+    Same(Late),
+    Differs { field: String, recorded: String, replayed: String },
+}
+
+/// Compares a result with the recorded one; returns the first field that differs, if any.
+pub(super) fn difference(
+    evaluation: &Evaluation,
+    late: Late,
+    messages: &mut StepMessages,
+) -> Result<Option<StepResult>, String> {
+    let differs = |field: &str, recorded: &Json, replayed: &Json| {
+        let (recorded, replayed) = (recorded.to_string(), replayed.to_string());
+        (recorded != replayed).then(|| StepResult::Differs { field: field.to_owned(), recorded, replayed })
+    };
+    let raw = messages.raw("an answer")?;
+    let names = fields(&raw.schema);
+    let recorded = json(&state(&raw)?)?;
+    let replayed = json(&collision_state(evaluation))?;
+    for (field, replayed) in replayed.as_object().into_iter().flatten() {
+        // the computing time is not compared, nor are fields that the recording version did not have
+        if late == Late::Pairs || field == "compute_time" || !names.contains(field) {
+            continue;
+        }
+        let is_older = !names.iter().any(|name| name == NEWEST_FIELD);
+        if is_older && field == "warnings" && warns_of_all(replayed, &recorded[field]) {
+            continue;
+        }
+        if let Some(difference) = differs(field, &recorded[field], replayed) {
+            return Ok(Some(difference));
+        }
+    }
+    let is_free: Bool = messages.next("is_free")?;
+    let distance: Float64 = messages.next("distance")?;
+    let number = |field: &str, was: f64, is: f64| {
+        let text = |number: f64| Json::from(number.to_string());
+        let is_same = was.to_bits() == is.to_bits() || (was.is_nan() && is.is_nan());
+        (!is_same).then(|| differs(field, &text(was), &text(is)))?
+    };
+    if let Some(difference) = differs("is_free", &is_free.data.into(), &evaluation.status.is_free().into()) {
+        return Ok(Some(difference));
+    }
+    if late != Late::Pairs
+        && let Some(difference) = number("distance", distance.data, evaluation.distance())
+    {
+        return Ok(Some(difference));
+    }
+    // recordings of older versions lack this message
+    if messages.is_empty() {
+        return Ok(None);
+    }
+    let speed_scale: Float64 = messages.next("speed_scale")?;
+    Ok(number("speed_scale", speed_scale.data, evaluation.speed_scale))
+}
+
+/// A field that this version records. Versions without it have fewer warnings.
+const NEWEST_FIELD: &str = "time_to_contact_considers_obstacle_motion";
+
+/// Whether `list` contains every element of `other`.
+fn warns_of_all(list: &Json, other: &Json) -> bool {
+    let texts = |list: &Json| list.as_array().cloned().unwrap_or_default();
+    let list = texts(list);
+    texts(other).iter().all(|text| list.contains(text))
+}
+
+fn json(state: &CollisionState) -> Result<Json, String> {
+    serde_json::to_value(state).map_err(|error| error.to_string())
+}
+
+/// Decodes a recorded result. Older versions lack the fields that were later added at the end.
+fn state(raw: &RawMessage) -> Result<CollisionState, String> {
+    const ROOM: usize = 4096;
+    if raw.kind != "clearance_msgs/msg/CollisionState" {
+        return Err(format!("{}: is a {}, no CollisionState", raw.topic, raw.kind));
+    }
+    let mut bytes = raw.data.clone();
+    bytes.extend([0; ROOM]);
+    cdr::decode(&bytes).map_err(|why| format!("{}: {why}", raw.topic))
+}
+
+/// Names of the fields that a message had when it was recorded.
+fn fields(schema: &[u8]) -> Vec<String> {
+    let text = String::from_utf8_lossy(schema);
+    let own = text.split("\n====").next().unwrap_or_default();
+    let declarations = own.lines().filter_map(|line| line.split('#').next());
+    let names =
+        declarations.filter(|line| !line.contains('=')).filter_map(|line| line.split_whitespace().nth(1));
+    names.map(str::to_owned).collect()
+}

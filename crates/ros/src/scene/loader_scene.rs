@@ -1,0 +1,362 @@
+//! Stores the current scene, applies messages and sensor data to it, and responds to clients that wait for a change.
+
+mod clouds;
+mod incomplete;
+
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::Arc;
+use std::time::Duration;
+
+use clearance_geometry::math::Extremes;
+use clearance_monitor::cloud::SelfFilter;
+use clearance_monitor::{Now, Observation, WorldSource};
+use clearance_robot::RobotModel;
+use clearance_scene::{DroppedParts, GapSubject, OCTOMAP, Scene, SceneContext, SceneRejection, SceneUpdate};
+use ros2_interfaces_jazzy_serde::octomap_msgs::msg::OctomapWithPose;
+use smol::channel::Sender;
+
+use crate::log_rate_limiter::LogRateLimiter;
+use crate::monitor_events::cloud_report::CloudReports;
+use crate::parameters::parameter_set::Parameters;
+use crate::scene::lost_messages::LostMessages;
+use crate::scene::missing_objects::MissingObjects;
+use crate::scene::scene_command::SceneCommand;
+use crate::scene::scene_update_context::SceneUpdateContext;
+use crate::scene::topic_cloud::TopicCloud;
+use crate::scene::whole_scene::WholeScene;
+
+/// Maximum number of commands that wait for a robot; later ones are rejected.
+const WAITING: usize = 1000;
+
+/// Maximum number of reported rejections per message.
+const MOST_LISTED: usize = 20;
+
+/// Name of the octomap as a world source.
+pub const OCTOMAP_SOURCE: &str = OCTOMAP;
+
+/// Stores the scene; owned by the loader's thread.
+#[derive(Default)]
+pub struct LoaderScene {
+    pub state: Scene,
+    pub octomap: Option<Arc<OctomapWithPose>>,
+    /// Last observation of the octomap; `None` if none was received since it was cleared.
+    octomap_seen: Option<Observation>,
+    /// Whether the current octomap contains any known space.
+    octomap_shows_room: bool,
+    /// Why the last octomap of a topic shows nothing of the environment; `None` if it is usable.
+    blind_octomap: Option<String>,
+    clouds: BTreeMap<String, TopicCloud>,
+    filter: Option<SelfFilter>,
+    /// Orders that arrived before there was a robot.
+    waiting: VecDeque<SceneCommand>,
+    /// Rejected parts of the last message that changed the scene, or was intended to.
+    faults: Vec<String>,
+    /// Parts of the scene that are not valid for the new robot; cleared by the next complete scene.
+    invalid_parts: Vec<String>,
+    /// Objects that the previous robot held and the new one cannot; cleared by the next complete scene.
+    dropped_objects: Vec<String>,
+    /// Failure of a whole update; cleared by the next complete scene.
+    failure: Option<String>,
+    /// Parts of the last message that were intended to change the scene, but have no effect.
+    ineffective: Vec<String>,
+    missing: MissingObjects,
+    lost: LostMessages,
+    /// Rate limiter for messages with faults.
+    rate_limiter: LogRateLimiter,
+    /// Sources whose data was removed because it was too old.
+    dropped: Vec<String>,
+    whole: WholeScene,
+    /// Whether a message or a sensor has changed the scene since the start.
+    is_changed: bool,
+    waiting_clients: Vec<(Sender<bool>, bool)>,
+}
+
+impl LoaderScene {
+    /// Whether the scene still comes only from the files.
+    #[must_use]
+    pub fn is_unchanged(&self) -> bool {
+        !self.is_changed
+    }
+
+    /// Restores an earlier scene, because the checker of the new one could not be built.
+    pub fn restore(&mut self, scene: &Scene, fault: &str) {
+        self.restore_scene(scene.clone());
+        self.note_failure(fault);
+    }
+
+    /// Restores an earlier scene, because a new robot was rejected.
+    pub fn restore_scene(&mut self, scene: Scene) {
+        self.state = scene;
+        self.whole.restore();
+        self.lost.restore();
+        for (_, succeeded) in &mut self.waiting_clients {
+            *succeeded = false;
+        }
+    }
+
+    /// Sets the service that is queried for the whole scene, from the parameters.
+    pub fn set_required_service(&mut self, service: &str) {
+        self.whole.set_service(service);
+    }
+
+    /// Counts commands of these topics as lost, because the robot that they waited for was rejected.
+    pub fn count_as_lost(&mut self, topics: &[&'static str]) {
+        for topic in topics {
+            self.lost.note(topic, 1);
+        }
+    }
+
+    /// Adapts the scene to a new robot.
+    pub fn adapt_to(&mut self, robot: &RobotModel) {
+        let DroppedParts { dropped, warnings } = self.state.adapt_to_robot(robot);
+        for warning in dropped.iter().chain(&warnings) {
+            log::warn!("{warning}");
+        }
+        self.dropped_objects.extend(dropped);
+        self.dropped_objects.truncate(MOST_LISTED);
+        self.invalid_parts = warnings.into_iter().take(MOST_LISTED).collect();
+    }
+
+    /// Frees the data that was built for the previous robot.
+    pub fn release_robot(&mut self) {
+        self.filter = None;
+    }
+
+    /// Stores a command until there is a robot.
+    pub fn store(&mut self, command: SceneCommand) {
+        if command.is_waited_for() {
+            log::warn!("{}: there is no robot model yet", command.source);
+            if let Some(update) = &command.update {
+                self.missing.note_unused(command.source, update, "there was no robot model yet");
+            }
+            if let Some(done) = command.done {
+                let _ = done.try_send(false);
+            }
+        } else if self.waiting.len() < WAITING {
+            self.waiting.push_back(command);
+        } else {
+            log::warn!("{}: dropped: {WAITING} messages wait for a robot model already", command.source);
+            self.lost.note(command.source, 1);
+        }
+    }
+
+    /// Takes the stored commands.
+    pub fn take_waiting(&mut self) -> impl Iterator<Item = SceneCommand> + use<> {
+        std::mem::take(&mut self.waiting).into_iter()
+    }
+
+    /// Applies a message to the scene; returns whether the scene changed.
+    pub fn apply(
+        &mut self,
+        command: SceneCommand,
+        robot: &Arc<RobotModel>,
+        update_context: &SceneUpdateContext,
+    ) -> bool {
+        let SceneCommand { source, mut update, mut rejections, lost, mut octomap, done, .. } = command;
+        self.lost.note(source, lost);
+        if self.check_blindness(source, update.as_ref()) && update_context.parameters.blind_makes_unknown() {
+            // the last map that showed something stays in use
+            self.octomap_seen = octomap.take().map(|(_, observation)| observation);
+            update = None;
+        }
+        let before = self.state.world.obstacle_by_name(OCTOMAP).cloned();
+        let (mut changed, mut warnings) = (false, Vec::new());
+        if let Some(update) = &update {
+            let checked_state = update_context.checked_state(robot);
+            let poses = checked_state.as_ref().map(|e| &e.poses);
+            let SceneUpdateContext { now, parameters, transforms, .. } = update_context;
+            let context = SceneContext::new(robot, poses, transforms, now.ros, parameters.transform_ttl);
+            let applied = self.state.apply(update, &context);
+            changed = applied.changed;
+            rejections.extend(applied.refusals);
+            self.ineffective = applied.ineffective.iter().map(|text| format!("{source}: {text}")).collect();
+            warnings.extend_from_slice(&self.ineffective);
+            warnings.extend(applied.warnings.iter().map(|warning| format!("{source}: {warning}")));
+        }
+        let after = self.state.world.obstacle_by_name(OCTOMAP);
+        let is_same = before.is_some() && after.zip(before.as_ref()).is_some_and(|(a, b)| Arc::ptr_eq(a, b));
+        if !is_same {
+            self.note_octomap(octomap, &rejections, update.as_ref());
+        }
+        self.note_rejections(source, &rejections, update.as_ref());
+        if let Some(update) = &update {
+            self.whole.on_update(update);
+            self.lost.on_update(update);
+            if update.is_whole() {
+                self.invalid_parts.clear();
+            }
+            if update.is_whole_of_robot() {
+                self.dropped_objects.clear();
+                self.failure = None;
+            }
+        }
+        warnings.extend_from_slice(&self.faults);
+        if !warnings.is_empty() && self.rate_limiter.admit(update_context.now.steady) {
+            for warning in warnings {
+                log::warn!("{warning}");
+            }
+        }
+        self.is_changed |= changed;
+        if let Some(done) = done {
+            self.waiting_clients.push((done, rejections.is_empty()));
+        }
+        changed
+    }
+
+    /// Replaces the scene from files for another robot. Obstacles keep their poses in the environment.
+    pub fn replace_scene(
+        &mut self,
+        mut state: Scene,
+        robot: &Arc<RobotModel>,
+        update_context: &SceneUpdateContext,
+    ) {
+        let SceneUpdateContext { now, parameters, transforms, .. } = update_context;
+        let context = SceneContext::new(robot, None, transforms, now.ros, parameters.transform_ttl);
+        state.keep_anchors_of(&self.state, &context);
+        self.state = state;
+    }
+
+    /// Moves the obstacles to the current poses of their frames; returns whether any has moved.
+    pub fn follow_frames(&mut self, robot: &Arc<RobotModel>, update_context: &SceneUpdateContext) -> bool {
+        let SceneUpdateContext { now, parameters, transforms, .. } = update_context;
+        let context = SceneContext::new(robot, None, transforms, now.ros, parameters.transform_ttl);
+        self.state.follow_anchor_frames(&context)
+    }
+
+    /// Stores a new octomap, or that there is none.
+    fn note_octomap(
+        &mut self,
+        octomap: Option<(OctomapWithPose, Observation)>,
+        rejections: &[SceneRejection],
+        update: Option<&SceneUpdate>,
+    ) {
+        let is_rejected = |rejection: &SceneRejection| {
+            rejection.gap.as_ref().is_some_and(|gap| gap.subject == GapSubject::Octomap)
+        };
+        if rejections.iter().any(is_rejected) {
+            return;
+        }
+        let Some(update) = update.filter(|update| update.changes_octomap()) else { return };
+        self.dropped.retain(|name| name != OCTOMAP_SOURCE);
+        self.octomap_shows_room = octomap.is_some() && update.has_known_cells();
+        self.octomap_seen = octomap.as_ref().map(|(_, observation)| *observation);
+        self.octomap = octomap.filter(|(map, _)| !map.octomap.data.is_empty()).map(|(map, _)| Arc::new(map));
+    }
+
+    /// Records and returns whether the octomap of a topic shows nothing, after one that showed something. A scene
+    /// message that removes the map is intended, and not counted.
+    fn check_blindness(&mut self, source: &str, update: Option<&SceneUpdate>) -> bool {
+        let Some(update) = update.filter(|update| update.changes_octomap()) else { return false };
+        let is_of_sensor = matches!(update, SceneUpdate::Octomap(Some(_)));
+        let showed_room = self.octomap_shows_room || self.blind_octomap.is_some();
+        let is_blind = is_of_sensor && !update.has_known_cells() && showed_room;
+        let cause = || format!("the octree of {source} has no leaf, neither occupied nor free");
+        self.blind_octomap = is_blind.then(cause);
+        is_blind
+    }
+
+    fn note_rejections(&mut self, source: &str, rejections: &[SceneRejection], update: Option<&SceneUpdate>) {
+        self.missing.on_message(source, update, rejections);
+        self.faults =
+            rejections.iter().take(MOST_LISTED).map(|rejection| format!("{source}: {rejection}")).collect();
+        if rejections.len() > MOST_LISTED {
+            self.faults.push(format!("{source}: and {} more faults", rejections.len() - MOST_LISTED));
+        }
+    }
+
+    /// Whether a client waits until a change is in use.
+    #[must_use]
+    pub fn has_waiting_clients(&self) -> bool {
+        !self.waiting_clients.is_empty()
+    }
+
+    /// Responds to the clients whose changes are now in use.
+    pub fn respond(&mut self) {
+        for (done, succeeded) in self.waiting_clients.drain(..) {
+            // an error means that the client has gone
+            let _ = done.try_send(succeeded);
+        }
+    }
+
+    /// Removes data that is too old, if the parameters select this; returns whether anything changed.
+    pub fn drop_stale(&mut self, now: Now, parameters: &Parameters) -> bool {
+        if !parameters.drops_stale_sources() {
+            let any = !self.dropped.is_empty();
+            self.dropped.clear();
+            return any;
+        }
+        let mut changed = false;
+        for source in self.watched(parameters) {
+            if source.seen.is_none() || source.freshness(now).is_ok() || self.dropped.contains(&source.name) {
+                continue;
+            }
+            log::warn!("what '{}' saw is dropped: it is older than {} s", source.name, source.ttl);
+            if source.name == OCTOMAP_SOURCE {
+                self.octomap = None;
+                let _ = self.state.world.remove(OCTOMAP);
+            } else {
+                self.state.set_sensed(&source.name, None);
+            }
+            self.dropped.push(source.name);
+            changed = true;
+        }
+        changed
+    }
+
+    /// Time until the next removal, if no new data arrives.
+    #[must_use]
+    pub fn time_to_drop(&self, now: Now, parameters: &Parameters) -> Option<Duration> {
+        if !parameters.drops_stale_sources() {
+            return None;
+        }
+        let waiting = self.watched(parameters).into_iter().filter(|s| !self.dropped.contains(&s.name));
+        let left = waiting.filter_map(|source| Some((source.ttl - source.age(now)?).greater(0.0)));
+        let left = left.fold(f64::INFINITY, f64::lesser);
+        Some(Duration::try_from_secs_f64(left).ok()? + Duration::from_millis(1))
+    }
+
+    /// Sources whose data expires.
+    fn watched(&self, parameters: &Parameters) -> Vec<WorldSource> {
+        let cloud = |topic: &String| WorldSource {
+            name: topic.clone(),
+            seen: self.clouds.get(topic).and_then(|cloud| cloud.seen),
+            ttl: parameters.point_cloud_ttl,
+        };
+        let octomap = self.octomap_seen.filter(|_| parameters.octomap_ttl > 0.0).map(|seen| WorldSource {
+            name: OCTOMAP_SOURCE.to_owned(),
+            seen: Some(seen),
+            ttl: parameters.octomap_ttl,
+        });
+        parameters.point_cloud_topics.iter().map(cloud).chain(octomap).collect()
+    }
+
+    /// Sources that must be fresh for the world to count as known.
+    #[must_use]
+    pub fn sources(&self, parameters: &Parameters) -> Vec<WorldSource> {
+        let mut watched = self.watched(parameters);
+        watched.retain(|source| !self.dropped.contains(&source.name));
+        watched.extend(self.whole.awaited(parameters));
+        watched
+    }
+
+    /// Warnings about sources whose data was removed.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        let warning = |name: &String| {
+            format!("what '{name}' saw was dropped, because it was too old: it is not avoided any more")
+        };
+        self.dropped.iter().map(warning).collect()
+    }
+
+    /// Records that the received data is now in use.
+    pub fn note_in_use(&mut self) -> CloudReports {
+        self.whole.note_in_use();
+        self.lost.note_in_use();
+        for cloud in self.clouds.values_mut() {
+            if let Some(since) = cloud.since.take() {
+                cloud.report.latency = since.elapsed();
+            }
+        }
+        self.clouds.iter().map(|(topic, cloud)| (topic.clone(), cloud.report.clone())).collect()
+    }
+}

@@ -1,0 +1,15 @@
+//! Services and the action of the node. Requests are handled here; the decisions are made by the monitor and the
+//! checker.
+
+pub mod action_goals; // goals of an action
+pub mod enable_service; // `~/enable`
+pub mod motion_requests; // evaluation of motion requests
+pub mod motion_services; // `~/check_motion` and `~/check_trajectory`
+pub mod parameter_services; // the standard parameter services
+pub mod rejection; // reasons for which requests are rejected
+pub mod request_context; // robot, world and configuration for a request
+pub mod scene_services; // `get_planning_scene`, `apply_planning_scene`, `clear_octomap`, `check_state_validity`
+pub mod state_requests; // evaluation of state requests
+pub mod state_services; // `~/check_states` and `~/get_distances`
+pub mod state_validity; // evaluation of `check_state_validity` requests
+pub mod trajectory_action; // `~/check_trajectory` as an action

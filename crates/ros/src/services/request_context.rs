@@ -1,0 +1,127 @@
+//! Context of a request: the robot, its world, and its current configuration. No I/O.
+
+use std::sync::PoisonError;
+use std::time::{Duration, Instant};
+
+use clearance_checker::CollisionChecker;
+use clearance_monitor::{Evaluation, Now, Reason};
+use clearance_robot::quoted_list;
+use clearance_robot::{Configuration, NamedJoints, RobotModel};
+
+use crate::monitor_events::current_evaluation::CurrentEvaluation;
+use crate::services::rejection::{Rejection, bad_request};
+
+/// Context of a request: the robot, its world, and its current configuration.
+pub struct RequestContext<'a> {
+    pub checker: &'a CollisionChecker,
+    /// Current configuration, or the reason why it is unknown.
+    pub now: Result<&'a Configuration, String>,
+    /// Whether the received joint states are contradictory: then the robot is not at its default configuration, but at
+    /// an unknown one.
+    pub is_contradicted: bool,
+}
+
+/// The evaluation, updated to the time `now`: it may have become stale while the monitor was busy.
+pub fn known(current: &CurrentEvaluation, now: Now) -> Option<Evaluation> {
+    let evaluation = current.lock().unwrap_or_else(PoisonError::into_inner).clone();
+    evaluation.map(|evaluation| evaluation.aged(now))
+}
+
+impl<'a> RequestContext<'a> {
+    pub fn of(evaluation: Option<&'a Evaluation>) -> Result<Self, Rejection> {
+        let reason = evaluation.and_then(|evaluation| evaluation.status.reason());
+        let why = reason.unwrap_or(&Reason::NoModel { fault: None });
+        let revision = evaluation.and_then(|evaluation| evaluation.revision.as_ref());
+        // while another robot is being built, no robot is valid, even if checking is disabled
+        if evaluation.is_some_and(|evaluation| evaluation.is_swapping) {
+            return Err(Rejection::NoModel(Reason::ModelSwap.to_string()));
+        }
+        let revision = revision.ok_or_else(|| Rejection::NoModel(why.to_string()))?;
+        if !revision.has_geometry() {
+            return Err(Rejection::NoModel(Reason::NoGeometry.to_string()));
+        }
+        if let Some(stale) = evaluation.and_then(|evaluation| evaluation.stale_world.as_ref()) {
+            return Err(Rejection::of_world(stale));
+        }
+        let robot_state = evaluation.and_then(|evaluation| evaluation.robot_state.as_ref());
+        let now =
+            robot_state.map(|checked_state| &checked_state.configuration).ok_or_else(|| why.to_string());
+        let is_contradicted = now.is_err() && why.is_about_positions();
+        Ok(Self { checker: &revision.checker, now, is_contradicted })
+    }
+
+    pub fn robot(&self) -> &'a RobotModel {
+        self.checker.robot()
+    }
+
+    /// Finds the joints that a request names.
+    pub fn named(&self, field: &str, names: &[String]) -> Result<NamedJoints<'a>, Rejection> {
+        let named = self.robot().named_joints(names.iter().map(String::as_str));
+        named.map_err(|error| bad_request(format!("{field}: {error}")))
+    }
+
+    /// Configuration for the joints that the request does not name, and a note if it is unknown.
+    ///
+    /// # Errors
+    /// Fails if a joint is not named and the joint states contradict each other.
+    pub fn rest(&self, named: &NamedJoints) -> Result<(Configuration, Option<String>), Rejection> {
+        let robot = self.robot();
+        let why = match &self.now {
+            Ok(now) => return Ok(((*now).clone(), None)),
+            Err(why) => why,
+        };
+        let others = undecided(robot, named);
+        if self.is_contradicted && !others.is_empty() {
+            return Err(Rejection::NoJointState(why.clone()));
+        }
+        let note = (!others.is_empty()).then(|| {
+            format!("{} stand at their defaults, for there is no joint state: {why}", quoted_list(&others))
+        });
+        Ok((robot.default_configuration(), note))
+    }
+}
+
+/// Names of the positions that the named joints do not determine.
+pub fn undecided(robot: &RobotModel, named: &NamedJoints) -> Vec<String> {
+    let names = robot.position_names().iter().enumerate();
+    names.filter(|(position, _)| !named.decides(*position)).map(|(_, name)| name.clone()).collect()
+}
+
+/// Revisions of the robot and the world in an evaluation.
+pub fn revisions(evaluation: Option<&Evaluation>) -> (u64, u64) {
+    let revision = evaluation.and_then(|evaluation| evaluation.revision.as_ref());
+    revision.map_or((0, 0), |revision| (revision.model, revision.world))
+}
+
+/// Rejects a list that does not have one number for each joint.
+pub fn of_equal_length(what: &str, numbers: &[f64], joints: &[String]) -> Result<(), Rejection> {
+    if numbers.len() == joints.len() {
+        return Ok(());
+    }
+    Err(bad_request(format!(
+        "{what} has {} numbers, but joint_names has {} names",
+        numbers.len(),
+        joints.len()
+    )))
+}
+
+/// Rejects a number with the given unit that is negative or not finite.
+pub fn not_negative(name: &str, unit: &str, value: f64) -> Result<(), Rejection> {
+    if value.is_finite() && value >= 0.0 {
+        return Ok(());
+    }
+    Err(bad_request(format!("{name} is {value} {unit}, but must be finite and not negative")))
+}
+
+/// Deadline of a timeout (s) that started at `started`. A timeout of 0 selects `usual`; one beyond the range of the
+/// clock gives no deadline.
+pub fn deadline(
+    timeout: f64,
+    usual: Option<Duration>,
+    started: Instant,
+) -> Result<Option<Instant>, Rejection> {
+    not_negative("timeout", "s", timeout)?;
+    // a tiny timeout becomes zero and ends at once
+    let timeout = if timeout > 0.0 { Duration::try_from_secs_f64(timeout).ok() } else { usual };
+    Ok(timeout.and_then(|timeout| started.checked_add(timeout)))
+}

@@ -1,0 +1,170 @@
+//! `~/check_states` and `~/get_distances`. Requests and responses are handled on the services thread. Checks run one
+//! request after the other on a separate thread, so that a long batch delays nothing else, and a long motion does not
+//! delay a batch.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+
+use clearance_checker::Workspace;
+use clearance_monitor::Evaluation;
+use futures_lite::future;
+use smol::LocalExecutor;
+use smol::channel::{self, Receiver, Sender};
+
+use crate::clock::RosClock;
+use crate::dds::middleware::Middleware;
+use crate::dds::middleware_error::MiddlewareError;
+use crate::dds::server::{RequestId, Server};
+use crate::dds::type_name::TypeName;
+use crate::messages::clearance_srvs::{
+    CheckStatesRequest, CheckStatesResponse, GetDistancesRequest, GetDistancesResponse,
+};
+use crate::monitor_events::current_evaluation::CurrentEvaluation;
+use crate::names::Names;
+use crate::services::rejection::Rejection;
+use crate::services::request_context::known;
+use crate::services::state_requests::{
+    evaluate_distances, evaluate_states, rejected_distances, rejected_states,
+};
+
+/// Maximum length of the request queue. Further requests get the response that the node is busy.
+const WAITING: usize = 16;
+
+/// Queued request.
+enum Request {
+    States(RequestId, CheckStatesRequest),
+    Distances(RequestId, GetDistancesRequest),
+}
+
+enum Response {
+    States(RequestId, CheckStatesResponse),
+    Distances(RequestId, GetDistancesResponse),
+}
+
+/// Network side: receives requests and sends responses.
+pub struct StateServices {
+    states: Server<CheckStatesRequest, CheckStatesResponse>,
+    distances: Server<GetDistancesRequest, GetDistancesResponse>,
+    requests: Sender<Request>,
+    responses: Receiver<Response>,
+}
+
+/// Side that runs the checks. It owns no network resources: the node ends without waiting for it.
+pub struct StateWorker {
+    requests: Receiver<Request>,
+    responses: Sender<Response>,
+    current: CurrentEvaluation,
+    clock: Arc<RosClock>,
+    workspace: Option<Workspace>,
+}
+
+impl StateServices {
+    /// Creates both sides. `current` is the evaluation whose robot and world the checks use.
+    pub fn open(
+        middleware: &Middleware,
+        names: &Names,
+        current: CurrentEvaluation,
+        clock: Arc<RosClock>,
+    ) -> Result<(Self, StateWorker), MiddlewareError> {
+        let (requests, requests_in) = channel::bounded(WAITING);
+        // at most one item for each queued request
+        let (responses, responses_in) = channel::unbounded();
+        let services = Self {
+            states: middleware
+                .server(&names.resolve("~/check_states")?, TypeName::new("clearance_msgs", "CheckStates"))?,
+            distances: middleware.server(
+                &names.resolve("~/get_distances")?,
+                TypeName::new("clearance_msgs", "GetDistances"),
+            )?,
+            requests,
+            responses: responses_in,
+        };
+        Ok((services, StateWorker { requests: requests_in, responses, current, clock, workspace: None }))
+    }
+
+    /// Handles requests without end.
+    pub async fn serve(&self) {
+        // each response waits only for its own client
+        let sending = LocalExecutor::new();
+        let states = async {
+            loop {
+                let (id, request) = self.states.next().await;
+                self.enqueue(Request::States(id, request), &sending);
+            }
+        };
+        let distances = async {
+            loop {
+                let (id, request) = self.distances.next().await;
+                self.enqueue(Request::Distances(id, request), &sending);
+            }
+        };
+        let responses = async {
+            while let Ok(response) = self.responses.recv().await {
+                self.send(response, &sending);
+            }
+        };
+        sending.run(future::zip(future::zip(states, distances), responses)).await;
+    }
+
+    fn enqueue<'a>(&'a self, request: Request, sending: &LocalExecutor<'a>) {
+        // when the worker has ended, the service reports that it is busy
+        if let Err(rejected) = self.requests.try_send(request) {
+            self.send(rejected.into_inner().rejected(&Rejection::Busy(WAITING)), sending);
+        }
+    }
+
+    fn send<'a>(&'a self, response: Response, sending: &LocalExecutor<'a>) {
+        let send = async move {
+            match response {
+                Response::States(id, response) => self.states.respond(id, response).await,
+                Response::Distances(id, response) => self.distances.respond(id, response).await,
+            }
+        };
+        sending.spawn(send).detach();
+    }
+}
+
+impl StateWorker {
+    /// Processes requests until all senders are gone.
+    pub fn run(mut self) {
+        while let Ok(request) = self.requests.recv_blocking() {
+            let evaluation = known(&self.current, self.clock.read());
+            let response = self.evaluate(request, evaluation.as_ref());
+            if self.responses.send_blocking(response).is_err() {
+                return;
+            }
+        }
+    }
+
+    fn evaluate(&mut self, request: Request, evaluation: Option<&Evaluation>) -> Response {
+        match request {
+            Request::States(id, request) => {
+                let response = self.guarded(|workspace| evaluate_states(&request, evaluation, workspace));
+                Response::States(id, response.unwrap_or_else(|| rejected_states(&Rejection::Internal)))
+            }
+            Request::Distances(id, request) => {
+                let response = self.guarded(|workspace| evaluate_distances(&request, evaluation, workspace));
+                Response::Distances(id, response.unwrap_or_else(|| rejected_distances(&Rejection::Internal)))
+            }
+        }
+    }
+
+    /// Processes an untrusted request. A panic in it must not end the node.
+    fn guarded<T>(&mut self, evaluate: impl FnOnce(&mut Option<Workspace>) -> T) -> Option<T> {
+        let evaluated = catch_unwind(AssertUnwindSafe(|| evaluate(&mut self.workspace)));
+        if evaluated.is_err() {
+            log::error!("states could not be checked: the program failed inside");
+            self.workspace = None;
+        }
+        evaluated.ok()
+    }
+}
+
+impl Request {
+    fn rejected(self, rejection: &Rejection) -> Response {
+        match self {
+            Self::States(id, _) => Response::States(id, rejected_states(rejection)),
+            Self::Distances(id, _) => Response::Distances(id, rejected_distances(rejection)),
+        }
+    }
+}

@@ -1,0 +1,259 @@
+//! Subscriptions of the world topics. Messages become commands of the loader; transforms are stored in the tree
+//! directly.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use futures_lite::{FutureExt, future};
+use ros2_interfaces_jazzy_serde::moveit_msgs::msg::{
+    AttachedCollisionObject, CollisionObject, PlanningScene, PlanningSceneWorld,
+};
+use ros2_interfaces_jazzy_serde::octomap_msgs::msg::Octomap;
+use ros2_interfaces_jazzy_serde::sensor_msgs::msg::PointCloud2;
+use ros2_interfaces_jazzy_serde::tf2_msgs::msg::TFMessage;
+use smol::channel::Receiver;
+
+use crate::dds::Message;
+use crate::dds::decode_error_log::DecodeErrorLog;
+use crate::dds::middleware::Middleware;
+use crate::dds::middleware_error::MiddlewareError;
+use crate::dds::quality::Quality;
+use crate::dds::sequence_gaps::SequenceGaps;
+use crate::dds::subscription::{Origin, Subscription};
+use crate::dds::type_name::TypeName;
+use crate::names::Names;
+use crate::recording::recorder_handle::RecordedEvent;
+use crate::recording::step::SceneSource;
+use crate::scene::cloud_inbox::CloudMessage;
+use crate::scene::loader_command::LoaderCommand;
+use crate::scene::scene_command::SceneCommand;
+use crate::scene::scene_command_sender::SceneCommandSender;
+use crate::scene::shared_state::SharedState;
+use crate::scene::transform_messages::note_transforms;
+use crate::topics::scene_requester::{RequestContext, SceneRequester};
+
+/// The two octomap topics.
+const OCTOMAP_SOURCES: [SceneSource; 2] = [SceneSource::OctomapBinary, SceneSource::OctomapFull];
+
+/// All subscriptions about the world.
+pub struct SceneTopics {
+    middleware: Middleware,
+    names: Names,
+    scenes: Subscription<PlanningScene>,
+    worlds: Subscription<PlanningSceneWorld>,
+    objects: Subscription<CollisionObject>,
+    attached: Subscription<AttachedCollisionObject>,
+    /// Each octomap topic has two subscriptions, one for each kind of publisher.
+    octomaps: [[Subscription<Octomap>; 2]; 2],
+    tf: Subscription<TFMessage>,
+    tf_static: Subscription<TFMessage>,
+    pub sender: SceneCommandSender,
+    /// Receives a notice when a parameter changed.
+    changes: Receiver<()>,
+}
+
+/// Detects duplicates on a topic with two subscriptions, which must not count twice.
+#[derive(Default)]
+struct DuplicateDetector {
+    last: Option<(usize, Octomap, Instant)>,
+}
+
+impl SceneTopics {
+    pub fn open(
+        middleware: &Middleware,
+        names: &Names,
+        sender: SceneCommandSender,
+        changes: Receiver<()>,
+    ) -> Result<Self, MiddlewareError> {
+        let moveit = |kind| TypeName::new("moveit_msgs", kind);
+        let octomap = |name: &str| -> Result<_, MiddlewareError> {
+            let (name, kind) = (names.resolve(name)?, TypeName::new("octomap_msgs", "Octomap"));
+            Ok([
+                middleware.subscription(&name, kind, Quality::ReliableBulk)?,
+                middleware.subscription(&name, kind, Quality::LatchedBulk)?,
+            ])
+        };
+        let tf = TypeName::new("tf2_msgs", "TFMessage");
+        let reliable = Quality::Reliable;
+        Ok(Self {
+            scenes: middleware.subscription(
+                &names.resolve("planning_scene")?,
+                moveit("PlanningScene"),
+                reliable,
+            )?,
+            worlds: middleware.subscription(
+                &names.resolve("planning_scene_world")?,
+                moveit("PlanningSceneWorld"),
+                reliable,
+            )?,
+            objects: middleware.subscription(
+                &names.resolve("collision_object")?,
+                moveit("CollisionObject"),
+                reliable,
+            )?,
+            attached: middleware.subscription(
+                &names.resolve("attached_collision_object")?,
+                moveit("AttachedCollisionObject"),
+                reliable,
+            )?,
+            octomaps: [octomap("octomap_binary")?, octomap("octomap_full")?],
+            tf: middleware.subscription(&names.resolve("tf")?, tf, Quality::BestEffort)?,
+            tf_static: middleware.subscription(&names.resolve("tf_static")?, tf, Quality::Kept)?,
+            middleware: middleware.clone(),
+            names: names.clone(),
+            sender,
+            changes,
+        })
+    }
+
+    /// Receives messages. Never returns.
+    pub async fn receive(&self) {
+        let detectors: [Mutex<DuplicateDetector>; 2] = Default::default();
+        let sender = &self.sender;
+        let objects = self.receive_topic(SceneSource::CollisionObject, &self.objects, |m, lost| {
+            Some(sender.after(sender.object(m), lost))
+        });
+        let attached = self.receive_topic(SceneSource::AttachedCollisionObject, &self.attached, |m, lost| {
+            Some(sender.after(sender.attached(m), lost))
+        });
+        let worlds =
+            self.receive_topic(SceneSource::PlanningSceneWorld, &self.worlds, |m, _| Some(sender.world(m)));
+        let scenes = self.receive_topic(SceneSource::PlanningScene, &self.scenes, |m, lost| {
+            Some(sender.after(sender.scene(SceneSource::PlanningScene, m), lost))
+        });
+        let octomap = |topic: usize, subscription: usize| {
+            let last = &detectors[topic];
+            self.receive_topic(OCTOMAP_SOURCES[topic], &self.octomaps[topic][subscription], move |m, _| {
+                let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
+                last.is_new(subscription, &m).then(|| sender.octomap(OCTOMAP_SOURCES[topic], m))
+            })
+        };
+        let scenes = future::zip(future::zip(objects, attached), future::zip(worlds, scenes));
+        let octomaps =
+            future::zip(future::zip(octomap(0, 0), octomap(0, 1)), future::zip(octomap(1, 0), octomap(1, 1)));
+        let transforms = future::zip(
+            self.receive_transforms(&self.tf, false),
+            self.receive_transforms(&self.tf_static, true),
+        );
+        let requests = RequestContext { middleware: &self.middleware, names: &self.names, sender };
+        let others = future::zip(self.receive_clouds(), SceneRequester::default().run(requests));
+        future::zip(future::zip(scenes, octomaps), future::zip(transforms, others)).await;
+    }
+
+    /// Converts messages to commands. `read` receives the number of messages that were lost right before each.
+    async fn receive_topic<M: Message + 'static>(
+        &self,
+        by: SceneSource,
+        topic: &Subscription<M>,
+        read: impl Fn(M, u64) -> Option<SceneCommand>,
+    ) {
+        let mut sequence_gaps = SequenceGaps::default();
+        loop {
+            let Ok((message, Origin { publisher, number, received })) = topic.next_or_undecodable().await
+            else {
+                self.sender.note_update(Instant::now());
+                if !self.sender.send(LoaderCommand::Scene(Box::new(self.sender.undecodable(by)))).await {
+                    return;
+                }
+                continue;
+            };
+            if self.middleware.is_own(publisher) {
+                // this node's own scene, if both topics have the same name
+                continue;
+            }
+            let lost = number.map_or(0, |number| sequence_gaps.missing_before(publisher, number));
+            self.sender.note_update(received);
+            let Some(command) = read(message, lost) else {
+                self.sender.note_update_withdrawn();
+                continue;
+            };
+            if !self.sender.send(LoaderCommand::Scene(Box::new(command))).await {
+                return;
+            }
+        }
+    }
+
+    async fn receive_transforms(&self, topic: &Subscription<TFMessage>, fixed: bool) {
+        let decode_errors = DecodeErrorLog::default();
+        loop {
+            let (message, _) = topic.next().await;
+            let (fault, is_elsewhere) = self.store_transforms(message, fixed);
+            if let Some(fault) = fault {
+                decode_errors.warn(|| fault);
+            }
+            if is_elsewhere && !self.sender.send(LoaderCommand::Frames).await {
+                return;
+            }
+        }
+    }
+
+    /// Stores transforms. Returns what is wrong with them, and whether obstacles have to be moved now.
+    fn store_transforms(&self, message: TFMessage, fixed: bool) -> (Option<String>, bool) {
+        let SharedState { transforms, anchor_frames, clock, recording, .. } = &self.sender.shared;
+        let now = clock.now();
+        let mut tree = transforms.lock().unwrap_or_else(PoisonError::into_inner);
+        // the recording has to contain it before any result that depends on this tree
+        recording.note(|| RecordedEvent::Transforms { message: message.clone(), now, fixed });
+        let fault = note_transforms(&mut tree, message, now, fixed);
+        (fault, anchor_frames.lock().unwrap_or_else(PoisonError::into_inner).are_elsewhere(&tree))
+    }
+
+    /// Subscribes to the clouds that the parameters name. Never returns.
+    async fn receive_clouds(&self) {
+        let mut watched: HashMap<String, Subscription<PointCloud2>> = HashMap::new();
+        loop {
+            let topics = self.sender.shared.store.get().point_cloud_topics;
+            watched.retain(|topic, _| topics.contains(topic));
+            for topic in
+                topics.iter().filter(|topic| !watched.contains_key(*topic)).cloned().collect::<Vec<_>>()
+            {
+                match self.subscribe(&topic) {
+                    Ok(subscription) => drop(watched.insert(topic, subscription)),
+                    Err(error) => log::error!("point_cloud_topics: {error}"),
+                }
+            }
+            let change = async {
+                if self.changes.recv().await.is_err() {
+                    future::pending::<()>().await;
+                }
+            };
+            let clouds =
+                watched.iter().map(|(topic, clouds)| self.receive_cloud_topic(topic, clouds).boxed_local());
+            let clouds =
+                clouds.fold(future::pending().boxed_local(), |all, one| future::or(all, one).boxed_local());
+            future::or(change, clouds).await;
+        }
+    }
+
+    fn subscribe(&self, topic: &str) -> Result<Subscription<PointCloud2>, MiddlewareError> {
+        let kind = TypeName::new("sensor_msgs", "PointCloud2");
+        self.middleware.subscription(&self.names.resolve(topic)?, kind, Quality::Bulk)
+    }
+
+    async fn receive_cloud_topic(&self, topic: &str, clouds: &Subscription<PointCloud2>) {
+        loop {
+            let (cloud, origin) = clouds.next().await;
+            let (received_at, since) = (self.sender.shared.clock.read(), origin.received);
+            let message = CloudMessage { cloud: Arc::new(cloud), received_at, since };
+            self.sender.shared.clouds.put(topic, message);
+            if !self.sender.send(LoaderCommand::Clouds).await {
+                return;
+            }
+        }
+    }
+}
+
+impl DuplicateDetector {
+    /// Whether a message is not the other subscription's copy of the previous one.
+    fn is_new(&mut self, subscription: usize, message: &Octomap) -> bool {
+        const SOON: Duration = Duration::from_secs(2);
+        let is_copy = (self.last.take()).is_some_and(|(other, before, at)| {
+            other != subscription && at.elapsed() < SOON && before == *message
+        });
+        if !is_copy {
+            self.last = Some((subscription, message.clone(), Instant::now()));
+        }
+        !is_copy
+    }
+}
