@@ -98,8 +98,9 @@ def results(cell, message):
     name = cell.node.private("check_trajectory")
     client = cell.peer.between_callbacks(lambda: ActionClient(cell.peer.node, CheckTrajectory, name))
     cell.peer.wait_for(client.server_is_ready, "the action")
-    handle = cell.peer.result(client.send_goal_async(CheckTrajectory.Goal(trajectory=message)), "an accepted goal")
-    result = cell.peer.result(handle.get_result_async(), "the result").result
+    handle = cell.peer.between_callbacks(lambda: client.send_goal_async(CheckTrajectory.Goal(trajectory=message)))
+    handle = cell.peer.result(handle, "an accepted goal")
+    result = cell.peer.result(cell.peer.between_callbacks(handle.get_result_async), "the result").result
     cell.peer.between_callbacks(client.destroy)
     return cell.motions.follow(message), result
 

@@ -52,14 +52,18 @@ class Goals:
         """The handle of a goal, and its feedback up to now and from now on."""
         feedback = []
         goal = CheckTrajectory.Goal(trajectory=trajectory, **terms)
-        future = self._client.send_goal_async(goal, lambda message: feedback.append(message.feedback))
-        return self._peer.result(future, "whether the goal is accepted"), feedback
+        note = lambda message: feedback.append(message.feedback)
+        return self._call(lambda: self._client.send_goal_async(goal, note), "whether the goal is accepted"), feedback
 
     def result(self, handle):
-        return self._peer.result(handle.get_result_async(), "the result")
+        return self._call(handle.get_result_async, "the result")
 
     def cancel(self, handle):
-        return self._peer.result(handle.cancel_goal_async(), "an answer to the cancellation")
+        return self._call(handle.cancel_goal_async, "an answer to the cancellation")
+
+    def _call(self, send, what):
+        """The answer to a request. Jazzy's client drops an answer that arrives before it has noted its own request."""
+        return self._peer.result(self._peer.between_callbacks(send), what)
 
 
 @pytest.fixture
