@@ -26,6 +26,7 @@ mod body;
 mod elements;
 mod front;
 mod narrow_phase;
+mod penetration_depth;
 mod queries;
 mod search;
 
@@ -33,6 +34,7 @@ pub use body::{BodyPair, BodyVolume, BoundingSphere, CollisionBody, Piece, Piece
 pub use elements::{Element, ElementPair};
 pub use front::{Front, FrontLimits};
 pub use narrow_phase::{Separation, element_contact, element_separation};
+pub use penetration_depth::{PenetrationDepth, SolidBody, UnknownDepth, penetration_depth};
 pub use queries::{
     DistanceBounds, DistanceCandidate, collide, deepest_overlap, distance, distance_bounds,
     distance_bounds_below, distance_candidates, margin_bounds, pieces_within_margin, signed_distance,

@@ -1,0 +1,87 @@
+//! Points with a radius and voxels in another body: each is a solid of its own, and the deepest counts.
+
+use std::sync::Arc;
+
+use clearance_geometry::math::{Extremes, MatrixPose, Point, Pose};
+use clearance_geometry::{PointCloud, Primitive, Voxels};
+
+use super::solid_body::Union;
+use crate::scratch::Scratch;
+
+/// A cloud or a set of voxels, posed in the frame of its body.
+#[derive(Clone, Debug)]
+pub(super) enum Grains {
+    Points { cloud: Arc<PointCloud>, pose: Pose },
+    Voxels { voxels: Arc<Voxels>, pose: Pose },
+}
+
+impl Grains {
+    pub fn count(&self) -> usize {
+        match self {
+            Self::Points { cloud, .. } => cloud.points().len(),
+            Self::Voxels { voxels, .. } => voxels.cubes().len(),
+        }
+    }
+
+    /// The centre of a ball or cube, and the radius (m) of the ball around it.
+    pub fn ball(&self, index: usize) -> (Point, f64) {
+        match self {
+            Self::Points { cloud, pose } => {
+                (pose * Point::from(cloud.points()[index].map(f64::from)), cloud.radius())
+            }
+            Self::Voxels { voxels, pose } => {
+                let cube = &voxels.cubes()[index];
+                (pose * Point::from(cube.centre.map(f64::from)), 3.0_f64.sqrt() * f64::from(cube.half_edge))
+            }
+        }
+    }
+
+    /// One of the balls or cubes.
+    pub fn solid(&self, index: usize) -> Option<Union> {
+        let (centre, radius) = self.ball(index);
+        match self {
+            Self::Points { pose, .. } => {
+                let pose = Pose::from_parts(centre.coords.into(), pose.rotation);
+                Union::of_convex(Primitive::Sphere { radius }, &pose)
+            }
+            Self::Voxels { voxels, pose } => {
+                let half = f64::from(voxels.cubes()[index].half_edge);
+                let pose = Pose::from_parts(centre.coords.into(), pose.rotation);
+                Union::of_convex(Primitive::Box { half_extents: [half; 3] }, &pose)
+            }
+        }
+    }
+}
+
+/// Searches for the ball or cube whose centre is deepest in a body, relative to its size.
+///
+/// The depth of a point changes at most as much as the point moves, so that neighbours of a shallow point are passed over.
+pub(super) fn deepest_grain(
+    grains: &Grains,
+    body: &Union,
+    pose_body_grains: &MatrixPose,
+    margin: f64,
+    scratch: &mut Scratch,
+) -> Option<usize> {
+    let bound = body.bounding_sphere();
+    let mut deepest: Option<(f64, usize)> = None;
+    let mut last: Option<(Point, f64)> = None;
+    for index in 0..grains.count() {
+        let (centre, radius) = grains.ball(index);
+        let centre = pose_body_grains * centre;
+        let least = deepest.map_or(0.0, |(depth, _)| depth);
+        if nalgebra::distance(&centre, &bound.centre) > bound.radius + radius + margin - least {
+            continue;
+        }
+        if last.is_some_and(|(p, depth)| depth + nalgebra::distance(&p, &centre) + radius + margin < least) {
+            continue;
+        }
+        let depth = body.depth_of_point(&centre, scratch);
+        last = Some((centre, depth));
+        let depth = depth + radius + margin;
+        if depth >= 0.0 && deepest.is_none_or(|(best, _)| depth > best) {
+            deepest = Some((depth.greater(0.0), index));
+        }
+    }
+    deepest.map(|(_, index)| index)
+}

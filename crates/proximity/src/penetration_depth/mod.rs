@@ -1,0 +1,277 @@
+//! Penetration depth: how far must one of two overlapping solids be moved until they are apart?
+//!
+//! | file | contents |
+//! |---|---|
+//! | `solid_body` | a rigid body as a union of solids |
+//! | `convex_solid` | support points and inner balls of primitives and convex meshes |
+//! | `rounded_pair`, `expanding_polytope` | exact depth of two convex solids |
+//! | `plane` | exact depth of a plane in a bounded body |
+//! | `separating_translation` | upper bounds for others: short translations that are proven to separate |
+//! | `inner_balls` | lower bounds for others: balls inside both solids |
+//! | `grains` | points and voxels: which one is deepest |
+
+mod convex_solid;
+mod expanding_polytope;
+mod grains;
+mod inner_balls;
+mod plane;
+mod rounded_pair;
+mod separating_translation;
+mod solid_body;
+
+pub use solid_body::SolidBody;
+
+use clearance_geometry::PointPair;
+use clearance_geometry::constants::CONTACT_DISTANCE;
+use clearance_geometry::math::{Extremes, MatrixPose, Point, Vector};
+
+use crate::scratch::Scratch;
+use convex_solid::ConvexSolid;
+use expanding_polytope::{ConvexDepth, ConvexPair};
+use grains::deepest_grain;
+use inner_balls::{Ball, SurfacePoint};
+use separating_translation::{GAP, MovedSolids, SeparatingTranslation};
+use solid_body::{Part, Union};
+
+/// Relative lengths that are added to an exact depth until the distance after the translation is proven positive: that of curved solids in
+/// contact is found less accurately than their depth.
+const ALLOWANCES: [f64; 4] = [0.0, 1e-8, 1e-7, 1e-6];
+
+/// Ratio of the bounds above which more work is done for the lower one.
+const WIDE: f64 = 1.25;
+
+/// Bounds on the translational penetration depth of two bodies: the length of the shortest translation after which they are apart.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PenetrationDepth {
+    /// No translation shorter than this (m) separates the bodies.
+    pub lower: f64,
+    /// After a translation of the second body by this (m) along `direction`, the distance is proven larger than the margin. Infinite
+    /// where no such translation was found.
+    pub upper: f64,
+    /// Unit vector, in the frame of the first body.
+    pub direction: Vector,
+    /// The points of the first and the second body that come apart last in this translation, in the frame of the first.
+    pub witness_points: PointPair,
+    /// Reason why the true depth may be much larger than `lower`, or `upper` is not known.
+    pub unknown: Option<UnknownDepth>,
+}
+
+/// Reason why a depth is not known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum UnknownDepth {
+    /// A mesh is not closed: it has no inside.
+    OpenMesh,
+    /// Infinite bodies that no translation separates, as two planes.
+    Inseparable,
+}
+
+impl PenetrationDepth {
+    /// The deeper of two, by their lower bounds.
+    fn deeper(self, other: Self) -> Self {
+        if other.lower > self.lower { other } else { self }
+    }
+
+    /// As seen from the other body, which is posed in the frame of the first.
+    fn swapped(self, pose_ab: &MatrixPose) -> Self {
+        let [on_b, on_a] = self.witness_points.map(|p| pose_ab * p);
+        Self { direction: -(pose_ab.rotation * self.direction), witness_points: [on_a, on_b], ..self }
+    }
+}
+
+/// Depth of two bodies, b posed in the frame of a, whose distance is at most `margin` (m); `None` if they are farther apart.
+///
+/// It is the depth of the bodies enlarged by `margin` together: the length of the shortest translation after which their distance is
+/// larger. Two convex solids (primitives, or meshes without dents) have an exact depth, up to rounding, and so has a plane in a bounded
+/// body. A body of several shapes counts as their union. Each point of a cloud and each voxel is a body of its own; the result is for the
+/// one whose centre is deepest.
+#[must_use]
+pub fn penetration_depth(
+    a: &SolidBody,
+    b: &SolidBody,
+    pose_ab: impl Into<MatrixPose>,
+    margin: f64,
+    scratch: &mut Scratch,
+) -> Option<PenetrationDepth> {
+    let pose_ab = &pose_ab.into();
+    let pose_ba = &pose_ab.inverse();
+    let unions = a.union.as_ref().zip(b.union.as_ref());
+    let of_unions = unions.and_then(|(a, b)| depth_of_unions([a, b], pose_ab, margin, scratch));
+    let mut all: Vec<PenetrationDepth> = of_unions.into_iter().collect();
+    for grains in &b.grains {
+        all.extend(a.union.as_ref().and_then(|a| depth_of_grains(a, grains, pose_ab, margin, scratch)));
+    }
+    for grains in &a.grains {
+        let found = b.union.as_ref().and_then(|b| depth_of_grains(b, grains, pose_ba, margin, scratch));
+        all.extend(found.map(|depth| depth.swapped(pose_ab)));
+    }
+    all.into_iter().reduce(PenetrationDepth::deeper)
+}
+
+fn depth_of_grains(
+    body: &Union,
+    grains: &grains::Grains,
+    pose_bg: &MatrixPose,
+    margin: f64,
+    scratch: &mut Scratch,
+) -> Option<PenetrationDepth> {
+    let index = deepest_grain(grains, body, pose_bg, margin, scratch)?;
+    depth_of_unions([body, &grains.solid(index)?], pose_bg, margin, scratch)
+}
+
+fn depth_of_unions(
+    [a, b]: [&Union; 2],
+    pose_ab: &MatrixPose,
+    margin: f64,
+    scratch: &mut Scratch,
+) -> Option<PenetrationDepth> {
+    let found = crate::distance(&a.whole, &b.whole, pose_ab, margin.greater(CONTACT_DISTANCE), scratch)?;
+    let apart = (found.distance > 0.0).then_some(found.distance);
+    let exact = match (&a.parts[..], &b.parts[..]) {
+        ([Part::Convex(a)], [Part::Convex(b)]) => depth_of_convex(a, b, pose_ab).map(|mut depth| {
+            depth.lower -= a.excess() + b.excess();
+            depth
+        }),
+        ([Part::Plane(plane)], _) => plane::depth_in_plane(plane, b, pose_ab),
+        (_, [Part::Plane(plane)]) => {
+            plane::depth_in_plane(plane, a, &pose_ab.inverse()).map(|depth| depth.swapped(pose_ab))
+        }
+        _ => None,
+    };
+    let exact = exact.map(|depth| PenetrationDepth {
+        lower: (depth.lower + margin).greater(0.0),
+        upper: depth.upper + margin,
+        direction: depth.direction,
+        witness_points: depth.witness_points,
+        unknown: (a.is_open || b.is_open).then_some(UnknownDepth::OpenMesh),
+    });
+    let exact = exact.and_then(|depth| {
+        let mut solids = MovedSolids { a, b, pose_ab, margin, scratch };
+        let lengths = ALLOWANCES.iter().map(|allowance| depth.upper * (1.0 + allowance) + GAP);
+        let proven = lengths.into_iter().find(|length| solids.is_separated(&(depth.direction * *length)));
+        proven.map(|upper| PenetrationDepth { upper, ..depth })
+    });
+    Some(exact.unwrap_or_else(|| search_depth([a, b], pose_ab, margin, apart, scratch)))
+}
+
+/// Depth of two convex solids; `None` if they are apart by more than their radii.
+fn depth_of_convex(a: &ConvexSolid, b: &ConvexSolid, pose_ab: &MatrixPose) -> Option<ConvexDepth> {
+    if let (ConvexSolid::Primitive(first), ConvexSolid::Primitive(second)) = (a, b)
+        && let Some(depth) = rounded_pair::depth_of_rounded(first, second, pose_ab)
+    {
+        return Some(depth);
+    }
+    let pair = |rounded| ConvexPair { a, b, pose_ab, rounded };
+    pair(false).depth().or_else(|| pair(true).depth())
+}
+
+/// Bounds on the depth of two unions, of which it is known how far they are `apart` (m), if they do not touch.
+fn search_depth(
+    bodies: [&Union; 2],
+    pose_ab: &MatrixPose,
+    margin: f64,
+    apart: Option<f64>,
+    scratch: &mut Scratch,
+) -> PenetrationDepth {
+    let [a, b] = bodies;
+    let mut balls = BallPair::default();
+    // the distance of bodies changes at most as much as one is moved
+    let mut lower = apart.map_or_else(|| of_exact_parts(bodies, pose_ab), |distance| -distance);
+    if apart.is_none() {
+        let of_b: Vec<Ball> = b.balls(scratch).iter().map(|ball| ball.transformed(pose_ab)).collect();
+        balls.offer(inner_balls::deepest_pair(a.balls(scratch), &of_b));
+        lower = lower.greater(balls.depth());
+    }
+    let found = MovedSolids { a, b, pose_ab, margin, scratch }.shortest(lower + margin);
+    let Some(found) = found else {
+        return PenetrationDepth {
+            lower: (lower + margin).greater(0.0),
+            upper: f64::INFINITY,
+            direction: Vector::x(),
+            witness_points: [Point::origin(); 2],
+            unknown: Some(UnknownDepth::Inseparable),
+        };
+    };
+    let upper = found.translation.norm();
+    if apart.is_none() {
+        balls.offer(tangent_balls(bodies, pose_ab, &found, scratch));
+        lower = lower.greater(balls.depth());
+        let is_wide = |lower: f64| lower + margin < upper / WIDE;
+        if is_wide(lower) {
+            let [p, q] = [found.after.witness_points[0], found.after.witness_points[1] - found.translation];
+            let middle = nalgebra::center(&p, &q);
+            balls.offer(inner_balls::common_balls(&middle, upper, bodies, pose_ab, scratch));
+            lower = lower.greater(balls.depth());
+        }
+        if let Some((_, pair)) = balls.0.filter(|_| is_wide(lower)) {
+            let step = 0.25 * pair[0].radius.greater(pair[1].radius);
+            lower = lower.greater(inner_balls::improved(pair, bodies, pose_ab, step, scratch));
+        }
+    }
+    PenetrationDepth {
+        lower: (lower + margin - a.excess() - b.excess()).greater(0.0).lesser(upper),
+        upper,
+        direction: found.translation / upper,
+        witness_points: [found.after.witness_points[0], found.after.witness_points[1] - found.translation],
+        unknown: (a.is_open || b.is_open).then_some(UnknownDepth::OpenMesh),
+    }
+}
+
+/// The pair of balls with the largest lower bound so far.
+#[derive(Default)]
+struct BallPair(Option<(f64, [Ball; 2])>);
+
+impl BallPair {
+    fn offer(&mut self, other: Option<(f64, [Ball; 2])>) {
+        if other.is_some_and(|(depth, _)| self.0.is_none_or(|(best, _)| depth > best)) {
+            self.0 = other;
+        }
+    }
+
+    fn depth(&self) -> f64 {
+        self.0.map_or(0.0, |(depth, _)| depth)
+    }
+}
+
+/// The largest lower bound (m) of pairs of convex parts, and of planes and parts.
+fn of_exact_parts([a, b]: [&Union; 2], pose_ab: &MatrixPose) -> f64 {
+    let mut lower = 0.0_f64;
+    for first in &a.parts {
+        for second in &b.parts {
+            if let (Part::Convex(first), Part::Convex(second)) = (first, second) {
+                lower =
+                    lower.greater(depth_of_convex(first, second, pose_ab).map_or(0.0, |depth| depth.lower));
+            }
+        }
+    }
+    lower
+}
+
+/// Balls that touch the surfaces where the bodies come apart last: their bound is exact where both surfaces, or one of them, have room
+/// for such balls.
+fn tangent_balls(
+    [a, b]: [&Union; 2],
+    pose_ab: &MatrixPose,
+    found: &SeparatingTranslation,
+    scratch: &mut Scratch,
+) -> Option<(f64, [Ball; 2])> {
+    let pose_ba = pose_ab.inverse();
+    let [p, q] = [found.after.witness_points[0], found.after.witness_points[1] - found.translation];
+    let out = (found.after.witness_points[1] - p).try_normalize(0.0);
+    let out = out.unwrap_or_else(|| found.translation.normalize());
+    let depth = found.translation.norm();
+    let on_a = SurfacePoint { point: p, inward: -out };
+    let on_b = SurfacePoint { point: &pose_ba * q, inward: pose_ba.rotation * out };
+    let mut balls_of_a = vec![Ball { centre: p, radius: 0.0 }];
+    let mut balls_of_b = vec![Ball { centre: q, radius: 0.0 }];
+    for share in [1.0, 0.5, 0.25] {
+        balls_of_a.extend(Ball::tangent(&on_a, share * depth, a, scratch));
+        let of_b = Ball::tangent(&on_b, share * depth, b, scratch);
+        balls_of_b.extend(of_b.map(|ball| ball.transformed(pose_ab)));
+    }
+    let middle = nalgebra::center(&p, &q);
+    balls_of_a.extend(Ball::around(middle, a, scratch));
+    let of_b = Ball::around(&pose_ba * middle, b, scratch);
+    balls_of_b.extend(of_b.map(|ball| ball.transformed(pose_ab)));
+    let pairs = balls_of_a.iter().flat_map(|a| balls_of_b.iter().map(|b| (a.depth(b), [*a, *b])));
+    pairs.max_by(|a, b| a.0.total_cmp(&b.0))
+}

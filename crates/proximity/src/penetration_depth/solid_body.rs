@@ -1,0 +1,215 @@
+//! A rigid body as a solid: the union of its shapes, closed meshes with their inside.
+
+use std::sync::{Arc, LazyLock, OnceLock};
+
+use clearance_geometry::math::{Extremes, MatrixPose, Point, Pose, UnitVector, Vector};
+use clearance_geometry::{Plane, Primitive, Shape, TriangleMesh};
+
+use super::convex_solid::{ConvexSolid, Hull, SupportMap, farthest_along};
+use super::grains::Grains;
+use super::inner_balls::{Ball, inner_balls};
+use crate::body::CollisionBody;
+use crate::bounding_sphere::BoundingSphere;
+use crate::element_pair::Separation;
+use crate::scratch::Scratch;
+
+/// Number of directions in which the outermost point of each solid is kept.
+const DIRECTIONS: usize = 128;
+
+/// Rounding error of a distance, relative to the coordinates.
+const ROUNDING: f64 = 1e-13;
+
+/// The solids of one body, in its frame, for queries of penetration depth.
+///
+/// Closed meshes are solids, also where other queries use their surfaces only. Open meshes stay surfaces.
+#[derive(Debug)]
+pub struct SolidBody {
+    /// All shapes that count as one body.
+    pub(super) union: Option<Union>,
+    /// Points and voxels, each a body of its own.
+    pub(super) grains: Vec<Grains>,
+}
+
+/// A union of solids and planes.
+#[derive(Debug)]
+pub(super) struct Union {
+    /// All shapes, for tests of separation.
+    pub whole: CollisionBody,
+    pub parts: Vec<Part>,
+    /// All triangles, for distances of inner points from the surface.
+    surface: Option<CollisionBody>,
+    /// Points of the parts that are farthest in directions spread over the sphere.
+    outermost: Vec<Point>,
+    balls: OnceLock<Vec<Ball>>,
+    /// Whether a part of a mesh is not closed.
+    pub is_open: bool,
+}
+
+/// One shape of a union.
+#[derive(Debug)]
+pub(super) enum Part {
+    Convex(ConvexSolid),
+    Mesh {
+        mesh: Arc<TriangleMesh>,
+        pose: Pose,
+    },
+    /// Two sides and no inside.
+    Plane(Plane),
+}
+
+impl SolidBody {
+    /// A body of shapes, each at its pose in the frame of the body.
+    #[must_use]
+    pub fn new<'a>(shapes: impl IntoIterator<Item = (&'a Pose, &'a Shape)>) -> Self {
+        let (mut of_union, mut grains) = (Vec::new(), Vec::new());
+        for (pose, shape) in shapes {
+            match shape {
+                Shape::Points(cloud) => grains.push(Grains::Points { cloud: Arc::clone(cloud), pose: *pose }),
+                Shape::Voxels(voxels) => {
+                    grains.push(Grains::Voxels { voxels: Arc::clone(voxels), pose: *pose });
+                }
+                Shape::Primitive(_) | Shape::Mesh(_) | Shape::Plane(_) => of_union.push((pose, shape)),
+            }
+        }
+        Self { union: Union::new(&of_union), grains }
+    }
+}
+
+impl Part {
+    fn new(shape: &Shape, pose: &Pose) -> Option<Self> {
+        Some(match shape {
+            Shape::Primitive(primitive) => Self::Convex(ConvexSolid::primitive(*primitive, *pose)),
+            Shape::Mesh(mesh) => match Hull::of_convex_mesh(mesh, pose) {
+                Some(hull) => Self::Convex(ConvexSolid::Hull(hull)),
+                None => Self::Mesh { mesh: Arc::clone(mesh), pose: *pose },
+            },
+            Shape::Plane(plane) => Self::Plane(plane.transformed(pose)),
+            Shape::Points(_) | Shape::Voxels(_) => return None,
+        })
+    }
+
+    /// The point farthest along a direction; `None` for a plane.
+    pub fn farthest(&self, n: &Vector) -> Option<Point> {
+        match self {
+            Self::Convex(solid) => Some(solid.support(n) + n * solid.radius()),
+            Self::Mesh { mesh, pose } => {
+                let local = pose.inverse_transform_vector(n);
+                let corners = mesh.triangles().iter().flatten().map(|&v| mesh.vertices()[v as usize]);
+                let farthest = corners.max_by(|p, q| p.coords.dot(&local).total_cmp(&q.coords.dot(&local)));
+                farthest.map(|p| pose * p)
+            }
+            Self::Plane(_) => None,
+        }
+    }
+}
+
+impl SupportMap for Union {
+    /// Among the outermost points that are kept: it may be nearer than the farthest.
+    fn support(&self, direction: &Vector) -> Point {
+        farthest_along(&self.outermost, direction)
+    }
+
+    fn radius(&self) -> f64 {
+        0.0
+    }
+}
+
+impl Union {
+    fn new(shapes: &[(&Pose, &Shape)]) -> Option<Self> {
+        let shapes = || shapes.iter().copied();
+        let whole = CollisionBody::with_solid_meshes(shapes())?;
+        let meshes = || shapes().filter(|(_, shape)| matches!(shape, Shape::Mesh(_)));
+        let is_open = |shape: &Shape| matches!(shape, Shape::Mesh(mesh) if mesh.solid().remarks().is_open());
+        let parts: Vec<Part> = shapes().filter_map(|(pose, shape)| Part::new(shape, pose)).collect();
+        let directions = spread_directions(DIRECTIONS);
+        let outermost = parts.iter().flat_map(|part| directions.iter().filter_map(|n| part.farthest(n)));
+        Some(Self {
+            whole,
+            surface: CollisionBody::new(meshes()),
+            outermost: outermost.collect(),
+            balls: OnceLock::new(),
+            is_open: meshes().any(|(_, shape)| is_open(shape)),
+            parts,
+        })
+    }
+
+    /// A union of one convex solid.
+    pub fn of_convex(primitive: Primitive, pose: &Pose) -> Option<Self> {
+        Self::new(&[(pose, &Shape::Primitive(primitive))])
+    }
+
+    pub fn bounding_sphere(&self) -> BoundingSphere {
+        self.whole.bounding_sphere()
+    }
+
+    /// Upper bound (m) on the radius of a ball inside.
+    pub fn size(&self) -> f64 {
+        let radius = self.whole.bounding_sphere().radius;
+        if radius.is_finite() { radius } else { 1.0 }
+    }
+
+    /// Depth (m) of a point inside, a lower bound for several overlapping parts; minus the distance of a point outside.
+    pub fn depth_of_point(&self, p: &Point, scratch: &mut Scratch) -> f64 {
+        self.inner_radius(p, scratch).unwrap_or_else(|| {
+            let found = distance_of_point(&self.whole, p, scratch);
+            found.map_or(f64::NEG_INFINITY, |found| -found.distance)
+        })
+    }
+
+    /// Radius (m) of a ball around `p` inside one of the solids, as large as it is found; `None` for a point outside of all.
+    pub fn inner_radius(&self, p: &Point, scratch: &mut Scratch) -> Option<f64> {
+        let of_convex = self.parts.iter().filter_map(|part| match part {
+            Part::Convex(solid) => solid.inner_radius(p),
+            _ => None,
+        });
+        let radius = of_convex.reduce(f64::greater);
+        let is_in_mesh = self.parts.iter().any(|part| match part {
+            Part::Mesh { mesh, pose } => mesh.encloses(&pose.inverse_transform_point(p)),
+            _ => false,
+        });
+        if !is_in_mesh {
+            return radius;
+        }
+        let to_surface = self.surface.as_ref().and_then(|surface| distance_of_point(surface, p, scratch));
+        let to_surface = to_surface.map_or(0.0, |found| found.distance);
+        let to_surface = (to_surface - ROUNDING * p.coords.amax()).greater(0.0);
+        Some(radius.map_or(to_surface, |radius| radius.greater(to_surface)))
+    }
+
+    /// Balls inside the body that together fill much of it; found at the first use.
+    pub fn balls(&self, scratch: &mut Scratch) -> &[Ball] {
+        self.balls.get_or_init(|| inner_balls(self, scratch))
+    }
+
+    /// Length (m) by which convex meshes may be smaller than their support points show.
+    pub fn excess(&self) -> f64 {
+        let of_parts = self.parts.iter().map(|part| match part {
+            Part::Convex(solid) => solid.excess(),
+            _ => 0.0,
+        });
+        of_parts.fold(0.0, f64::greater)
+    }
+}
+
+/// Distance (m) of a point from a body.
+fn distance_of_point(body: &CollisionBody, p: &Point, scratch: &mut Scratch) -> Option<Separation> {
+    static POINT: LazyLock<CollisionBody> = LazyLock::new(|| {
+        let point = Shape::Primitive(Primitive::Sphere { radius: 0.0 });
+        CollisionBody::new([(&Pose::identity(), &point)]).expect("a body with a shape")
+    });
+    let pose = MatrixPose { translation: p.coords, ..MatrixPose::identity() };
+    crate::distance(body, &POINT, pose, f64::INFINITY, scratch)
+}
+
+/// Directions spread evenly over the sphere: points of a spiral whose turns are the golden angle apart.
+#[allow(clippy::cast_precision_loss)] // small numbers
+pub(super) fn spread_directions(count: usize) -> Vec<UnitVector> {
+    let golden_angle = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
+    (0..count)
+        .map(|i| {
+            let z = 1.0 - (2.0 * i as f64 + 1.0) / count as f64;
+            let (across, angle) = ((1.0 - z * z).sqrt(), golden_angle * i as f64);
+            UnitVector::new_normalize(Vector::new(across * angle.cos(), across * angle.sin(), z))
+        })
+        .collect()
+}
