@@ -5,6 +5,7 @@
 //! distance from the origin to its boundary. A polytope of support points lies inside, so the least distance of its faces is a lower
 //! bound; the support plane in any direction is an upper bound. Both are proven up to rounding, for which they are widened.
 
+use clearance_geometry::Triangle;
 use clearance_geometry::math::{Extremes, MatrixPose, Point, Vector};
 
 use super::convex_solid::SupportMap;
@@ -203,19 +204,31 @@ impl Polytope {
         }
     }
 
-    /// The point of the face nearest to the origin, as points of both solids.
-    fn witness_points(&self, face: &Face) -> [Point; 2] {
-        let [a, b, c] = face.corners.map(|i| self.supports[i]);
-        let foot = face.normal * face.offset;
-        let area = |p: &Vector, q: &Vector| face.normal.dot(&p.cross(q));
-        let to = [a, b, c].map(|s| s.difference - foot);
-        let weights = [area(&to[1], &to[2]), area(&to[2], &to[0]), area(&to[0], &to[1])];
-        let weights = weights.map(|w| w.greater(0.0));
-        let total = weights.iter().sum::<f64>();
-        let mixed = |of: fn(&Support) -> Vector| {
-            ([a, b, c].iter().zip(weights)).map(|(s, w)| of(s) * (w / total)).sum::<Vector>()
-        };
-        let on_a = mixed(|s| s.on_a);
-        [Point::from(on_a), Point::from(on_a - mixed(|s| s.difference))]
+    /// The point of the polytope's surface nearest to the origin, as points of both solids. Several faces may lie in the nearest plane.
+    fn witness_points(&self, nearest: &Face) -> [Point; 2] {
+        let in_plane = nearest.offset.abs() * 1e-6 + self.resolution;
+        let (mut best, mut found) = (f64::INFINITY, [Point::origin(); 2]);
+        for face in self.faces.iter().filter(|face| face.offset <= nearest.offset + in_plane) {
+            let supports = face.corners.map(|i| self.supports[i]);
+            let [a, b, c] = supports.map(|s| Point::from(s.difference));
+            let point = Triangle { a, b, c }.nearest_point(&Point::origin());
+            if point.coords.norm() < best {
+                best = point.coords.norm();
+                let weights = face.weights(&[a, b, c], &point);
+                let on_a: Vector = supports.iter().zip(weights).map(|(s, w)| s.on_a * w).sum();
+                found = [Point::from(on_a), Point::from(on_a) - point.coords];
+            }
+        }
+        found
+    }
+}
+
+impl Face {
+    /// Weights of the corners at a point of the face.
+    fn weights(&self, corners: &[Point; 3], point: &Point) -> [f64; 3] {
+        let [a, b, c] = corners.map(|corner| corner - point);
+        let areas = [b.cross(&c), c.cross(&a), a.cross(&b)].map(|area| self.normal.dot(&area).greater(0.0));
+        let total: f64 = areas.iter().sum();
+        areas.map(|area| area / total)
     }
 }

@@ -18,6 +18,8 @@ mod plane;
 mod rounded_pair;
 mod separating_translation;
 mod solid_body;
+#[cfg(test)]
+mod tests;
 
 pub use solid_body::SolidBody;
 

@@ -1,0 +1,441 @@
+//! Laws of penetration depths, and comparison with independent computations.
+
+use std::sync::Arc;
+
+use clearance_geometry::constants::CONTACT_DISTANCE;
+use clearance_geometry::math::{Extremes, MatrixPose, Point, Pose, Vector};
+use clearance_geometry::testing::Random;
+use clearance_geometry::{Cube, Plane, PointCloud, Primitive, Shape, Triangle, TriangleMesh, Voxels};
+use parry3d_f64::query::contact;
+use parry3d_f64::shape::Cuboid;
+
+use super::*;
+use crate::CollisionBody;
+
+/// A body for depths, and the same for other queries.
+struct Body {
+    solid: SolidBody,
+    whole: CollisionBody,
+    shapes: Vec<(Pose, Shape)>,
+}
+
+impl Body {
+    fn new(shapes: Vec<(Pose, Shape)>) -> Self {
+        let list = || shapes.iter().map(|(pose, shape)| (pose, shape));
+        let (solid, whole) = (SolidBody::new(list()), CollisionBody::with_solid_meshes(list()).unwrap());
+        Self { solid, whole, shapes }
+    }
+
+    fn of(shape: Shape) -> Self {
+        Self::new(vec![(Pose::identity(), shape)])
+    }
+}
+
+fn mesh(vertices: Vec<Point>, faces: Vec<[u32; 3]>) -> Shape {
+    Shape::Mesh(Arc::new(TriangleMesh::new(vertices, faces).unwrap()))
+}
+
+fn cuboid_mesh(half: [f64; 3]) -> Shape {
+    let at = |i: usize, k: usize| if i >> k & 1 == 0 { -half[k] } else { half[k] };
+    let vertices = (0..8).map(|i| Point::new(at(i, 0), at(i, 1), at(i, 2))).collect();
+    let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    mesh(vertices, quads.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect())
+}
+
+/// A prism over an outline that is star-shaped about a point.
+fn prism(outline: &[[f64; 2]], half: f64, middle: [f64; 2]) -> Shape {
+    let n = u32::try_from(outline.len()).unwrap();
+    let mut vertices: Vec<Point> =
+        [-half, half].iter().flat_map(|z| outline.iter().map(|[x, y]| Point::new(*x, *y, *z))).collect();
+    vertices.extend([-half, half].map(|z| Point::new(middle[0], middle[1], z)));
+    let side = |i: u32| {
+        let j = (i + 1) % n;
+        [[i, j, n + j], [i, n + j, n + i], [2 * n, j, i], [2 * n + 1, n + i, n + j]]
+    };
+    mesh(vertices, (0..n).flat_map(side).collect())
+}
+
+fn angle() -> Shape {
+    prism(&[[0.0, 0.0], [0.6, 0.0], [0.6, 0.2], [0.2, 0.2], [0.2, 0.6], [0.0, 0.6]], 0.1, [0.1, 0.1])
+}
+
+fn gear() -> Shape {
+    let corner = |i: u32| {
+        let (turn, radius) = (f64::from(i) / 24.0 * std::f64::consts::TAU, [0.5, 0.38][i as usize / 2 % 2]);
+        [radius * turn.cos(), radius * turn.sin()]
+    };
+    prism(&(0..24).map(corner).collect::<Vec<_>>(), 0.15, [0.0, 0.0])
+}
+
+fn torus() -> Shape {
+    let (around, across) = (24, 12);
+    let at = |i: u32, j: u32| {
+        let [u, v] = [f64::from(i) / 24.0, f64::from(j) / 12.0].map(|share| share * std::f64::consts::TAU);
+        let radius = 0.5 + 0.2 * v.cos();
+        Point::new(radius * u.cos(), radius * u.sin(), 0.2 * v.sin())
+    };
+    let vertices = (0..around).flat_map(|i| (0..across).map(move |j| at(i, j))).collect();
+    let number = |i: u32, j: u32| (i % around) * across + j % across;
+    let quad = |i: u32, j: u32| {
+        let [a, b, c, d] = [number(i, j), number(i + 1, j), number(i + 1, j + 1), number(i, j + 1)];
+        [[a, b, c], [a, c, d]]
+    };
+    mesh(vertices, (0..around).flat_map(|i| (0..across).flat_map(move |j| quad(i, j))).collect())
+}
+
+/// A link of two shapes that overlap.
+fn hammer() -> Vec<(Pose, Shape)> {
+    vec![
+        (Pose::identity(), Shape::Primitive(Primitive::Capsule { radius: 0.08, half_length: 0.4 })),
+        (Pose::translation(0.05, 0.0, 0.4), cuboid_mesh([0.3, 0.12, 0.1])),
+    ]
+}
+
+fn bodies() -> Vec<Body> {
+    let mut bodies: Vec<Body> = [angle(), gear(), torus(), cuboid_mesh([0.2, 0.3, 0.4])].map(Body::of).into();
+    bodies.push(Body::of(Shape::Primitive(Primitive::Cylinder { radius: 0.2, half_length: 0.3 })));
+    bodies.push(Body::new(hammer()));
+    bodies
+}
+
+fn moved(pose: &Pose, by: &Vector) -> MatrixPose {
+    let pose = MatrixPose::from(pose);
+    MatrixPose { translation: pose.translation + by, ..pose }
+}
+
+fn random_pose(random: &mut Random, extent: f64) -> Pose {
+    Pose::from_parts(random.vector(extent).into(), random.rotation())
+}
+
+/// Overlapping pairs of bodies at random poses, and their depths.
+fn for_overlapping(
+    count: usize,
+    seed: u64,
+    mut check: impl FnMut(&Body, &Body, &Pose, PenetrationDepth, &mut Random),
+) {
+    let (bodies, mut random, mut scratch) = (bodies(), Random::new(seed), Scratch::default());
+    let mut found = 0;
+    while found < count {
+        let [a, b] = [random.below(bodies.len()), random.below(bodies.len())].map(|i| &bodies[i]);
+        let pose = random_pose(&mut random, 0.6);
+        let depth = penetration_depth(&a.solid, &b.solid, &pose, 0.0, &mut scratch);
+        assert_eq!(depth.is_some(), crate::collide(&a.whole, &b.whole, &pose, &mut scratch).is_some());
+        let Some(depth) = depth else { continue };
+        found += 1;
+        check(a, b, &pose, depth, &mut random);
+    }
+}
+
+#[test]
+fn a_translation_by_the_upper_bound_separates_and_none_below_the_lower_one_does() {
+    let mut scratch = Scratch::default();
+    for_overlapping(400, 1, |a, b, pose, depth, random| {
+        assert!(depth.lower <= depth.upper && depth.unknown.is_none(), "{depth:?}");
+        let after = moved(pose, &(depth.direction * depth.upper));
+        assert!(crate::collide(&a.whole, &b.whole, after, &mut scratch).is_none(), "{depth:?} {pose:?}");
+        for i in 0..20 {
+            let n = if i == 0 { depth.direction } else { random.direction().into_inner() };
+            let after = moved(pose, &(n * (depth.lower * (1.0 - 1e-9) - CONTACT_DISTANCE)));
+            assert!(crate::collide(&a.whole, &b.whole, after, &mut scratch).is_some(), "{depth:?} {pose:?}");
+        }
+    });
+}
+
+#[test]
+fn bounds_of_both_orders_and_of_nearby_poses_agree() {
+    let mut scratch = Scratch::default();
+    for_overlapping(300, 2, |a, b, pose, depth, random| {
+        let mut of = |a: &Body, b: &Body, pose: &Pose| {
+            let found = penetration_depth(&a.solid, &b.solid, pose, 0.0, &mut scratch);
+            found.map_or([0.0, 0.0], |depth| [depth.lower, depth.upper])
+        };
+        let [lower, upper] = of(b, a, &pose.inverse());
+        assert!(lower <= depth.upper && depth.lower <= upper, "{depth:?} [{lower}, {upper}]");
+        let step = random.vector(0.02);
+        let [lower, upper] = of(a, b, &Pose::from(&moved(pose, &step)));
+        let reach = step.norm() + 2.0 * CONTACT_DISTANCE;
+        assert!(lower <= depth.upper + reach && depth.lower <= upper + reach, "{depth:?} [{lower}, {upper}]");
+    });
+}
+
+#[test]
+fn witness_points_lie_on_the_bodies_and_come_apart_last() {
+    let mut scratch = Scratch::default();
+    for_overlapping(200, 3, |a, b, pose, depth, _| {
+        let point =
+            CollisionBody::new([(&Pose::identity(), &Shape::Primitive(Primitive::Sphere { radius: 0.0 }))]);
+        let point = point.unwrap();
+        let [p, q] = depth.witness_points;
+        let mut off = |body: &CollisionBody, p: Point| {
+            crate::distance(
+                body,
+                &point,
+                MatrixPose::from(&Pose::from(p.coords)),
+                f64::INFINITY,
+                &mut scratch,
+            )
+            .unwrap()
+            .distance
+        };
+        assert!(off(&a.whole, p) <= 1e-6, "{depth:?}");
+        assert!(off(&b.whole, pose.inverse_transform_point(&q)) <= 1e-6, "{depth:?}");
+        let apart = q + depth.direction * depth.upper - p;
+        assert!(apart.norm() <= 0.05 * depth.upper + 1e-6, "{depth:?} {apart:?}");
+    });
+}
+
+/// Separating axes of two boxes: the faces' normals, and the cross products of their edges.
+#[test]
+fn boxes_have_the_depth_of_their_best_separating_axis() {
+    let (mut random, mut scratch) = (Random::new(4), Scratch::default());
+    for _ in 0..3_000 {
+        let mut half = || [(); 3].map(|()| 0.05 + random.within(0.3).abs());
+        let (of_a, of_b) = (half(), half());
+        let pose = random_pose(&mut random, 0.4);
+        let axes = pose.rotation.to_rotation_matrix();
+        let normals: Vec<Vector> = (0..3)
+            .map(|i| Vector::ith(i, 1.0))
+            .chain((0..3).map(|i| axes.matrix().column(i).into_owned()))
+            .collect();
+        let edges =
+            (0..3).flat_map(|i| (3..6).map(move |j| (i, j))).map(|(i, j)| normals[i].cross(&normals[j]));
+        let overlap = |n: &Vector| {
+            let a: f64 = (0..3).map(|i| of_a[i] * n[i].abs()).sum();
+            let b: f64 = (0..3).map(|i| of_b[i] * n.dot(&normals[3 + i]).abs()).sum();
+            a + b - n.dot(&pose.translation.vector).abs()
+        };
+        let truth =
+            normals.iter().copied().chain(edges).filter_map(|n| n.try_normalize(1e-6)).map(|n| overlap(&n));
+        let truth = truth.fold(f64::INFINITY, f64::lesser);
+        for shapes in [
+            [of_a, of_b].map(|half_extents| Shape::Primitive(Primitive::Box { half_extents })),
+            [of_a, of_b].map(cuboid_mesh),
+        ] {
+            let [a, b] = shapes.map(Body::of);
+            match penetration_depth(&a.solid, &b.solid, &pose, 0.0, &mut scratch) {
+                None => assert!(truth <= CONTACT_DISTANCE, "{truth}"),
+                Some(depth) => {
+                    let error = 1e-6 * truth + 3.0 * CONTACT_DISTANCE;
+                    assert!(
+                        (depth.upper - truth).abs() <= error && (depth.lower - truth).abs() <= error,
+                        "{depth:?} {truth}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn primitives_have_tight_bounds_and_agree_with_another_implementation() {
+    let (mut random, mut scratch) = (Random::new(5), Scratch::default());
+    let primitive = |random: &mut Random| {
+        let [x, y, z] = [(); 3].map(|()| 0.05 + random.within(0.3).abs());
+        match random.below(5) {
+            0 => Primitive::Sphere { radius: x },
+            1 => Primitive::Capsule { radius: x, half_length: y },
+            2 => Primitive::Cylinder { radius: x, half_length: y },
+            3 => Primitive::Cone { radius: x, half_length: y },
+            _ => Primitive::Box { half_extents: [x, y, z] },
+        }
+    };
+    let parry = |primitive: &Primitive| -> Option<Box<dyn parry3d_f64::shape::Shape>> {
+        Some(match *primitive {
+            Primitive::Sphere { radius } => Box::new(parry3d_f64::shape::Ball::new(radius)),
+            Primitive::Box { half_extents: [x, y, z] } => {
+                Box::new(Cuboid::new(parry3d_f64::math::Vector::new(x, y, z)))
+            }
+            _ => return None,
+        })
+    };
+    for _ in 0..5_000 {
+        let [a, b] = [primitive(&mut random), primitive(&mut random)];
+        let pose = random_pose(&mut random, 0.3);
+        let solid = [a, b].map(|primitive| Body::of(Shape::Primitive(primitive)));
+        let Some(depth) = penetration_depth(&solid[0].solid, &solid[1].solid, &pose, 0.0, &mut scratch)
+        else {
+            continue;
+        };
+        assert!(
+            depth.upper - depth.lower <= 1e-6 * depth.upper + 3.0 * CONTACT_DISTANCE,
+            "{a:?} {b:?} {pose:?} {depth:?}"
+        );
+        if let (Some(first), Some(second)) = (parry(&a), parry(&b)) {
+            let other = contact(&Default::default(), &*first, &pose.into(), &*second, 0.0).unwrap().unwrap();
+            assert!(
+                (other.dist + depth.upper).abs() <= 1e-4 * depth.upper + 1e-6,
+                "{a:?} {b:?} {depth:?} {other:?}"
+            );
+        }
+    }
+}
+
+/// The shortest separating translation along many directions, by bisection with tests of every pair of triangles and of corners inside.
+#[test]
+fn bounds_enclose_the_depth_found_by_brute_force() {
+    let (shapes, mut random, mut scratch) = ([angle(), gear()], Random::new(6), Scratch::default());
+    for _ in 0..12 {
+        let [a, b] = [random.below(2), random.below(2)].map(|i| shapes[i].clone());
+        let pose = random_pose(&mut random, 0.45);
+        let [first, second] = [a.clone(), b.clone()].map(Body::of);
+        let Some(depth) = penetration_depth(&first.solid, &second.solid, &pose, 0.0, &mut scratch) else {
+            continue;
+        };
+        let (Shape::Mesh(a), Shape::Mesh(b)) = (a, b) else { unreachable!() };
+        let mut brute = depth.upper;
+        for n in solid_body::spread_directions(40) {
+            let (mut low, mut high) = (0.0, brute);
+            if overlap_by_brute_force(&a, &b, &Pose::from(&moved(&pose, &n.scale(high)))) {
+                continue;
+            }
+            for _ in 0..12 {
+                let middle = 0.5 * (low + high);
+                if overlap_by_brute_force(&a, &b, &Pose::from(&moved(&pose, &n.scale(middle)))) {
+                    low = middle
+                } else {
+                    high = middle
+                }
+            }
+            brute = high;
+        }
+        assert!(depth.lower <= brute + CONTACT_DISTANCE, "{depth:?} {brute}");
+        assert!(depth.upper <= 3.0 * brute, "{depth:?} {brute}");
+    }
+}
+
+fn overlap_by_brute_force(a: &TriangleMesh, b: &TriangleMesh, pose_ab: &Pose) -> bool {
+    let of_b: Vec<Triangle> = (0..b.triangles().len()).map(|i| b.triangle(i).transformed(pose_ab)).collect();
+    let crosses =
+        (0..a.triangles().len()).any(|i| of_b.iter().any(|t| a.triangle(i).contact_point(t).is_some()));
+    crosses
+        || b.vertices().iter().any(|p| a.encloses(&(pose_ab * p)))
+        || a.vertices().iter().any(|p| b.encloses(&pose_ab.inverse_transform_point(p)))
+}
+
+#[test]
+fn a_plane_in_a_body_is_as_deep_as_the_nearer_side() {
+    let (mut random, mut scratch) = (Random::new(7), Scratch::default());
+    for body in bodies() {
+        for _ in 0..50 {
+            let plane = Plane { normal: random.direction(), offset: random.within(0.6) };
+            let flat = Body::of(Shape::Plane(plane));
+            let pose = random_pose(&mut random, 0.3);
+            let heights: Vec<f64> = body
+                .shapes
+                .iter()
+                .flat_map(|(at, shape)| points_of(shape).into_iter().map(move |(p, r)| (at * p, r)))
+                .flat_map(|(p, r)| [plane.height(&(pose * p)) - r, plane.height(&(pose * p)) + r])
+                .collect();
+            let (low, high) = (
+                heights.iter().copied().fold(f64::INFINITY, f64::lesser),
+                heights.iter().copied().fold(f64::NEG_INFINITY, f64::greater),
+            );
+            let found = penetration_depth(&flat.solid, &body.solid, &pose, 0.0, &mut scratch);
+            let Some(depth) = found else {
+                assert!(low > 0.0 || high < 0.0);
+                continue;
+            };
+            if body
+                .shapes
+                .iter()
+                .all(|(_, shape)| !matches!(shape, Shape::Primitive(Primitive::Cylinder { .. })))
+            {
+                let truth = high.lesser(-low);
+                assert!(
+                    (depth.lower - truth).abs() <= 1e-9 && (depth.upper - truth).abs() <= 1e-6 * truth + 1e-8,
+                    "{depth:?} {truth}"
+                );
+            }
+            let after = moved(&pose, &(depth.direction * depth.upper));
+            assert!(crate::collide(&flat.whole, &body.whole, after, &mut scratch).is_none());
+        }
+    }
+    let planes = [Vector::x_axis(), Vector::y_axis()]
+        .map(|normal| Body::of(Shape::Plane(Plane { normal, offset: 0.0 })));
+    let depth =
+        penetration_depth(&planes[0].solid, &planes[1].solid, &Pose::identity(), 0.0, &mut scratch).unwrap();
+    assert_eq!((depth.upper, depth.unknown), (f64::INFINITY, Some(UnknownDepth::Inseparable)));
+}
+
+/// Points whose balls have the convex hull of the shape.
+fn points_of(shape: &Shape) -> Vec<(Point, f64)> {
+    match shape {
+        Shape::Mesh(mesh) => mesh.vertices().iter().map(|p| (*p, 0.0)).collect(),
+        Shape::Primitive(Primitive::Capsule { radius, half_length }) => {
+            [-1.0, 1.0].map(|side| (Point::new(0.0, 0.0, side * half_length), *radius)).into()
+        }
+        _ => Vec::new(),
+    }
+}
+
+#[test]
+fn points_and_voxels_count_one_by_one() {
+    let (mut random, mut scratch) = (Random::new(8), Scratch::default());
+    let centres: Vec<[f32; 3]> = (0..400).map(|_| random.vector(0.7).map(|x| x as f32).into()).collect();
+    let cloud = Body::of(Shape::Points(Arc::new(PointCloud::new(centres.clone(), 0.02).unwrap())));
+    let cubes = centres.iter().map(|c| Cube { centre: *c, half_edge: 0.02 }).collect();
+    let voxels = Body::of(Shape::Voxels(Arc::new(Voxels::new(cubes).unwrap())));
+    for body in bodies() {
+        let pose = random_pose(&mut random, 0.2);
+        let single = |centre: &[f32; 3]| {
+            let at = Pose::from(Vector::from(centre.map(f64::from)));
+            Body::new(vec![(at, Shape::Primitive(Primitive::Sphere { radius: 0.02 }))])
+        };
+        let mut of = |other: &Body| penetration_depth(&body.solid, &other.solid, &pose, 0.0, &mut scratch);
+        let deepest =
+            centres.iter().filter_map(|c| of(&single(c))).map(|depth| depth.lower).fold(0.0, f64::greater);
+        let found = of(&cloud).unwrap();
+        assert!(found.upper >= deepest - 1e-9 && found.lower <= deepest + 1e-9, "{found:?} {deepest}");
+        let of_voxels = of(&voxels).unwrap();
+        assert!(of_voxels.upper >= 0.8 * deepest, "{of_voxels:?} {deepest}");
+        let swapped =
+            penetration_depth(&cloud.solid, &body.solid, &pose.inverse(), 0.0, &mut scratch).unwrap();
+        assert!(swapped.lower <= found.upper && found.lower <= swapped.upper, "{swapped:?} {found:?}");
+    }
+}
+
+#[test]
+fn an_open_mesh_has_no_inside_and_the_result_says_so() {
+    let Shape::Mesh(closed) = cuboid_mesh([0.2; 3]) else { unreachable!() };
+    let open = mesh(closed.vertices().to_vec(), closed.triangles()[2..].to_vec());
+    let ball = Body::of(Shape::Primitive(Primitive::Sphere { radius: 0.1 }));
+    let mut scratch = Scratch::default();
+    let pose = Pose::translation(0.25, 0.0, 0.0);
+    let depth = penetration_depth(&Body::of(open).solid, &ball.solid, &pose, 0.0, &mut scratch).unwrap();
+    assert_eq!(depth.unknown, Some(UnknownDepth::OpenMesh));
+    assert!((depth.upper - 0.05).abs() <= 1e-6 && depth.lower <= depth.upper, "{depth:?}");
+    let inside = Pose::identity();
+    let closed = Body::of(cuboid_mesh([0.2; 3]));
+    let depth = penetration_depth(&closed.solid, &ball.solid, &inside, 0.0, &mut scratch).unwrap();
+    assert!((depth.upper - 0.3).abs() <= 1e-6 && (depth.lower - 0.3).abs() <= 1e-6, "{depth:?}");
+}
+
+#[test]
+fn a_margin_makes_bodies_larger() {
+    let (mut random, mut scratch) = (Random::new(9), Scratch::default());
+    let bodies = bodies();
+    let mut found = 0;
+    while found < 150 {
+        let [a, b] = [random.below(bodies.len()), random.below(bodies.len())].map(|i| &bodies[i]);
+        let pose = random_pose(&mut random, 0.8);
+        let margin = 0.05;
+        let Some(padded) = penetration_depth(&a.solid, &b.solid, &pose, margin, &mut scratch) else {
+            continue;
+        };
+        found += 1;
+        let after = moved(&pose, &(padded.direction * padded.upper));
+        let distance =
+            crate::distance(&a.whole, &b.whole, after, f64::INFINITY, &mut scratch).unwrap().distance;
+        assert!(distance > margin, "{padded:?} {distance}");
+        match penetration_depth(&a.solid, &b.solid, &pose, 0.0, &mut scratch) {
+            Some(depth) => assert!(
+                padded.lower <= depth.upper + margin + 1e-8 && padded.upper >= depth.lower + margin - 1e-8
+            ),
+            None => {
+                let apart =
+                    crate::distance(&a.whole, &b.whole, &pose, f64::INFINITY, &mut scratch).unwrap().distance;
+                assert!((padded.lower - (margin - apart)).abs() <= 1e-8, "{padded:?} {apart}");
+            }
+        }
+    }
+}
