@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use clearance_geometry::math::MatrixPose;
+use clearance_proximity::SolidBody;
 use clearance_robot::{Frame, KinematicPath, PlacedFrame, RobotModel};
 use clearance_scene::{AllowedCollisionMatrix, BodyId, PairList, Settings, World};
 
@@ -152,6 +153,19 @@ impl CheckedPairs {
         match self.bodies(index) {
             PairBodies::Parts(index) => self.self_pairs.path_between(index, &self.robot),
             PairBodies::PartAndObstacle(pair) => self.robot.path_to_root(pair.part),
+        }
+    }
+
+    /// The bodies of a pair for queries of penetration depth.
+    pub fn solids(&self, index: usize) -> [&SolidBody; 2] {
+        match self.bodies(index) {
+            PairBodies::Parts(index) => {
+                let (a, b) = self.self_pairs.infos()[index].bodies;
+                [self.robot[a].solids(), self.robot[b].solids()]
+            }
+            PairBodies::PartAndObstacle(WorldPair { part, place }) => {
+                [self.robot[part].solids(), self.world.obstacle(place).solids()]
+            }
         }
     }
 

@@ -3,7 +3,7 @@
 //! | content | file |
 //! |---|---|
 //! | paddings and scale factors, validated | `geometry_settings` |
-//! | collision body of scaled shapes | `scaled_body` |
+//! | collision geometry of scaled shapes | `scaled_body` |
 //! | link or attached object with geometry | `robot_body` |
 //! | kinematic chain with its bodies, and bounds on their motion | `robot_geometry` |
 //! | boxes around the robot's parts, and its extent | `link_volumes` |
@@ -28,5 +28,5 @@ pub use pair_info::{CandidatePair, PairInfo};
 pub use pair_priority::PairPriority;
 pub use robot_body::{RobotBody, SceneOfRobot};
 pub use robot_geometry::RobotGeometry;
-pub use scaled_body::scaled_body;
+pub use scaled_body::{LazySolidBody, ScaledBody};
 pub use self_pairs::{PlacedSegments, SelfPairs, set_bits};

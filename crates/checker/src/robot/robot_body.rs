@@ -6,13 +6,13 @@ use std::sync::Arc;
 use clearance_geometry::constants::MOTION_SLACK;
 use clearance_geometry::math::{Extremes, MatrixPose, Pose};
 use clearance_geometry::{ScaleError, Shape};
-use clearance_proximity::CollisionBody;
+use clearance_proximity::{CollisionBody, SolidBody};
 use clearance_robot::{Chain, Frame, LinkId, LinkInBody, Reach, RobotModel};
 use clearance_scene::{AttachedObject, BodyId, MeshModel, ObstacleShape, PairList, Settings, World};
 use rayon::prelude::*;
 
 use super::geometry_settings::{checked_scale, link_padding, link_scale, object_padding, object_scale};
-use super::scaled_body::scaled_body;
+use super::scaled_body::{LazySolidBody, ScaledBody};
 use crate::capsules::{LinkCapsule, RootCapsule};
 use crate::settings_error::SettingsError;
 
@@ -24,6 +24,7 @@ pub struct RobotBody {
     padding: f64,
     solid: Arc<CollisionBody>,
     capsule: LinkCapsule,
+    solids: Arc<LazySolidBody>,
     built_from: BuiltFrom,
 }
 
@@ -137,8 +138,9 @@ impl RobotBody {
         padding: f64,
         built_from: BuiltFrom,
     ) -> Result<Self, ScaleError> {
-        let (solid, capsule) = scaled_body(shapes, built_from.scale, built_from.mesh_model)?;
-        Ok(Self { id, link, padding, solid, capsule, built_from })
+        let ScaledBody { body, capsule, solids } =
+            ScaledBody::new(shapes, built_from.scale, built_from.mesh_model)?;
+        Ok(Self { id, link, padding, solid: body, capsule, solids, built_from })
     }
 
     #[inline]
@@ -167,6 +169,11 @@ impl RobotBody {
     #[inline]
     pub fn solid(&self) -> &CollisionBody {
         &self.solid
+    }
+
+    /// Its shapes for queries of penetration depth.
+    pub fn solids(&self) -> &SolidBody {
+        self.solids.get()
     }
 
     /// Capsule around its shapes, in the frame of the chain body, without padding.

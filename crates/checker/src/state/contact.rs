@@ -2,8 +2,9 @@
 
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::{Extremes, Point, Vector};
-use clearance_proximity as query;
-use clearance_proximity::{Scratch, Separation};
+use clearance_proximity::{
+    PenetrationDepth, Scratch, Separation, SolidBody, UnknownDepth, penetration_depth,
+};
 
 use crate::pairs::PosedPair;
 
@@ -12,35 +13,69 @@ use crate::pairs::PosedPair;
 pub struct Contact {
     /// Point of the contact (m), half way between the two bodies' points.
     pub point: Point,
-    /// Unit vector along which the second body separates by the shortest motion; `None` where it is not known.
+    /// Unit vector along which the second body separates by a short translation; `None` where none was found.
     pub normal: Option<Vector>,
-    /// Length (m) of that motion, the penetration depth; `None` where it is not known: for meshes that cross.
+    /// Length (m) of that translation, after which the bodies are proven apart: the penetration depth, or an upper bound
+    /// on it. `None` where no such translation was found.
     pub depth: Option<f64>,
+    /// Lower bound (m) on the penetration depth: no shorter translation separates the bodies.
+    pub depth_lower: f64,
+    /// Reason why the depth may be much larger than its lower bound.
+    pub unknown: Option<UnknownDepth>,
 }
 
 impl Contact {
     /// The contact of a pair; `None` if the bodies are apart.
-    pub(crate) fn of_pair(pair: &PosedPair, scratch: &mut Scratch) -> Option<Self> {
-        let apart = pair.separation(pair.info.padding + CONTACT_DISTANCE, scratch)?;
+    pub(crate) fn of_pair<'s>(
+        pair: &PosedPair,
+        solids: impl FnOnce() -> [&'s SolidBody; 2],
+        scratch: &mut Scratch,
+    ) -> Option<Self> {
+        let padding = pair.info.padding;
+        let apart = pair.separation(padding + CONTACT_DISTANCE, scratch)?;
         if apart.distance > 0.0 {
-            return Some(contact_of(pair, &apart));
+            return Some(Self::of_paddings(pair, &apart));
         }
-        let (a, b) = pair.bodies;
-        Some(match query::deepest_overlap(a, b, pair.pose_ab) {
-            Some(deepest) => contact_of(pair, &deepest),
-            None => Self { point: &pair.pose_ra * apart.witness_points[0], normal: None, depth: None },
+        let [a, b] = solids();
+        Some(match penetration_depth(a, b, pair.pose_ab, padding, scratch) {
+            Some(deepest) if deepest.upper.is_finite() => Self::of_depth(pair, &deepest),
+            Some(deepest) => Self {
+                depth_lower: deepest.lower,
+                unknown: deepest.unknown,
+                ..Self::at_common_point(pair, &apart)
+            },
+            None => Self::at_common_point(pair, &apart),
         })
     }
-}
 
-/// Contact of bodies with a given distance, negative where they overlap.
-fn contact_of(pair: &PosedPair, found: &Separation) -> Contact {
-    let [p, q] = found.witness_points.map(|p| &pair.pose_ra * p);
-    let towards_b = if found.distance > 0.0 { q - p } else { p - q };
-    Contact {
-        point: nalgebra::center(&p, &q),
-        normal: towards_b.try_normalize(CONTACT_DISTANCE),
-        depth: Some((pair.info.padding - found.distance).greater(0.0)),
+    /// The contact of bodies whose paddings overlap, at a distance.
+    fn of_paddings(pair: &PosedPair, apart: &Separation) -> Self {
+        let [p, q] = apart.witness_points.map(|p| &pair.pose_ra * p);
+        let depth = (pair.info.padding - apart.distance).greater(0.0);
+        Self {
+            point: nalgebra::center(&p, &q),
+            normal: (q - p).try_normalize(CONTACT_DISTANCE),
+            depth: Some(depth),
+            depth_lower: depth,
+            unknown: None,
+        }
+    }
+
+    /// The contact of bodies of which only a common point is known.
+    fn at_common_point(pair: &PosedPair, touching: &Separation) -> Self {
+        let point = &pair.pose_ra * touching.witness_points[0];
+        Self { point, normal: None, depth: None, depth_lower: 0.0, unknown: None }
+    }
+
+    fn of_depth(pair: &PosedPair, deepest: &PenetrationDepth) -> Self {
+        let [p, q] = deepest.witness_points.map(|p| &pair.pose_ra * p);
+        Self {
+            point: nalgebra::center(&p, &q),
+            normal: Some(pair.pose_ra.rotation * deepest.direction),
+            depth: Some(deepest.upper),
+            depth_lower: deepest.lower,
+            unknown: deepest.unknown,
+        }
     }
 }
 
@@ -51,7 +86,7 @@ mod tests {
     use super::*;
     use crate::CollisionChecker;
     use clearance_geometry::math::Pose;
-    use clearance_geometry::{Primitive, Shape};
+    use clearance_geometry::{Primitive, Shape, TriangleMesh};
     use clearance_robot::{MeshFiles, RobotModel};
     use clearance_scene::Settings;
     use clearance_scene::{AttachedId, BodyId, Obstacle, ObstacleId, World};
@@ -59,9 +94,12 @@ mod tests {
     const URDF: &str = "<robot name='r'><link name='a'><collision><geometry><sphere radius='0.5'/></geometry></collision></link></robot>";
 
     fn contact_at(at: f64, padding: f64) -> Option<Contact> {
+        contact_with(Shape::Primitive(Primitive::Box { half_extents: [0.1, 1.0, 1.0] }), at, padding)
+    }
+
+    fn contact_with(wall: Shape, at: f64, padding: f64) -> Option<Contact> {
         let robot = Arc::new(RobotModel::from_urdf(URDF, &MeshFiles::default()).unwrap());
         let mut world = World::default();
-        let wall = Shape::Primitive(Primitive::Box { half_extents: [0.1, 1.0, 1.0] });
         world.add(Obstacle::of_shape("wall", Pose::translation(at, 0.0, 0.0), wall)).unwrap();
         let settings = Settings { padding, ..Settings::default() };
         let checker = CollisionChecker::new(robot, &world, settings).unwrap();
@@ -73,9 +111,29 @@ mod tests {
     #[test]
     fn a_ball_in_a_wall_is_as_deep_as_it_has_to_be_moved() {
         let contact = contact_at(0.55, 0.0).unwrap();
-        assert!((contact.depth.unwrap() - 0.05).abs() < 1e-9, "{contact:?}");
-        assert!((contact.normal.unwrap() - Vector::x()).norm() < 1e-9, "{contact:?}");
-        assert!((contact.point - Point::new(0.475, 0.0, 0.0)).norm() < 1e-9, "{contact:?}");
+        assert!((contact.depth.unwrap() - 0.05).abs() < 1e-8, "{contact:?}");
+        assert!((contact.normal.unwrap() - Vector::x()).norm() < 1e-8, "{contact:?}");
+        assert!((contact.point - Point::new(0.475, 0.0, 0.0)).norm() < 1e-8, "{contact:?}");
+    }
+
+    /// A closed mesh counts as a solid; one without a face is a surface, of which the depth is an upper bound.
+    #[test]
+    fn meshes_have_depths_and_normals() {
+        let corner = |i: usize| {
+            let at = |k: usize, half: f64| if i >> k & 1 == 0 { -half } else { half };
+            Point::new(at(0, 0.1), at(1, 1.0), at(2, 1.0))
+        };
+        let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let faces: Vec<[u32; 3]> =
+            quads.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect();
+        for (faces, unknown) in [(&faces[..], None), (&faces[1..], Some(UnknownDepth::OpenMesh))] {
+            let mesh = TriangleMesh::new((0..8).map(corner).collect(), faces.to_vec()).unwrap();
+            let contact = contact_with(Shape::Mesh(Arc::new(mesh)), 0.55, 0.0).unwrap();
+            assert!((contact.depth.unwrap() - 0.05).abs() < 1e-8, "{contact:?}");
+            assert!((contact.normal.unwrap() - Vector::x()).norm() < 1e-6, "{contact:?}");
+            assert!((contact.point - Point::new(0.475, 0.0, 0.0)).norm() < 1e-6, "{contact:?}");
+            assert_eq!(contact.unknown, unknown, "{contact:?}");
+        }
     }
 
     #[test]
@@ -92,8 +150,8 @@ mod tests {
     #[test]
     fn what_is_within_the_padding_is_as_deep_as_the_padding_is_wider() {
         let contact = contact_at(0.61, 0.03).unwrap();
-        assert!((contact.depth.unwrap() - 0.02).abs() < 1e-9, "{contact:?}");
-        assert!((contact.normal.unwrap() - Vector::x()).norm() < 1e-9, "{contact:?}");
+        assert!((contact.depth.unwrap() - 0.02).abs() < 1e-8, "{contact:?}");
+        assert!((contact.normal.unwrap() - Vector::x()).norm() < 1e-8, "{contact:?}");
         assert_eq!(contact_at(0.64, 0.03), None);
     }
 }

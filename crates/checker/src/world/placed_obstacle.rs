@@ -6,13 +6,13 @@ use clearance_geometry::Shape;
 use clearance_geometry::constants::MOTION_SLACK;
 use clearance_geometry::math::{MatrixPose, Point, Pose};
 use clearance_proximity::bvh::AxisBox;
-use clearance_proximity::{CollisionBody, Piece, PieceVolume};
+use clearance_proximity::{CollisionBody, Piece, PieceVolume, SolidBody};
 use clearance_robot::Reach;
 use clearance_scene::{MeshModel, Obstacle, Settings};
 
 use super::piece_trees::PieceVolumes;
 use crate::capsules::{LinkCapsule, RootCapsule, RootVolume, corners};
-use crate::robot::{object_padding, object_scale, scaled_body};
+use crate::robot::{LazySolidBody, ScaledBody, object_padding, object_scale};
 use crate::settings_error::SettingsError;
 
 /// Approximate maximum number of pieces that a large obstacle is split into.
@@ -23,6 +23,7 @@ const MOST_PIECES: usize = 384;
 pub struct PlacedObstacle {
     source: Arc<Obstacle>,
     solid: Arc<CollisionBody>,
+    solids: Arc<LazySolidBody>,
     /// Its pieces, if it can be split.
     pieces: Arc<[(Piece, PieceVolume)]>,
     /// Bounding volume, in the frame of the obstacle.
@@ -51,26 +52,28 @@ impl PlacedObstacle {
                 && known.scale.to_bits() == scale.to_bits()
                 && known.mesh_model == mesh_model
         });
-        let (solid, capsule, pieces) = match same {
+        let (geometry, pieces) = match same {
             Some(same)
                 if Arc::ptr_eq(&same.source, source) && same.padding.to_bits() == padding.to_bits() =>
             {
                 return Ok(Arc::clone(same));
             }
-            Some(same) => (Arc::clone(&same.solid), same.capsule, Arc::clone(&same.pieces)),
+            Some(same) => (same.geometry(), Arc::clone(&same.pieces)),
             None => {
                 let shapes = source.shapes.iter().map(|s| (s.pose_os, &s.shape));
-                let (solid, capsule) = scaled_body(&shapes.collect::<Vec<_>>(), scale, mesh_model)
+                let geometry = ScaledBody::new(&shapes.collect::<Vec<_>>(), scale, mesh_model)
                     .map_err(|why| SettingsError::CannotScale { of: source.name.clone(), why })?;
-                let pieces = solid.pieces(MOST_PIECES).into();
-                (solid, capsule, pieces)
+                let pieces = geometry.body.pieces(MOST_PIECES).into();
+                (geometry, pieces)
             }
         };
         let pose_ro = MatrixPose::from(&source.pose_ro);
+        let ScaledBody { body, capsule, solids } = geometry;
         let reach = capsule.reach_at(&pose_ro);
         Ok(Arc::new(Self {
             source: Arc::clone(source),
-            solid,
+            solid: body,
+            solids,
             pieces,
             capsule,
             pose_ro,
@@ -114,6 +117,15 @@ impl PlacedObstacle {
     #[inline]
     pub fn solid(&self) -> &CollisionBody {
         &self.solid
+    }
+
+    /// Its shapes for queries of penetration depth.
+    pub fn solids(&self) -> &SolidBody {
+        self.solids.get()
+    }
+
+    fn geometry(&self) -> ScaledBody {
+        ScaledBody { body: Arc::clone(&self.solid), capsule: self.capsule, solids: Arc::clone(&self.solids) }
     }
 
     #[inline]

@@ -5,8 +5,8 @@ use std::collections::HashSet;
 use clearance_geometry::math::{Extremes, Point, Pose, Vector};
 use clearance_geometry::{Primitive, TriangleMesh};
 
-use crate::core::RoundedCore;
-use crate::element::Element;
+use crate::elements::Element;
+use crate::elements::RoundedShape;
 
 /// Largest number of vertices of a mesh that is tested for convexity; the test compares every vertex with every face.
 const MOST_VERTICES: usize = 4096;
@@ -27,7 +27,7 @@ pub(super) trait SupportMap {
 /// A convex solid in the frame of its body: a core swept by a sphere.
 #[derive(Clone, Debug)]
 pub(super) enum ConvexSolid {
-    Primitive(RoundedCore),
+    Primitive(RoundedShape),
     Hull(Hull),
 }
 
@@ -67,7 +67,7 @@ impl SupportMap for ConvexSolid {
 
 impl ConvexSolid {
     pub fn primitive(primitive: Primitive, pose: Pose) -> Self {
-        Self::Primitive(RoundedCore::from(&Element::Primitive { primitive, pose }))
+        Self::Primitive(RoundedShape::from(&Element::Primitive { primitive, pose }))
     }
 
     /// Length (m) by which the solid may be smaller than its support points show.

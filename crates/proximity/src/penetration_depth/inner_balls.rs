@@ -8,7 +8,7 @@ use clearance_geometry::math::{MatrixPose, Point, Vector};
 
 use super::convex_solid::SupportMap;
 use super::solid_body::{Part, Union, spread_directions};
-use crate::scratch::Scratch;
+use crate::search::Scratch;
 
 /// Number of points on the surface of each part from which balls are grown.
 const SAMPLES: usize = 64;

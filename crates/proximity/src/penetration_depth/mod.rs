@@ -8,16 +8,16 @@
 //! | `plane` | exact depth of a plane in a bounded body |
 //! | `separating_translation` | upper bounds for others: short translations that are proven to separate |
 //! | `inner_balls` | lower bounds for others: balls inside both solids |
-//! | `grains` | points and voxels: which one is deepest |
+//! | `solid_set` | points and voxels: which one is deepest |
 
 mod convex_solid;
 mod expanding_polytope;
-mod grains;
 mod inner_balls;
 mod plane;
 mod rounded_pair;
 mod separating_translation;
 mod solid_body;
+mod solid_set;
 #[cfg(test)]
 mod tests;
 
@@ -27,13 +27,13 @@ use clearance_geometry::PointPair;
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::{Extremes, MatrixPose, Point, Vector};
 
-use crate::scratch::Scratch;
+use crate::search::Scratch;
 use convex_solid::ConvexSolid;
 use expanding_polytope::{ConvexDepth, ConvexPair};
-use grains::deepest_grain;
 use inner_balls::{Ball, SurfacePoint};
 use separating_translation::{GAP, MovedSolids, SeparatingTranslation};
 use solid_body::{Part, Union};
+use solid_set::deepest_solid;
 
 /// Relative lengths that are added to an exact depth until the distance after the translation is proven positive: that of curved solids in
 /// contact is found less accurately than their depth.
@@ -99,25 +99,25 @@ pub fn penetration_depth(
     let unions = a.union.as_ref().zip(b.union.as_ref());
     let of_unions = unions.and_then(|(a, b)| depth_of_unions([a, b], pose_ab, margin, scratch));
     let mut all: Vec<PenetrationDepth> = of_unions.into_iter().collect();
-    for grains in &b.grains {
-        all.extend(a.union.as_ref().and_then(|a| depth_of_grains(a, grains, pose_ab, margin, scratch)));
+    for set in &b.sets {
+        all.extend(a.union.as_ref().and_then(|a| depth_of_set(a, set, pose_ab, margin, scratch)));
     }
-    for grains in &a.grains {
-        let found = b.union.as_ref().and_then(|b| depth_of_grains(b, grains, pose_ba, margin, scratch));
+    for set in &a.sets {
+        let found = b.union.as_ref().and_then(|b| depth_of_set(b, set, pose_ba, margin, scratch));
         all.extend(found.map(|depth| depth.swapped(pose_ab)));
     }
     all.into_iter().reduce(PenetrationDepth::deeper)
 }
 
-fn depth_of_grains(
+fn depth_of_set(
     body: &Union,
-    grains: &grains::Grains,
-    pose_bg: &MatrixPose,
+    set: &solid_set::SolidSet,
+    pose_bs: &MatrixPose,
     margin: f64,
     scratch: &mut Scratch,
 ) -> Option<PenetrationDepth> {
-    let index = deepest_grain(grains, body, pose_bg, margin, scratch)?;
-    depth_of_unions([body, &grains.solid(index)?], pose_bg, margin, scratch)
+    let index = deepest_solid(set, body, pose_bs, margin, scratch)?;
+    depth_of_unions([body, &set.solid(index)?], pose_bs, margin, scratch)
 }
 
 fn depth_of_unions(

@@ -9,8 +9,8 @@ use clearance_geometry::math::{Extremes, MatrixPose, Vector};
 
 use super::expanding_polytope::ConvexPair;
 use super::solid_body::{Union, spread_directions};
-use crate::element_pair::Separation;
-use crate::scratch::Scratch;
+use crate::narrow_phase::Separation;
+use crate::search::Scratch;
 
 /// Number of directions that are tried at each length.
 const DIRECTIONS: usize = 26;

@@ -6,12 +6,12 @@ use clearance_geometry::math::{Extremes, MatrixPose, Point, Pose, UnitVector, Ve
 use clearance_geometry::{Plane, Primitive, Shape, TriangleMesh};
 
 use super::convex_solid::{ConvexSolid, Hull, SupportMap, farthest_along};
-use super::grains::Grains;
 use super::inner_balls::{Ball, inner_balls};
+use super::solid_set::SolidSet;
+use crate::body::BoundingSphere;
 use crate::body::CollisionBody;
-use crate::bounding_sphere::BoundingSphere;
-use crate::element_pair::Separation;
-use crate::scratch::Scratch;
+use crate::narrow_phase::Separation;
+use crate::search::Scratch;
 
 /// Number of directions in which the outermost point of each solid is kept.
 const DIRECTIONS: usize = 128;
@@ -27,7 +27,7 @@ pub struct SolidBody {
     /// All shapes that count as one body.
     pub(super) union: Option<Union>,
     /// Points and voxels, each a body of its own.
-    pub(super) grains: Vec<Grains>,
+    pub(super) sets: Vec<SolidSet>,
 }
 
 /// A union of solids and planes.
@@ -61,17 +61,17 @@ impl SolidBody {
     /// A body of shapes, each at its pose in the frame of the body.
     #[must_use]
     pub fn new<'a>(shapes: impl IntoIterator<Item = (&'a Pose, &'a Shape)>) -> Self {
-        let (mut of_union, mut grains) = (Vec::new(), Vec::new());
+        let (mut of_union, mut sets) = (Vec::new(), Vec::new());
         for (pose, shape) in shapes {
             match shape {
-                Shape::Points(cloud) => grains.push(Grains::Points { cloud: Arc::clone(cloud), pose: *pose }),
+                Shape::Points(cloud) => sets.push(SolidSet::Points { cloud: Arc::clone(cloud), pose: *pose }),
                 Shape::Voxels(voxels) => {
-                    grains.push(Grains::Voxels { voxels: Arc::clone(voxels), pose: *pose });
+                    sets.push(SolidSet::Voxels { voxels: Arc::clone(voxels), pose: *pose });
                 }
                 Shape::Primitive(_) | Shape::Mesh(_) | Shape::Plane(_) => of_union.push((pose, shape)),
             }
         }
-        Self { union: Union::new(&of_union), grains }
+        Self { union: Union::new(&of_union), sets }
     }
 }
 

@@ -1,4 +1,4 @@
-//! Points with a radius and voxels in another body: each is a solid of its own, and the deepest counts.
+//! Points with a radius and voxels: sets of solids, each of which is a body of its own; the deepest counts.
 
 use std::sync::Arc;
 
@@ -6,16 +6,16 @@ use clearance_geometry::math::{Extremes, MatrixPose, Point, Pose};
 use clearance_geometry::{PointCloud, Primitive, Voxels};
 
 use super::solid_body::Union;
-use crate::scratch::Scratch;
+use crate::search::Scratch;
 
 /// A cloud or a set of voxels, posed in the frame of its body.
 #[derive(Clone, Debug)]
-pub(super) enum Grains {
+pub(super) enum SolidSet {
     Points { cloud: Arc<PointCloud>, pose: Pose },
     Voxels { voxels: Arc<Voxels>, pose: Pose },
 }
 
-impl Grains {
+impl SolidSet {
     pub fn count(&self) -> usize {
         match self {
             Self::Points { cloud, .. } => cloud.points().len(),
@@ -56,19 +56,19 @@ impl Grains {
 /// Searches for the ball or cube whose centre is deepest in a body, relative to its size.
 ///
 /// The depth of a point changes at most as much as the point moves, so that neighbours of a shallow point are passed over.
-pub(super) fn deepest_grain(
-    grains: &Grains,
+pub(super) fn deepest_solid(
+    set: &SolidSet,
     body: &Union,
-    pose_body_grains: &MatrixPose,
+    pose_body_set: &MatrixPose,
     margin: f64,
     scratch: &mut Scratch,
 ) -> Option<usize> {
     let bound = body.bounding_sphere();
     let mut deepest: Option<(f64, usize)> = None;
     let mut last: Option<(Point, f64)> = None;
-    for index in 0..grains.count() {
-        let (centre, radius) = grains.ball(index);
-        let centre = pose_body_grains * centre;
+    for index in 0..set.count() {
+        let (centre, radius) = set.ball(index);
+        let centre = pose_body_set * centre;
         let least = deepest.map_or(0.0, |(depth, _)| depth);
         if nalgebra::distance(&centre, &bound.centre) > bound.radius + radius + margin - least {
             continue;
