@@ -279,8 +279,8 @@ fn with_request(
     }
 }
 
-/// Converts a contact. If the normal is unknown, it points from the middle of the first body towards the contact; if
-/// the depth is unknown, it is zero.
+/// Converts a contact. If no normal is known, it points from the middle of the first body towards the contact; if no
+/// depth is known, it is zero.
 fn contact(
     checker: &CollisionChecker,
     (a, b): (BodyId, BodyId),
