@@ -3,8 +3,8 @@
 //! If a ball of radius r around p lies inside one solid and a ball of radius s around q inside another, no translation shorter than
 //! `r + s - |p - q|` separates them: the balls would still overlap.
 
-use clearance_geometry::TriangleMesh;
 use clearance_geometry::math::{MatrixPose, Point, Vector};
+use clearance_geometry::{ClosedSurface, TriangleMesh};
 
 use super::convex_solid::SupportMap;
 use super::solid_body::{Part, Union, spread_directions};
@@ -100,9 +100,9 @@ impl Part {
 }
 
 /// Points spread over the area of a closed mesh.
-#[allow(clippy::cast_precision_loss)] // small numbers
+#[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, clippy::cast_sign_loss)] // small numbers
 fn samples_of_mesh(mesh: &TriangleMesh) -> Vec<SurfacePoint> {
-    let faces = mesh.solid().surfaces().iter().flat_map(|surface| surface.triangles());
+    let faces = mesh.solid().surfaces().iter().flat_map(ClosedSurface::triangles);
     let corners = faces.map(|t| t.map(|v| mesh.vertices()[v as usize]));
     let with_area = corners.map(|[a, b, c]| ([a, b, c], (b - a).cross(&(c - a))));
     let with_area: Vec<_> = with_area.filter(|(_, normal)| normal.norm() > 0.0).collect();

@@ -261,7 +261,9 @@ fn primitives_have_tight_bounds_and_agree_with_another_implementation() {
             "{a:?} {b:?} {pose:?} {depth:?}"
         );
         if let (Some(first), Some(second)) = (parry(&a), parry(&b)) {
-            let other = contact(&Default::default(), &*first, &pose.into(), &*second, 0.0).unwrap().unwrap();
+            let other = contact(&parry3d_f64::math::Pose::default(), &*first, &pose.into(), &*second, 0.0)
+                .unwrap()
+                .unwrap();
             assert!(
                 (other.dist + depth.upper).abs() <= 1e-4 * depth.upper + 1e-6,
                 "{a:?} {b:?} {depth:?} {other:?}"
@@ -291,9 +293,9 @@ fn bounds_enclose_the_depth_found_by_brute_force() {
             for _ in 0..12 {
                 let middle = 0.5 * (low + high);
                 if overlap_by_brute_force(&a, &b, &Pose::from(&moved(&pose, &n.scale(middle)))) {
-                    low = middle
+                    low = middle;
                 } else {
-                    high = middle
+                    high = middle;
                 }
             }
             brute = high;
@@ -371,6 +373,7 @@ fn points_of(shape: &Shape) -> Vec<(Point, f64)> {
 #[test]
 fn points_and_voxels_count_one_by_one() {
     let (mut random, mut scratch) = (Random::new(8), Scratch::default());
+    #[allow(clippy::cast_possible_truncation)] // any numbers
     let centres: Vec<[f32; 3]> = (0..400).map(|_| random.vector(0.7).map(|x| x as f32).into()).collect();
     let cloud = Body::of(Shape::Points(Arc::new(PointCloud::new(centres.clone(), 0.02).unwrap())));
     let cubes = centres.iter().map(|c| Cube { centre: *c, half_edge: 0.02 }).collect();
@@ -427,15 +430,13 @@ fn a_margin_makes_bodies_larger() {
         let distance =
             crate::distance(&a.whole, &b.whole, after, f64::INFINITY, &mut scratch).unwrap().distance;
         assert!(distance > margin, "{padded:?} {distance}");
-        match penetration_depth(&a.solid, &b.solid, &pose, 0.0, &mut scratch) {
-            Some(depth) => assert!(
-                padded.lower <= depth.upper + margin + 1e-8 && padded.upper >= depth.lower + margin - 1e-8
-            ),
-            None => {
-                let apart =
-                    crate::distance(&a.whole, &b.whole, &pose, f64::INFINITY, &mut scratch).unwrap().distance;
-                assert!((padded.lower - (margin - apart)).abs() <= 1e-8, "{padded:?} {apart}");
-            }
+        if let Some(depth) = penetration_depth(&a.solid, &b.solid, &pose, 0.0, &mut scratch) {
+            let [lower, upper] = [depth.lower, depth.upper].map(|bound| bound + margin);
+            assert!(padded.lower <= upper + 1e-8 && padded.upper >= lower - 1e-8, "{padded:?} {depth:?}");
+        } else {
+            let found = crate::distance(&a.whole, &b.whole, &pose, f64::INFINITY, &mut scratch);
+            let apart = found.unwrap().distance;
+            assert!((padded.lower - (margin - apart)).abs() <= 1e-8, "{padded:?} {apart}");
         }
     }
 }
