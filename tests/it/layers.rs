@@ -17,7 +17,7 @@ const CRATES: [(&str, &[&str]); 10] = [
 ];
 
 /// Modules that share a crate, and those of them that each may use.
-const MODULES: [(&str, &[&str]); 14] = [
+const MODULES: [(&str, &[&str]); 15] = [
     ("crates/geometry/src/constants", &[]),
     ("crates/geometry/src/math", &["constants"]),
     ("crates/geometry/src/simd", &[]),
@@ -35,6 +35,7 @@ const MODULES: [(&str, &[&str]); 14] = [
         "crates/proximity/src/queries",
         &["bounding_volume", "bvh", "elements", "body", "narrow_phase", "search"],
     ),
+    ("crates/proximity/src/penetration_depth", &["elements", "body", "narrow_phase", "search"]),
 ];
 
 /// Foreign crates that one manifest alone depends on.

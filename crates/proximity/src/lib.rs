@@ -6,7 +6,8 @@
 //! | do they come within a margin? | [`within_margin`] | witness points, or proof that they do not |
 //! | how far are they apart? | [`distance`] | least distance and witness points, up to a limit |
 //! | the same with tolerances or a deadline | [`distance_bounds`], [`margin_bounds`] | lower and upper bounds |
-//! | how deep are two solids in each other? | [`signed_distance`], [`deepest_overlap`] | least translation that separates, negative |
+//! | how deep are two bodies in each other? | [`penetration_depth`] | bounds on the translation that separates them |
+//! | the same for two primitives | [`signed_distance`], [`deepest_overlap`] | least translation that separates, negative |
 //!
 //! Bodies are made of triangles, convex primitives, planes, points with a radius and cubes, in any mixture.
 //!
