@@ -1,4 +1,4 @@
-//! Tolerances and deadlines: what is told is less, never wrong.
+//! Tolerances and deadlines: results have fewer exact distances, but their bounds and contacts stay correct.
 
 use clearance::checker::{CollisionChecker, CollisionReport, Question, UndecidedPair, Workspace};
 use clearance::proximity::{Effort, Work};

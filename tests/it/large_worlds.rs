@@ -1,4 +1,5 @@
-//! Worlds of many objects and of many points: against every pair asked one by one, and against formulas.
+//! Worlds of many objects and of many points: results are compared with separate queries for every pair, and with
+//! closed formulas.
 
 use clearance::checker::{CollisionChecker, Question, Workspace};
 use clearance::geometry::math::{Point, Pose, Vector};
@@ -13,7 +14,7 @@ use std::sync::Arc;
 use crate::random::Random;
 use crate::worlds::{demo_arm, obstacle, state};
 
-/// The distance of each link from each obstacle, all asked one by one: by link, then by obstacle.
+/// Distance of each link from each obstacle, by one query for each pair.
 struct OneByOne {
     links: Vec<(BodyId, CollisionBody)>,
     obstacles: Vec<(BodyId, Pose, CollisionBody)>,

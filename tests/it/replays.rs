@@ -1,4 +1,6 @@
-//! Recordings of runs whose answers once were wrong, or might become so: `clearance replay FILE --save-test tests/replays/NAME`.
+//! Regression tests: replays the recordings in `tests/replays/`, and expects the recorded results.
+//!
+//! `clearance replay FILE --save-test tests/replays/NAME` adds one.
 
 use std::path::Path;
 use std::process::Command;

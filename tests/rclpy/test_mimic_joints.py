@@ -1,4 +1,8 @@
-"""Values of mimic joints. In requests they move the joints that these mimic, or have to agree with them; in joint states they have to."""
+"""Values of mimic joints in requests and in joint states.
+
+In a request, the value of a mimic joint sets the joint that it mimics. If both have values, they must agree. In a joint
+state, they must always agree.
+"""
 
 from math import inf, nan, pi
 

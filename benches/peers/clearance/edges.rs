@@ -1,4 +1,4 @@
-//! Straight motions in joint space: from a file, and what this library says of them.
+//! Reader of edge files, and an untimed check of one edge. An edge is a straight motion in joint space.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -9,10 +9,10 @@ use clearance::{CollisionChecker, Configuration, RobotModel, Workspace};
 
 use crate::Outcome;
 
-/// How near (m) to contact a motion may come and yet be called undecided.
+/// Distance (m) to contact below which a motion may be reported as undecided.
 const TOLERANCE: f64 = 5e-4;
 
-/// Where an edge begins and ends.
+/// Start and end of an edge.
 pub type Edge = [Configuration; 2];
 
 pub type EdgeSets = BTreeMap<String, Vec<Edge>>;
@@ -36,7 +36,7 @@ pub fn read(robot: &RobotModel, file: &Path) -> Outcome<EdgeSets> {
     Ok(sets)
 }
 
-/// Making the segment belongs to the question: a planner has two configurations.
+/// Checks one edge. Builds the segment too, because a planner has only the two configurations.
 pub fn verdict(
     checker: &CollisionChecker,
     [from, to]: &Edge,

@@ -1,4 +1,4 @@
-"""What is measured of edges, and what was found."""
+"""Definitions of the edge benchmarks and their result types."""
 
 from __future__ import annotations
 

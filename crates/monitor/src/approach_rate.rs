@@ -1,4 +1,6 @@
-//! Approach rate: how fast two bodies approach each other.
+//! Approach rate of two bodies: finite difference of the positions of their witness points over a short time step.
+//!
+//! It is an estimate, not a bound.
 use clearance_checker::{CollisionChecker, PairDistance};
 use clearance_geometry::math::{Extremes, Point, Pose, Vector};
 use clearance_robot::{Configuration, JointKind, LinkId, LinkPoses, RobotModel};

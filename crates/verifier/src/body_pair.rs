@@ -1,9 +1,9 @@
-//! Pair of bodies that a certificate must prove apart.
+//! Pair of bodies, by their indices, that a certificate must prove apart.
 
 /// A pair of bodies that must stay apart.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct BodyPair {
-    /// Links by index, then attached objects, then obstacles by their places.
+    /// Indices into one list of all bodies: links, then attached objects, then obstacles by their places.
     pub bodies: [usize; 2],
     pub names: [String; 2],
     /// Safety distance (m).

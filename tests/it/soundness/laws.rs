@@ -1,4 +1,5 @@
-//! What must hold between the answers and the truth, and between the answers themselves, for any two bodies.
+//! Properties of the queries between any two bodies: agreement with the oracle, symmetry, limits, margins, witness
+//! points, and independence of the frame.
 
 use clearance::geometry::constants::CONTACT_DISTANCE;
 use clearance::geometry::math::{Point, Pose};
@@ -17,7 +18,7 @@ pub struct Case<'c> {
     pub pose_ab: Pose,
 }
 
-/// How many of the laws to ask for.
+/// Properties that are tested.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scrutiny {
     /// Contact and distance against the truth.

@@ -1,10 +1,11 @@
-//! The parts and their bounds in f64: good enough to prove that what is far is far, and for nothing else.
+//! Parts of oracle bodies and their bounds in f64. They only prove that distant parts are apart; near parts need
+//! double-double arithmetic.
 
 use clearance::geometry::math::{Point, Pose, RotationMatrix, Vector};
 
 use super::double_double::{ExactPose, Vec3};
 
-/// A convex set of which only extents are asked.
+/// A convex set. Only its extents along directions are used.
 #[derive(Clone, Copy, Debug)]
 pub enum Outline {
     Triangle([Point; 3]),

@@ -1,4 +1,4 @@
-//! A body twice: as the engine under test holds it, and as the oracle does.
+//! Body under test, in two representations: the engine's and the oracle's.
 
 use clearance::geometry::math::{Point, Pose};
 use clearance::geometry::{Shape, Triangle, TriangleMesh};

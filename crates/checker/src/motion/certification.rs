@@ -1,4 +1,4 @@
-//! Certificates of free motions and trajectories.
+//! Checks motions and trajectories with proofs, and builds the certificates of free ones.
 
 use std::sync::OnceLock;
 

@@ -1,4 +1,5 @@
-//! Pairs of robot bodies that are checked, with level 0 of every query on them.
+//! Self pairs: pairs of robot bodies that are checked against each other, with the capsules that level 0 of every query
+//! tests.
 
 use std::collections::HashMap;
 

@@ -8,7 +8,8 @@
 //! | [`Capsule`] | line swept sphere (LSS) |
 //! | [`Sphere`] | bounding sphere; as a swept sphere, a point swept sphere (PSS) |
 //!
-//! To add a volume, add one file here and one line to this table.
+//! To add a volume, add one file, its `mod` and `pub use` lines, and one row of this table. The property tests of all
+//! volumes are in `tests/it/bodies.rs`.
 //!
 //! The *frames* of volumes have a common origin, their tree's anchor, and differ by a rotation. Volumes are fitted in f64, rounded
 //! outward to f32, and tested in f32 with eight of them in the lanes of a vector; [`Relative::slack`] is the possible rounding error of a

@@ -1,4 +1,5 @@
-//! Search through all pairs of elements of two bodies.
+//! Entry point of a search between two bodies: runs the search of each kind of elements (triangles, solids, cubes,
+//! planes), then tests whether one body contains a point of the other.
 
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::{Extremes, MatrixPose};

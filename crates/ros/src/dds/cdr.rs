@@ -1,4 +1,5 @@
-//! CDR encoding and decoding of messages, including the four-byte encapsulation header.
+//! Encoding and decoding of messages in plain little-endian CDR, with its four-byte encapsulation header. Any other
+//! encapsulation, such as big-endian CDR, is rejected.
 
 use std::io;
 

@@ -1,4 +1,4 @@
-//! The robot and the scene in use, for other threads than the loader's.
+//! Robot and scene in use: built by the loader, and read by the other threads of the node.
 
 use std::sync::{Arc, Mutex};
 

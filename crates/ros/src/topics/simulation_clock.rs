@@ -1,6 +1,7 @@
 //! Subscription to `/clock` while `use_sim_time` is set.
 //!
-//! The client library subscribes to it with another message type, so its simulated time stays zero.
+//! The simulated time of `ros2-client` stays zero, because that library subscribes to `/clock` with the type
+//! `builtin_interfaces/Time` instead of `rosgraph_msgs/Clock`. The node therefore has a subscription of its own.
 
 use futures_lite::future;
 use ros2_interfaces_jazzy_serde::rosgraph_msgs::msg::Clock;

@@ -1,4 +1,4 @@
-//! TCP connection that records since when its peer reads nothing.
+//! TCP connection that detects a peer that has stopped reading: records since when writes have been blocked.
 
 use std::io;
 use std::pin::Pin;
