@@ -1,5 +1,5 @@
-//! Benchmark queries of one robot among obstacles: world files, scattered primitives, worlds of increasing size, and the
-//! latency of a new point cloud.
+//! Benchmark queries of one robot among obstacles: world files, scattered primitives, worlds of increasing size, and
+//! the latency of a new point cloud.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;

@@ -1,5 +1,5 @@
-//! Current values and defaults of all parameters of the node, and the `MonitorSettings` made from them. Units, ranges and
-//! descriptions: `declarations`.
+//! Current values and defaults of all parameters of the node, and the `MonitorSettings` made from them. Units, ranges
+//! and descriptions: `declarations`.
 
 use crate::parameters::recording_settings::RecordingSettings;
 use clearance_monitor::{MonitorSettings, SpeedDistances, SpeedSettings};
