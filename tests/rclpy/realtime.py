@@ -1,4 +1,4 @@
-"""Whether threads may run before all others here."""
+"""Checks whether this user may run threads with realtime priority (SCHED_FIFO, priority 49)."""
 
 import subprocess
 import sys

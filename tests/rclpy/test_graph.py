@@ -1,4 +1,4 @@
-"""What `ros2 node`, `ros2 topic` and remaps see of the node."""
+"""Tests of the node in the ROS graph: names, types and quality of service of its endpoints, and remapped topics."""
 
 import pytest
 from clearance_msgs.msg import CollisionState

@@ -1,4 +1,4 @@
-"""A node told to stay on this machine is met by its peers there, and sends nothing anywhere else."""
+"""Tests of a node restricted to localhost: local peers discover it, and no packet leaves on another interface."""
 
 import subprocess
 import sys

@@ -1,4 +1,5 @@
-//! What is asked about a robot in worlds: files, scatters, growth, and how soon a cloud is of use.
+//! Benchmark queries of one robot among obstacles: world files, scattered primitives, worlds of increasing size, and
+//! the latency of a new point cloud.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;

@@ -1,4 +1,4 @@
-//! Which scene updates open and close gaps of a scene.
+//! Effect of a scene update on the gaps of a scene: the gaps that it closes, and those that it opens if it is rejected.
 
 use super::{
     AttachedChange, GapExtent, GapSubject, ObjectChange, Operation, SceneChange, SceneGap, SceneUpdate,

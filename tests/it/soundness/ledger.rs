@@ -1,4 +1,4 @@
-//! What was tried, what disagrees, and how large the errors were: one row of the error table for each family.
+//! Counts, disagreements and largest errors of one family of test cases: one row of the error table.
 
 use std::path::Path;
 use std::sync::Mutex;

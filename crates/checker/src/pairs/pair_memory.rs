@@ -1,9 +1,9 @@
-//! PairMemory of one pair of bodies, from state to state.
+//! Temporal coherence of one pair of bodies: reuses distance bounds, witness points and the front of the last state.
 //!
 //! It stores a lower bound on the distance at an earlier pose. At another pose this bound is reduced by the motion of
 //! one body in the frame of the other, which is at most the largest displacement of the body's bounding sphere. Earlier
-//! witness points give an upper bound on the distance. For a pair that stays near, the elements that may be nearest are
-//! kept, too.
+//! witness points give an upper bound on the distance. For a pair that stays near, a front is kept: the pairs of
+//! elements that can contain the nearest points.
 //!
 //! This changes no exact result: the distance found depends neither on the search limit, as long as the limit is not
 //! smaller, nor on the order in which elements are visited. (The common point of touching bodies does depend on them;

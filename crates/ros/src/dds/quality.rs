@@ -25,8 +25,8 @@ pub enum Quality {
 impl Quality {
     /// Samples kept for each topic.
     const DEPTH: usize = 10;
-    /// The same for `Kept`.
-    const STORY: usize = 100;
+    /// Samples kept for each topic of quality `Kept`.
+    const KEPT_DEPTH: usize = 100;
     /// Number of large samples held for each topic, instead of the 64 that `RustDDS` holds of any.
     pub(super) const BULK: i32 = 4;
 
@@ -40,7 +40,7 @@ impl Quality {
             Self::ReliableBulk => base.reliability(reliable).history(History::KeepLast { depth: 1 }),
             Self::Kept => (base.reliability(reliable))
                 .durability(Durability::TransientLocal)
-                .history(History::KeepLast { depth: Self::STORY }),
+                .history(History::KeepLast { depth: Self::KEPT_DEPTH }),
             Self::Reliable => base.reliability(reliable).history(History::KeepLast { depth: Self::DEPTH }),
             Self::Latched | Self::LatchedBulk => (base.reliability(reliable))
                 .durability(Durability::TransientLocal)

@@ -1,4 +1,4 @@
-//! Progress of scene messages, from their reception until they are in use.
+//! Events that report the progress of scene messages to the monitor, from reception until checks use them.
 
 use std::time::Duration;
 

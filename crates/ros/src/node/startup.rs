@@ -1,5 +1,5 @@
-//! First phase of the program: signals and the memory limit are already active while the robot and the world from the
-//! command line are loaded.
+//! Guard for the loading phase: until the node runs, signals and `memory_limit` end the process. In this phase the
+//! program loads the robot and the world from the command line.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -9,7 +9,7 @@ use crate::node::memory_limit::StartupWatch;
 use crate::node::termination;
 use crate::node_error::NodeError;
 
-/// Starts before any work that takes time, and ends when the node runs.
+/// Created before any work that takes time, and dropped when the node runs.
 #[derive(Debug)]
 pub struct Startup {
     has_ended: Arc<AtomicBool>,

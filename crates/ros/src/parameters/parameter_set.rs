@@ -1,4 +1,5 @@
-//! Parameters of the node: their meaning, their valid ranges, and their current values.
+//! Current values and defaults of all parameters of the node, and the `MonitorSettings` made from them. Units, ranges
+//! and descriptions: `declarations`.
 
 use crate::parameters::recording_settings::RecordingSettings;
 use clearance_monitor::{MonitorSettings, SpeedDistances, SpeedSettings};

@@ -1,4 +1,4 @@
-//! Conversion of octomap messages.
+//! Converts `octomap_msgs` messages to `OctomapPlacement`; `clearance_scene` decodes the octree.
 
 use clearance_geometry::math::Pose;
 use clearance_scene::{OctomapMessage, OctomapPlacement, SceneRejection};
