@@ -58,7 +58,7 @@ const HOMES: [(&str, &str); 20] = [
     ("base64", "crates/robot/src/mesh_formats/"),
     ("libc", "crates/files/src/input_files.rs"),
     ("fearless_simd", "crates/geometry/src/simd/"),
-    ("parry3d_f64", "crates/proximity/src/narrow_phase/epa.rs"),
+    ("parry3d_f64", "crates/proximity/src/penetration_depth/tests.rs"),
     ("stl_io", "crates/robot/src/mesh_formats/"),
     ("tobj", "crates/robot/src/mesh_formats/"),
     ("hyper", "crates/ros/src/view/"),
