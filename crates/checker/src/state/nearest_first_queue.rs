@@ -52,6 +52,8 @@ impl NearestFirstQueue {
         self.opened.clear();
     }
 
+    /// Inserts a node. It is called for every pair of the robot: not inlined, it made distances of PR2 8 % slower.
+    #[inline(always)]
     pub fn push(&mut self, QueuedNode { lower, node }: QueuedNode) {
         // rounded down
         self.order.push(key(-round_up(-lower), self.all.len()));
