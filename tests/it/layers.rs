@@ -39,9 +39,8 @@ const MODULES: [(&str, &[&str]); 15] = [
 ];
 
 /// Foreign crates that one manifest alone depends on.
-const HOME_CRATES: [(&str, &str); 11] = [
+const HOME_CRATES: [(&str, &str); 10] = [
     ("fearless_simd", "geometry"),
-    ("parry3d-f64", "proximity"),
     ("urdf-rs", "robot"),
     ("roxmltree", "robot"),
     ("percent-encoding", "robot"),

@@ -93,7 +93,9 @@ impl<A: SupportMap, B: SupportMap> ConvexPair<'_, A, B> {
 
     fn result(&self, polytope: &Polytope, face: &Face, (height, direction): (f64, Vector)) -> ConvexDepth {
         let radii = if self.rounded { 0.0 } else { self.a.radius() + self.b.radius() };
-        let [p, q] = polytope.witness_points(face);
+        // solids with symmetries have many nearest faces: the points belong to the direction of the result
+        let gap = height - face.offset + 1e-6 * height + polytope.resolution;
+        let [p, q] = polytope.witness_points(&(direction * height), gap);
         let swept = if self.rounded { 0.0 } else { 1.0 };
         ConvexDepth {
             lower: (face.offset + radii - polytope.resolution).greater(0.0),
@@ -204,16 +206,17 @@ impl Polytope {
         }
     }
 
-    /// The point of the polytope's surface nearest to the origin, as points of both solids. Several faces may lie in the nearest plane.
-    fn witness_points(&self, nearest: &Face) -> [Point; 2] {
-        let in_plane = nearest.offset.abs() * 1e-6 + self.resolution;
+    /// The point of the polytope's surface nearest to a point, which is near the surface, as points of both solids.
+    fn witness_points(&self, target: &Vector, tolerance: f64) -> [Point; 2] {
+        let target = Point::from(*target);
         let (mut best, mut found) = (f64::INFINITY, [Point::origin(); 2]);
-        for face in self.faces.iter().filter(|face| face.offset <= nearest.offset + in_plane) {
+        for face in self.faces.iter().filter(|face| face.height(&target).abs() <= tolerance) {
             let supports = face.corners.map(|i| self.supports[i]);
             let [a, b, c] = supports.map(|s| Point::from(s.difference));
-            let point = Triangle { a, b, c }.nearest_point(&Point::origin());
-            if point.coords.norm() < best {
-                best = point.coords.norm();
+            let point = Triangle { a, b, c }.nearest_point(&target);
+            let distance = nalgebra::distance(&point, &target);
+            if distance < best {
+                best = distance;
                 let weights = face.weights(&[a, b, c], &point);
                 let on_a: Vector = supports.iter().zip(weights).map(|(s, w)| s.on_a * w).sum();
                 found = [Point::from(on_a), Point::from(on_a) - point.coords];
@@ -224,6 +227,11 @@ impl Polytope {
 }
 
 impl Face {
+    /// Signed distance (m) of a point from the plane of the face.
+    fn height(&self, point: &Point) -> f64 {
+        self.normal.dot(&point.coords) - self.offset
+    }
+
     /// Weights of the corners at a point of the face.
     fn weights(&self, corners: &[Point; 3], point: &Point) -> [f64; 3] {
         let [a, b, c] = corners.map(|corner| corner - point);

@@ -262,6 +262,10 @@ fn primitives_have_tight_bounds_and_agree_with_another_implementation() {
             depth.upper - depth.lower <= 1e-6 * depth.upper + 3.0 * CONTACT_DISTANCE,
             "{a:?} {b:?} {pose:?} {depth:?}"
         );
+        // the points that come apart last lie along the direction
+        let [p, q] = depth.witness_points;
+        let apart = q + depth.direction * depth.upper - p;
+        assert!(apart.norm() <= 1e-3 * depth.upper + 1e-6, "{a:?} {b:?} {pose:?} {depth:?}");
         let signed = crate::signed_distance(&a, &b, &pose).distance;
         assert!(
             (signed + depth.upper).abs() <= 2e-6 * depth.upper + 1e-8,
