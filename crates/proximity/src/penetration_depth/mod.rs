@@ -4,7 +4,6 @@
 //! |---|---|
 //! | `solid_body` | a rigid body as a union of solids |
 //! | `convex_solid` | support points and inner balls of primitives and convex meshes |
-//! | `signed_distance` | two primitives |
 //! | `rounded_pair`, `expanding_polytope` | exact depth of two convex solids |
 //! | `plane` | exact depth of a plane in a bounded body |
 //! | `separating_translation` | upper bounds for others: short translations that are proven to separate |
@@ -17,13 +16,11 @@ mod inner_balls;
 mod plane;
 mod rounded_pair;
 mod separating_translation;
-mod signed_distance;
 mod solid_body;
 mod solid_set;
 #[cfg(test)]
 mod tests;
 
-pub use signed_distance::signed_distance;
 pub use solid_body::SolidBody;
 
 use clearance_geometry::PointPair;
