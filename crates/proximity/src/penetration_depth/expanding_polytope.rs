@@ -85,7 +85,7 @@ impl<A: SupportMap, B: SupportMap> ConvexPair<'_, A, B> {
                 upper = (height, face.normal);
             }
             let is_accurate = upper.0 - face.offset <= RELATIVE_ACCURACY * upper.0 + polytope.resolution;
-            if is_accurate || polytope.supports.len() >= MOST_POINTS || !polytope.expand(support) {
+            if is_accurate || polytope.supports.len() >= MOST_POINTS || !polytope.expand(&face, support) {
                 return Some(self.result(&polytope, &face, upper));
             }
         }
@@ -179,31 +179,25 @@ impl Polytope {
         nearest.expect("a polytope has faces")
     }
 
-    /// Adds a support point: the faces that it lies above, or in whose plane it lies, are replaced by the cone over their outline. False,
-    /// and unchanged, if the new faces would have no area.
-    fn expand(&mut self, support: Support) -> bool {
-        let (hidden, kept): (Vec<Face>, Vec<Face>) = (self.faces.iter())
-            .partition(|face| face.normal.dot(&support.difference) > face.offset - self.resolution);
-        let edges = |face: &Face| {
-            let [a, b, c] = face.corners;
-            [(a, b), (b, c), (c, a)]
+    /// Adds a support point above `nearest`: the faces around it that the point lies above, or in whose plane it lies, are replaced by the
+    /// cone over their outline. False, and unchanged, if rounding makes the outline or the cone degenerate.
+    fn expand(&mut self, nearest: &Face, support: Support) -> bool {
+        let is_below = |face: &&Face| {
+            face.normal.dot(&support.difference) > face.offset - self.resolution
+                || face.corners == nearest.corners
         };
-        let of_hidden: Vec<(usize, usize)> = hidden.iter().flat_map(edges).collect();
-        let outline = of_hidden.iter().filter(|(a, b)| !of_hidden.contains(&(*b, *a)));
+        let hidden = connected(self.faces.iter().filter(is_below).copied().collect(), nearest);
+        let Some(outline) = outline(&hidden) else { return false };
         self.supports.push(support);
         let top = self.supports.len() - 1;
-        let cone: Option<Vec<Face>> = outline.map(|&(a, b)| self.face([a, b, top])).collect();
-        match cone {
-            Some(cone) if cone.len() >= 3 => {
-                self.faces = kept;
-                self.faces.extend(cone);
-                true
-            }
-            _ => {
-                self.supports.pop();
-                false
-            }
-        }
+        let cone: Option<Vec<Face>> = outline.iter().map(|&(a, b)| self.face([a, b, top])).collect();
+        let Some(cone) = cone else {
+            self.supports.pop();
+            return false;
+        };
+        self.faces.retain(|face| !hidden.iter().any(|hidden| hidden.corners == face.corners));
+        self.faces.extend(cone);
+        true
     }
 
     /// The point of the polytope's surface nearest to a point, which is near the surface, as points of both solids.
@@ -226,7 +220,45 @@ impl Polytope {
     }
 }
 
+/// The faces that are connected to one of them across edges.
+fn connected(mut faces: Vec<Face>, start: &Face) -> Vec<Face> {
+    let mut found: Vec<Face> = Vec::with_capacity(faces.len());
+    let mut next = faces.iter().position(|face| face.corners == start.corners);
+    while let Some(index) = next {
+        found.push(faces.swap_remove(index));
+        next = faces.iter().position(|face| {
+            found.iter().any(|other| face.edges().iter().any(|(a, b)| other.edges().contains(&(*b, *a))))
+        });
+    }
+    found
+}
+
+/// The edges around connected faces, if they form one closed line that passes no point twice.
+fn outline(faces: &[Face]) -> Option<Vec<(usize, usize)>> {
+    let edges: Vec<(usize, usize)> = faces.iter().flat_map(Face::edges).collect();
+    let outer: Vec<(usize, usize)> =
+        edges.iter().filter(|(a, b)| !edges.contains(&(*b, *a))).copied().collect();
+    let next = |(_, end): (usize, usize)| {
+        let mut leaving = outer.iter().filter(|(start, _)| *start == end);
+        leaving.next().copied().filter(|_| leaving.next().is_none())
+    };
+    let first = *outer.first()?;
+    let (mut edge, mut length) = (next(first)?, 1);
+    while edge != first {
+        (edge, length) = (next(edge)?, length + 1);
+        if length > outer.len() {
+            return None;
+        }
+    }
+    (length == outer.len() && length >= 3).then_some(outer)
+}
+
 impl Face {
+    fn edges(&self) -> [(usize, usize); 3] {
+        let [a, b, c] = self.corners;
+        [(a, b), (b, c), (c, a)]
+    }
+
     /// Signed distance (m) of a point from the plane of the face.
     fn height(&self, point: &Point) -> f64 {
         self.normal.dot(&point.coords) - self.offset
