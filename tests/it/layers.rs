@@ -39,9 +39,8 @@ const MODULES: [(&str, &[&str]); 15] = [
 ];
 
 /// Foreign crates that one manifest alone depends on.
-const HOME_CRATES: [(&str, &str); 11] = [
+const HOME_CRATES: [(&str, &str); 10] = [
     ("fearless_simd", "geometry"),
-    ("parry3d-f64", "proximity"),
     ("urdf-rs", "robot"),
     ("roxmltree", "robot"),
     ("percent-encoding", "robot"),
@@ -58,7 +57,7 @@ const HOMES: [(&str, &str); 20] = [
     ("base64", "crates/robot/src/mesh_formats/"),
     ("libc", "crates/files/src/input_files.rs"),
     ("fearless_simd", "crates/geometry/src/simd/"),
-    ("parry3d_f64", "crates/proximity/src/narrow_phase/epa.rs"),
+    ("parry3d_f64", "crates/proximity/src/penetration_depth/tests.rs"),
     ("stl_io", "crates/robot/src/mesh_formats/"),
     ("tobj", "crates/robot/src/mesh_formats/"),
     ("hyper", "crates/ros/src/view/"),

@@ -7,7 +7,7 @@
 //! | how far are they apart? | [`distance`] | least distance and witness points, up to a limit |
 //! | the same with tolerances or a deadline | [`distance_bounds`], [`margin_bounds`] | lower and upper bounds |
 //! | how deep are two bodies in each other? | [`penetration_depth`] | bounds on the translation that separates them |
-//! | the same for two primitives | [`signed_distance`], [`deepest_overlap`] | least translation that separates, negative |
+//! | how far, or how deep, are two primitives? | [`signed_distance`] | distance, negative where they overlap |
 //!
 //! Bodies are made of triangles, convex primitives, planes, points with a radius and cubes, in any mixture.
 //!
@@ -35,10 +35,9 @@ pub use body::{BodyPair, BodyVolume, BoundingSphere, CollisionBody, Piece, Piece
 pub use elements::{Element, ElementPair};
 pub use front::{Front, FrontLimits};
 pub use narrow_phase::{Separation, element_contact, element_separation};
-pub use penetration_depth::{PenetrationDepth, SolidBody, UnknownDepth, penetration_depth};
+pub use penetration_depth::{PenetrationDepth, SolidBody, UnknownDepth, penetration_depth, signed_distance};
 pub use queries::{
-    DistanceBounds, DistanceCandidate, collide, deepest_overlap, distance, distance_bounds,
-    distance_bounds_below, distance_candidates, margin_bounds, pieces_within_margin, signed_distance,
-    within_margin,
+    DistanceBounds, DistanceCandidate, collide, distance, distance_bounds, distance_bounds_below,
+    distance_candidates, margin_bounds, pieces_within_margin, within_margin,
 };
 pub use search::{Effort, Scratch, Work};

@@ -2,7 +2,6 @@
 
 mod cube_lanes;
 mod distance_element_element;
-mod epa;
 mod gjk;
 mod separation;
 mod single_precision;
@@ -16,7 +15,6 @@ pub(crate) use cube_lanes::{OneTriangle, lower_bounds_from_cube, nearest_lane};
 pub(crate) use distance_element_element::{
     core_nearest_points, gap_along, separation_within, touching_within,
 };
-pub(crate) use epa::penetration;
 pub(crate) use single_precision::{f32_above, shortened, shortened_to_f32, triangle_slack, widened};
 pub(crate) use solid_lanes::{lower_bounds_of_cubes, lower_bounds_of_triangles};
 pub(crate) use triangle_lanes::{DistanceLanes, LaneTriangles, MovedTriangles, TrianglePairs};

@@ -197,6 +197,7 @@ impl Polytope {
         };
         self.faces.retain(|face| !hidden.iter().any(|hidden| hidden.corners == face.corners));
         self.faces.extend(cone);
+        debug_assert!(self.faces.len() <= 2 * self.supports.len(), "Euler's formula of a closed surface");
         true
     }
 

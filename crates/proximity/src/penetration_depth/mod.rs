@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `solid_body` | a rigid body as a union of solids |
 //! | `convex_solid` | support points and inner balls of primitives and convex meshes |
+//! | `signed_distance` | two primitives |
 //! | `rounded_pair`, `expanding_polytope` | exact depth of two convex solids |
 //! | `plane` | exact depth of a plane in a bounded body |
 //! | `separating_translation` | upper bounds for others: short translations that are proven to separate |
@@ -16,11 +17,13 @@ mod inner_balls;
 mod plane;
 mod rounded_pair;
 mod separating_translation;
+mod signed_distance;
 mod solid_body;
 mod solid_set;
 #[cfg(test)]
 mod tests;
 
+pub use signed_distance::signed_distance;
 pub use solid_body::SolidBody;
 
 use clearance_geometry::PointPair;
@@ -39,6 +42,9 @@ use solid_set::deepest_solid;
 /// contact is found less accurately than their depth.
 const ALLOWANCES: [f64; 4] = [0.0, 1e-8, 1e-7, 1e-6];
 
+/// Rounding error of the distance of two points, relative to the coordinates.
+const ROUNDING: f64 = 1e-13;
+
 /// Ratio of the bounds above which more work is done for the lower one.
 const WIDE: f64 = 1.25;
 
@@ -48,7 +54,7 @@ pub struct PenetrationDepth {
     /// No translation shorter than this (m) separates the bodies.
     pub lower: f64,
     /// After a translation of the second body by this (m) along `direction`, the distance is proven larger than the margin. Infinite
-    /// where no such translation was found.
+    /// where no such translation was found: direction and witness points then have no meaning.
     pub upper: f64,
     /// Unit vector, in the frame of the first body.
     pub direction: Vector,
@@ -65,9 +71,22 @@ pub enum UnknownDepth {
     OpenMesh,
     /// Infinite bodies that no translation separates, as two planes.
     Inseparable,
+    /// Only points or voxels of the one body touch points or voxels of the other: for these no depth is computed.
+    BothAreSets,
 }
 
 impl PenetrationDepth {
+    /// Result without a translation that separates.
+    fn unknown(lower: f64, reason: UnknownDepth) -> Self {
+        Self {
+            lower,
+            upper: f64::INFINITY,
+            direction: Vector::x(),
+            witness_points: [Point::origin(); 2],
+            unknown: Some(reason),
+        }
+    }
+
     /// The deeper of two, by their lower bounds.
     fn deeper(self, other: Self) -> Self {
         if other.lower > self.lower { other } else { self }
@@ -85,7 +104,7 @@ impl PenetrationDepth {
 /// It is the depth of the bodies enlarged by `margin` together: the length of the shortest translation after which their distance is
 /// larger. Two convex solids (primitives, or meshes without dents) have an exact depth, up to rounding, and so has a plane in a bounded
 /// body. A body of several shapes counts as their union. Each point of a cloud and each voxel is a body of its own; the result is for the
-/// one whose centre is deepest.
+/// one whose centre is deepest. Points and voxels of both bodies are compared only if nothing else touches, and without a depth.
 #[must_use]
 pub fn penetration_depth(
     a: &SolidBody,
@@ -106,7 +125,16 @@ pub fn penetration_depth(
         let found = b.union.as_ref().and_then(|b| depth_of_set(b, set, pose_ba, margin, scratch));
         all.extend(found.map(|depth| depth.swapped(pose_ab)));
     }
+    if all.is_empty() && sets_are_near([a, b], pose_ab, margin, scratch) {
+        return Some(PenetrationDepth::unknown(0.0, UnknownDepth::BothAreSets));
+    }
     all.into_iter().reduce(PenetrationDepth::deeper)
+}
+
+/// Whether points or voxels of the one body are within `margin` (m) of those of the other.
+fn sets_are_near(bodies: [&SolidBody; 2], pose_ab: &MatrixPose, margin: f64, scratch: &mut Scratch) -> bool {
+    let [a, b] = bodies.map(SolidBody::all_sets);
+    a.zip(b).is_some_and(|(a, b)| crate::within_margin(a, b, pose_ab, margin, scratch).is_some())
 }
 
 fn depth_of_set(
@@ -185,15 +213,10 @@ fn search_depth(
     }
     let found = MovedSolids { a, b, pose_ab, margin, scratch }.shortest(lower + margin);
     let Some(found) = found else {
-        return PenetrationDepth {
-            lower: (lower + margin).greater(0.0),
-            upper: f64::INFINITY,
-            direction: Vector::x(),
-            witness_points: [Point::origin(); 2],
-            unknown: Some(UnknownDepth::Inseparable),
-        };
+        return PenetrationDepth::unknown((lower + margin).greater(0.0), UnknownDepth::Inseparable);
     };
     let upper = found.translation.norm();
+    let rounding = ROUNDING * (a.size() + b.size() + pose_ab.translation.amax() + upper);
     if apart.is_none() {
         balls.offer(tangent_balls(bodies, pose_ab, &found, scratch));
         lower = lower.greater(balls.depth());
@@ -210,7 +233,7 @@ fn search_depth(
         }
     }
     PenetrationDepth {
-        lower: (lower + margin - a.excess() - b.excess()).greater(0.0).lesser(upper),
+        lower: (lower + margin - a.excess() - b.excess() - rounding).greater(0.0).lesser(upper),
         upper,
         direction: found.translation / upper,
         witness_points: [found.after.witness_points[0], found.after.witness_points[1] - found.translation],
@@ -234,7 +257,7 @@ impl BallPair {
     }
 }
 
-/// The largest lower bound (m) of pairs of convex parts, and of planes and parts.
+/// The largest lower bound (m) of pairs of convex parts, and of planes in the other body.
 fn of_exact_parts([a, b]: [&Union; 2], pose_ab: &MatrixPose) -> f64 {
     let mut lower = 0.0_f64;
     for first in &a.parts {
@@ -243,6 +266,13 @@ fn of_exact_parts([a, b]: [&Union; 2], pose_ab: &MatrixPose) -> f64 {
                 lower =
                     lower.greater(depth_of_convex(first, second, pose_ab).map_or(0.0, |depth| depth.lower));
             }
+        }
+    }
+    let pose_ba = &pose_ab.inverse();
+    for (planes, other, pose) in [(a, b, pose_ab), (b, a, pose_ba)] {
+        for part in &planes.parts {
+            let Part::Plane(plane) = part else { continue };
+            lower = lower.greater(plane::depth_in_plane(plane, other, pose).map_or(0.0, |depth| depth.lower));
         }
     }
     lower

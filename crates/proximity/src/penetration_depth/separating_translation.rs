@@ -5,7 +5,7 @@
 //! one may be. Every translation that is kept was proven to separate the solids by a query on all of both.
 
 use clearance_geometry::constants::CONTACT_DISTANCE;
-use clearance_geometry::math::{Extremes, MatrixPose, Vector};
+use clearance_geometry::math::{Extremes, MatrixPose, UnitVector, Vector};
 
 use super::expanding_polytope::ConvexPair;
 use super::solid_body::{Union, spread_directions};
@@ -62,21 +62,23 @@ impl MovedSolids<'_> {
     /// The shortest separating translation that the search finds, unless none is found at all: some infinite solids overlap everywhere.
     /// It is at least `lower` (m) long.
     pub fn shortest(&mut self, lower: f64) -> Option<SeparatingTranslation> {
-        let outer = self.of_hulls()?;
-        let mut best = self.shortened(outer);
-        let mut length = lower.greater(best.translation.norm() / 32.0);
-        while length < best.translation.norm() * (1.0 - PROGRESS) {
-            let directions = spread_directions(DIRECTIONS);
-            let free: Vec<Vector> = directions
-                .iter()
-                .map(|n| n.scale(length))
-                .filter(|x| self.is_separated(x))
-                .take(MOST_STARTS)
-                .collect();
+        let directions = self.directions();
+        let mut best = self.of_hulls().map(|outer| self.shortened(outer));
+        let limit = |best: &Option<SeparatingTranslation>, unbounded: f64| {
+            best.as_ref().map_or(unbounded, |best| best.translation.norm() * (1.0 - PROGRESS))
+        };
+        let size = self.a.size() + self.b.size();
+        let mut length = lower.greater(limit(&best, size) / 32.0);
+        for _ in 0..MOST_GROWTHS {
+            if length >= limit(&best, f64::INFINITY) {
+                break;
+            }
+            let at_length = directions.iter().map(|n| n * length);
+            let free: Vec<Vector> = at_length.filter(|x| self.is_separated(x)).take(MOST_STARTS).collect();
             for x in &free {
                 let found = self.shortened(*x);
-                if found.translation.norm() < best.translation.norm() {
-                    best = found;
+                if found.translation.norm() < limit(&best, f64::INFINITY) {
+                    best = Some(found);
                 }
             }
             if !free.is_empty() {
@@ -84,7 +86,15 @@ impl MovedSolids<'_> {
             }
             length *= GROWTH;
         }
-        Some(best)
+        best
+    }
+
+    /// Directions that are tried: spread over the sphere, and the normals of planes.
+    fn directions(&self) -> Vec<Vector> {
+        let of_a = self.a.plane_normals();
+        let of_b = self.b.plane_normals().map(|n| self.pose_ab.rotation * n);
+        let spread = spread_directions(DIRECTIONS).into_iter().map(UnitVector::into_inner);
+        of_a.chain(of_b).flat_map(|n| [n, -n]).chain(spread).collect()
     }
 
     /// A translation that separates the convex hulls, which are known by some of their points: longer than needed where others count.

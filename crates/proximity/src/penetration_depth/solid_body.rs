@@ -28,6 +28,8 @@ pub struct SolidBody {
     pub(super) union: Option<Union>,
     /// Points and voxels, each a body of its own.
     pub(super) sets: Vec<SolidSet>,
+    /// All of these together; built at the first use.
+    all_sets: OnceLock<Option<CollisionBody>>,
 }
 
 /// A union of solids and planes.
@@ -36,7 +38,7 @@ pub(super) struct Union {
     /// All shapes, for tests of separation.
     pub whole: CollisionBody,
     pub parts: Vec<Part>,
-    /// All triangles, for distances of inner points from the surface.
+    /// All triangles, for distances of inner points from the surface; `None` if the union has nothing else.
     surface: Option<CollisionBody>,
     /// Points of the parts that are farthest in directions spread over the sphere.
     outermost: Vec<Point>,
@@ -71,7 +73,16 @@ impl SolidBody {
                 Shape::Primitive(_) | Shape::Mesh(_) | Shape::Plane(_) => of_union.push((pose, shape)),
             }
         }
-        Self { union: Union::new(&of_union), sets }
+        Self { union: Union::new(&of_union), sets, all_sets: OnceLock::new() }
+    }
+
+    /// All points and voxels as one body; `None` if there are none.
+    pub(super) fn all_sets(&self) -> Option<&CollisionBody> {
+        let build = || {
+            let shapes: Vec<(Pose, Shape)> = self.sets.iter().map(SolidSet::shape).collect();
+            CollisionBody::new(shapes.iter().map(|(pose, shape)| (pose, shape)))
+        };
+        self.all_sets.get_or_init(build).as_ref()
     }
 }
 
@@ -125,7 +136,7 @@ impl Union {
         let outermost = parts.iter().flat_map(|part| directions.iter().filter_map(|n| part.farthest(n)));
         Some(Self {
             whole,
-            surface: CollisionBody::new(meshes()),
+            surface: CollisionBody::new(meshes()).filter(|_| meshes().count() < shapes().count()),
             outermost: outermost.collect(),
             balls: OnceLock::new(),
             is_open: meshes().any(|(_, shape)| is_open(shape)),
@@ -140,6 +151,14 @@ impl Union {
 
     pub fn bounding_sphere(&self) -> BoundingSphere {
         self.whole.bounding_sphere()
+    }
+
+    /// Normals of the planes.
+    pub fn plane_normals(&self) -> impl Iterator<Item = Vector> {
+        self.parts.iter().filter_map(|part| match part {
+            Part::Plane(plane) => Some(plane.normal.into_inner()),
+            Part::Convex(_) | Part::Mesh { .. } => None,
+        })
     }
 
     /// Upper bound (m) on the radius of a ball inside.
@@ -170,8 +189,8 @@ impl Union {
         if !is_in_mesh {
             return radius;
         }
-        let to_surface = self.surface.as_ref().and_then(|surface| distance_of_point(surface, p, scratch));
-        let to_surface = to_surface.map_or(0.0, |found| found.distance);
+        let surface = self.surface.as_ref().unwrap_or(&self.whole);
+        let to_surface = distance_of_point(surface, p, scratch).map_or(0.0, |found| found.distance);
         let to_surface = (to_surface - ROUNDING * p.coords.amax()).greater(0.0);
         Some(radius.map_or(to_surface, |radius| radius.greater(to_surface)))
     }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use clearance_geometry::math::{Extremes, MatrixPose, Point, Pose};
-use clearance_geometry::{PointCloud, Primitive, Voxels};
+use clearance_geometry::{PointCloud, Primitive, Shape, Voxels};
 
 use super::solid_body::Union;
 use crate::search::Scratch;
@@ -16,6 +16,14 @@ pub(super) enum SolidSet {
 }
 
 impl SolidSet {
+    /// The whole set, with its pose.
+    pub fn shape(&self) -> (Pose, Shape) {
+        match self {
+            Self::Points { cloud, pose } => (*pose, Shape::Points(Arc::clone(cloud))),
+            Self::Voxels { voxels, pose } => (*pose, Shape::Voxels(Arc::clone(voxels))),
+        }
+    }
+
     pub fn count(&self) -> usize {
         match self {
             Self::Points { cloud, .. } => cloud.points().len(),
