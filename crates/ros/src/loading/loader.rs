@@ -9,9 +9,9 @@ use futures_lite::future;
 use smol::Timer;
 use smol::channel::Receiver;
 use std::collections::BTreeMap;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use crate::loading::guarded::{guarded, guarded_scene};
 use crate::loading::loader_inputs::{LoaderInputs, Pass};
 use crate::loading::logged_meshes::LoggedMeshes;
 use crate::monitor_events::monitor_event::MonitorEvent;
@@ -478,28 +478,12 @@ fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Applies an untrusted scene message. A panic in it must not end the node.
-fn guarded_scene(scene: &mut LoaderScene, change: impl FnOnce(&mut LoaderScene) -> bool) -> bool {
-    catch_unwind(AssertUnwindSafe(|| change(scene))).unwrap_or_else(|_| {
-        const FAULT: &str = "a change of the world failed inside the program; the world may lack it";
-        log::error!("{FAULT}");
-        scene.note_failure(FAULT);
-        true
-    })
-}
-
 const DESCRIPTION: &str = "robot_description";
 const SEMANTIC: &str = "robot_description_semantic";
 
 /// Error text with the name of the topic, if its position in the text does not contain it.
 fn named(fault: &str) -> String {
     if fault.starts_with(DESCRIPTION) { fault.to_owned() } else { format!("{DESCRIPTION}: {fault}") }
-}
-
-/// Builds from an untrusted description. A panic in it must not end the node.
-fn guarded<T>(what: &str, build: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
-    catch_unwind(AssertUnwindSafe(build))
-        .unwrap_or_else(|_| Err(format!("{what}: reading it failed inside the program")))
 }
 
 #[cfg(test)]
