@@ -77,7 +77,7 @@ impl Stats {
         for work in work {
             total += work;
         }
-        let Work { volume_tests, screened_pairs, primitive_tests } = total;
+        let Work { volume_tests, screened_pairs, primitive_tests, .. } = total;
         Self { volume_tests, screened_pairs, primitive_tests }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use super::{SolidMesh, Triangle};
+use super::{InsideWork, SolidMesh, Triangle};
 use crate::constants::LARGEST_COORDINATE;
 use crate::math::{Point, Vector};
 
@@ -151,7 +151,13 @@ impl TriangleMesh {
     /// Whether a point is inside the mesh as a solid; open parts have no inside.
     #[must_use]
     pub fn encloses(&self, point: &Point) -> bool {
-        self.solid().contains(&self.vertices, point, &mut 0)
+        self.solid().contains(&self.vertices, point, &mut InsideWork::default())
+    }
+
+    /// Not many more than `most` boxes (smallest and largest corner) that together contain all points inside the mesh as a solid.
+    #[must_use]
+    pub fn inside_boxes(&self, most: usize) -> Vec<[Point; 2]> {
+        self.solid().inside_boxes(&self.vertices, most)
     }
 
     /// Builds the data for [`Self::encloses`], so that the first point costs no more than others.

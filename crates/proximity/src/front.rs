@@ -12,6 +12,11 @@
 //!
 //! The common motion of all pairs thus cancels between them: their order changes only by the rotation. For pairs that are not listed, the
 //! motion of the whole body is assumed.
+//!
+//! # Closed meshes as solids
+//!
+//! The distance of two solids decreases at most by the motion of one in the frame of the other. So neither is inside the other at a pose,
+//! if they were farther apart at an earlier pose than the motion between. Only after a larger motion is a point of each part tested.
 
 mod bounds;
 mod collector;
@@ -19,6 +24,7 @@ mod eight_pairs;
 mod limits;
 mod listed_pair;
 
+use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::{Extremes, MatrixPose, Point};
 use clearance_geometry::simd::prelude::*;
 use clearance_geometry::simd::{LANES, Level, Simd, dispatch, f32x8, not_beyond};
@@ -27,7 +33,10 @@ use crate::body::{BodyPair, CollisionBody};
 use crate::bounding_volume::Obb;
 use crate::bvh::Visitor;
 use crate::narrow_phase::{Separation, TrianglePairs, separation_within, triangle_slack};
-use crate::search::{BestSoFar, Goal, Scratch, ScratchParts, SurfaceSurfaceVisitor, TriangleCandidates};
+use crate::search::{
+    BestSoFar, Goal, Scratch, ScratchParts, SearchedPieces, SurfaceSurfaceVisitor, TriangleCandidates,
+    contained_point,
+};
 use bounds::Bounds;
 use collector::{PairLists, collect};
 use eight_pairs::EightPairs;
@@ -44,6 +53,8 @@ pub struct Front {
     beyond: f64,
     with_solids: Group,
     of_triangles: Group,
+    /// Last pose of b in the frame of a at which neither body had a part inside the other, and a lower bound (m) on their distance there.
+    outside: Option<(MatrixPose, f64)>,
 }
 
 /// Listed pairs of one kind.
@@ -70,8 +81,8 @@ impl Front {
     }
 
     /// Lists the elements of two bodies that may be within `limits.beyond` of each other, or the nearest of these if they are many.
-    /// `nearest` is the result of a search at that pose. Bodies with solid meshes, planes, points or voxels have no front. There is no
-    /// front either if it would cost more than the limits allow.
+    /// `nearest` is the result of a search at that pose. Bodies with planes, points or voxels have no front. There is no front either if it
+    /// would cost more than the limits allow.
     #[inline]
     pub fn collect(
         &mut self,
@@ -81,8 +92,7 @@ impl Front {
         scratch: &mut Scratch,
     ) {
         self.clear();
-        let has_none =
-            |body: &CollisionBody| body.interior().is_some() || body.has_cubes() || body.has_planes();
+        let has_none = |body: &CollisionBody| body.has_cubes() || body.has_planes();
         if has_none(bodies.a) || has_none(bodies.b) {
             return;
         }
@@ -95,6 +105,7 @@ impl Front {
         };
         self.beyond = beyond;
         self.listed_at = Some(*bodies.pose_ab);
+        self.outside = Some((*bodies.pose_ab, nearest.distance));
         let near_a = &nearest.witness_points[0];
         self.with_solids.renew(bodies, near_a, scratch.level());
         self.of_triangles.renew(bodies, near_a, scratch.level());
@@ -140,11 +151,33 @@ impl Front {
                 }
             }
         }
-        match found {
-            Some(found) if found.distance > 0.0 => Some(Some(found)),
-            None if limit <= certain => Some(None),
-            _ => None,
+        let result = match found {
+            Some(found) if found.distance > 0.0 => Some(found),
+            None if limit <= certain => None,
+            _ => return None,
+        };
+        let lower = result.map_or(limit, |found| found.distance);
+        self.stays_outside(bodies, lower, scratch).then_some(result)
+    }
+
+    /// True if neither body has a part inside the other. Their surfaces must be more than `lower` (m) apart, or just as much.
+    fn stays_outside(&mut self, bodies: BodyPair, lower: f64, scratch: &mut Scratch) -> bool {
+        let BodyPair { a, b, pose_ab } = bodies;
+        if !bodies.has_inside() {
+            return true;
         }
+        let is_known = self.outside.is_some_and(|(from, distance)| {
+            let moved_a = || a.bounding_sphere().displacement(&from.inverse(), &pose_ab.inverse());
+            let needed = distance - CONTACT_DISTANCE;
+            b.bounding_sphere().displacement(&from, pose_ab) < needed || moved_a() < needed
+        });
+        let is_outside = is_known || {
+            let ScratchParts { work, traversal, .. } = scratch.begin();
+            let best_so_far = &mut BestSoFar::new(Goal::CONTACT, work);
+            matches!(contained_point(bodies, SearchedPieces::All, best_so_far, traversal), Ok(None))
+        };
+        self.outside = is_outside.then_some((*pose_ab, lower));
+        is_outside
     }
 }
 

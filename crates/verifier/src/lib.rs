@@ -17,7 +17,7 @@
 //! | `element` | extent of a triangle or primitive in a direction, and its corners |
 //! | `body_geometry`, `body` | shapes of links, attached objects and obstacles as trees of boxes |
 //! | `separation_test` | all pairs of elements are proven apart, by boxes or by a separating direction |
-//! | `interior` | nothing lies inside a closed mesh, if meshes are solids |
+//! | `interior`, `ray_crossings` | nothing lies inside a closed mesh, if meshes are solids |
 //! | `segment_verifier`, `verifier` | every proof of every segment is checked by the above |
 //!
 //! The search for directions (`separating_direction`) need not be correct: a wrong direction proves nothing, and the certificate is rejected.
@@ -38,6 +38,7 @@ mod interval_coverage;
 mod interval_midpoint;
 mod motion_bound;
 mod proof_interval;
+mod ray_crossings;
 mod rejection;
 mod required_pairs;
 mod segment_continuity;

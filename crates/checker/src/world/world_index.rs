@@ -158,13 +158,15 @@ impl WorldIndex {
     }
 
     /// Pairs of a part with obstacles that may be near, in the order of their numbers, with lower bounds (m) on their
-    /// distances.
+    /// distances. `is_inside` is true for a pair of which the part may be inside the obstacle; it is only called where
+    /// nothing else is near.
     pub fn candidates(
         &self,
         query: PartQuery,
         nearby: &mut BroadPhaseScratch,
         scratch: &mut Scratch,
         candidates: &mut Vec<CandidatePair>,
+        mut is_inside: impl FnMut(usize, &mut Scratch) -> bool,
     ) {
         if self.is_empty() {
             return;
@@ -174,7 +176,10 @@ impl WorldIndex {
         for pieces in nearby.near.chunk_by(|a, b| a.place == b.place) {
             let lower = pieces.iter().map(|piece| piece.lower).fold(f32::INFINITY, f32::lesser);
             let index = self.number_with(query.part, pieces[0].place);
-            candidates.push(CandidatePair { lower: f64::from(lower), index });
+            let has_elements = pieces.iter().any(|near| near.piece != Piece::Inside);
+            if has_elements || is_inside(index, scratch) {
+                candidates.push(CandidatePair { lower: f64::from(lower), index });
+            }
         }
     }
 
@@ -195,14 +200,12 @@ impl WorldIndex {
         for &number in &*found {
             let placed = pieces.at(number);
             if self.pair_list.checks(part, ObstacleId(placed.place)) {
-                let lower = placed.lower_bound(capsule);
-                if lower <= limit {
-                    near.push(NearPiece {
-                        place: placed.place,
-                        piece: placed.piece,
-                        lower: lower.greater(0.0),
-                    });
-                }
+                let within = placed.lower_bound_within(capsule, limit);
+                near.extend(within.map(|lower| NearPiece {
+                    place: placed.place,
+                    piece: placed.piece,
+                    lower,
+                }));
             }
         }
         near.sort_unstable_by_key(|near| (near.place, near.piece));
@@ -223,7 +226,8 @@ impl WorldIndex {
         found.iter().any(|&number| {
             work.volume_tests += 1;
             let placed = pieces.at(number);
-            self.pair_list.checks(part, ObstacleId(placed.place)) && placed.lower_bound(capsule) <= limit
+            self.pair_list.checks(part, ObstacleId(placed.place))
+                && placed.lower_bound_within(capsule, limit).is_some()
         })
     }
 
@@ -297,7 +301,9 @@ impl WorldIndex {
             let mut states = 0_u8;
             for (lane, capsule) in capsules.iter().enumerate() {
                 work.volume_tests += 1;
-                let near = of_one.iter().any(|number| pieces.at(*number).lower_bound(capsule) <= limit);
+                let near = of_one
+                    .iter()
+                    .any(|number| pieces.at(*number).lower_bound_within(capsule, limit).is_some());
                 states |= u8::from(near) << lane;
             }
             if states != 0 {
@@ -332,7 +338,7 @@ impl WorldIndex {
     }
 
     /// Tests the bounding volumes of a piece and a part: returns the node with a lower bound (m) on its padded
-    /// distance, or `None` if the pair is not checked.
+    /// distance, or `None` if the pair is not checked or the part is outside of this piece of the inside.
     pub fn bounded_piece(
         &self,
         part: usize,
@@ -344,7 +350,9 @@ impl WorldIndex {
         if !self.pair_list.checks(part, ObstacleId(placed.place)) {
             return None;
         }
+        let lower = f64::from(placed.lower_bound_within(capsule, f32::INFINITY)?);
         let node = match placed.piece {
+            Piece::Inside => SearchNode::Inside { part, piece },
             // pieces of an obstacle are no nearer to an infinite part than the whole obstacle
             _ if !robot_body.capsule().radius.is_finite() => {
                 SearchNode::Pair(self.number_with(part, placed.place))
@@ -352,7 +360,7 @@ impl WorldIndex {
             Piece::Whole | Piece::Solids => SearchNode::Pair(self.number_with(part, placed.place)),
             Piece::Surface(_) | Piece::Cubes { .. } => SearchNode::Piece { part, piece },
         };
-        Some((f64::from(placed.lower_bound(capsule).greater(0.0)), node))
+        Some((lower, node))
     }
 }
 

@@ -38,7 +38,7 @@ pub(super) fn are_cavities(vertices: &[Point], shells: &[ClosedSurface]) -> bool
 fn is_nested_as_wound(vertices: &[Point], shells: &[ClosedSurface], own: usize) -> bool {
     let point = vertices[shells[own].triangles()[0][0] as usize];
     let others = shells.iter().enumerate().filter(|(i, _)| *i != own);
-    let around: f64 = others.map(|(_, other)| other.winding_number(vertices, &point, &mut 0).round()).sum();
+    let around: f64 = others.map(|(_, other)| other.winding_number(vertices, &point)).sum();
     around == if shells[own].volume(vertices) < 0.0 { 1.0 } else { 0.0 }
 }
 

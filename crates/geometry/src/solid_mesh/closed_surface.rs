@@ -3,9 +3,10 @@
 use std::sync::OnceLock;
 
 use super::cycles::Cycle;
+use super::inside_work::InsideWork;
 use super::patches::{OrientedFace, PatchMultiple, Patches};
 use super::weld::WeldedFaces;
-use super::winding_tree::WindingTree;
+use super::winding_tree::{WindingNumber, WindingTree, half_solid_angle};
 use crate::math::Point;
 
 /// Triangles without a free edge, over the vertices of their mesh.
@@ -44,7 +45,8 @@ impl ClosedSurface {
         surface
     }
 
-    fn around(vertices: &[Point], triangles: Vec<[u32; 3]>) -> Self {
+    /// The surface of triangles without a free edge.
+    pub(super) fn around(vertices: &[Point], triangles: Vec<[u32; 3]>) -> Self {
         let at = |v: &u32| vertices[*v as usize];
         let mut bounds = [at(&triangles[0][0]); 2];
         for p in triangles.iter().flatten().map(at) {
@@ -100,21 +102,45 @@ impl ClosedSurface {
     }
 
     /// True if a box certainly contains no part of the surface.
-    pub(super) fn is_clear(&self, vertices: &[Point], bounds: &[Point; 2], cost: &mut u64) -> bool {
-        self.tree(vertices).is_clear(vertices, bounds, cost)
+    pub(super) fn is_clear(&self, vertices: &[Point], bounds: &[Point; 2], work: &mut InsideWork) -> bool {
+        self.tree(vertices).is_clear(vertices, bounds, work)
     }
 
     fn tree(&self, vertices: &[Point]) -> &WindingTree {
         self.tree.get_or_init(|| WindingTree::new(vertices, &self.triangles))
     }
 
-    /// Winding number of the surface around a point: the sum of the triangles' solid angles over 4π.
-    pub(super) fn winding_number(&self, vertices: &[Point], point: &Point, cost: &mut u64) -> f64 {
-        let [low, high] = &self.bounds;
-        if (0..3).all(|i| (low[i]..=high[i]).contains(&point[i])) {
-            self.tree(vertices).winding_number(vertices, point, cost)
-        } else {
-            0.0
+    /// True if the winding number of the surface around a point is not 0. For a point of the surface itself, where it is no integer, the
+    /// sum over all triangles decides: true above one half.
+    pub(super) fn winds_around(&self, vertices: &[Point], point: &Point, work: &mut InsideWork) -> bool {
+        let decision = |WindingNumber { value, error }: WindingNumber| {
+            ((value.abs() - 0.5).abs() > error).then_some(value.abs() > 0.5)
+        };
+        self.is_in_bounds(point)
+            && (self.tree(vertices).decide(vertices, point, work, decision))
+                .unwrap_or_else(|| self.sum_of_angles(vertices, point, work).abs() > 0.5)
+    }
+
+    /// Winding number of the surface around a point that is not of the surface.
+    pub(super) fn winding_number(&self, vertices: &[Point], point: &Point) -> f64 {
+        if !self.is_in_bounds(point) {
+            return 0.0;
         }
+        let work = &mut InsideWork::default();
+        let decision = |WindingNumber { value, error }: WindingNumber| (error < 0.5).then_some(value.round());
+        let decided = self.tree(vertices).decide(vertices, point, work, decision);
+        decided.unwrap_or_else(|| self.sum_of_angles(vertices, point, work).round())
+    }
+
+    fn is_in_bounds(&self, point: &Point) -> bool {
+        let [low, high] = &self.bounds;
+        (0..3).all(|i| (low[i]..=high[i]).contains(&point[i]))
+    }
+
+    /// Winding number by the solid angles of all triangles.
+    pub(super) fn sum_of_angles(&self, vertices: &[Point], point: &Point, work: &mut InsideWork) -> f64 {
+        work.visited += self.triangles.len() as u64;
+        let half_angles = self.triangles.iter().map(|t| half_solid_angle(vertices, t, point));
+        half_angles.sum::<f64>() / std::f64::consts::TAU
     }
 }

@@ -11,16 +11,24 @@
 mod cavities;
 mod closed_surface;
 mod cycles;
+mod far_field;
+mod inside_work;
+mod moments;
 mod patches;
+mod region_octree;
 mod remarks;
 mod weld;
 mod winding_tree;
+
+use std::sync::OnceLock;
 
 use crate::math::Point;
 use cavities::are_cavities;
 pub use closed_surface::ClosedSurface;
 use cycles::{Cycle, basis};
+pub use inside_work::InsideWork;
 use patches::Patches;
+use region_octree::{Region, RegionOctree};
 pub use remarks::SolidRemarks;
 use remarks::wound_inward;
 use weld::WeldedFaces;
@@ -30,6 +38,8 @@ use weld::WeldedFaces;
 pub struct SolidMesh {
     surfaces: Vec<ClosedSurface>,
     remarks: SolidRemarks,
+    /// Built at the first use; `None` without closed surfaces.
+    regions: OnceLock<Option<RegionOctree>>,
 }
 
 impl SolidMesh {
@@ -54,7 +64,7 @@ impl SolidMesh {
                 remarks.note_inward_shells(inward_count);
             }
         }
-        Self { surfaces, remarks }
+        Self { surfaces, remarks, regions: OnceLock::new() }
     }
 
     /// Closed surfaces; a point is inside if one of them winds around it.
@@ -69,14 +79,47 @@ impl SolidMesh {
         &self.remarks
     }
 
-    /// True if a point is inside; `vertices` are the mesh's. `cost` counts visited triangles and boxes.
-    pub(super) fn contains(&self, vertices: &[Point], point: &Point, cost: &mut u64) -> bool {
-        self.surfaces.iter().any(|surface| surface.winding_number(vertices, point, cost).abs() > 0.5)
+    /// Not many more than `most` boxes that together contain all points inside; `vertices` are the mesh's.
+    pub(super) fn inside_boxes(&self, vertices: &[Point], most: usize) -> Vec<[Point; 2]> {
+        self.regions(vertices).map_or_else(Vec::new, |regions| regions.inside_boxes(most))
+    }
+
+    /// True if a point is inside; `vertices` are the mesh's.
+    pub(super) fn contains(&self, vertices: &[Point], point: &Point, work: &mut InsideWork) -> bool {
+        self.known(vertices, point, work).unwrap_or_else(|| self.winds_around(vertices, point, work))
+    }
+
+    /// True if a point is inside, false if not; `None` if it is too near a face to tell without a winding number.
+    pub(super) fn known(&self, vertices: &[Point], point: &Point, work: &mut InsideWork) -> Option<bool> {
+        work.visited += 1;
+        match self.regions(vertices).map_or(Region::Outside, |regions| regions.region(point)) {
+            Region::Outside => Some(false),
+            Region::Inside => Some(true),
+            Region::Boundary => None,
+        }
+    }
+
+    /// True if a closed surface winds around a point.
+    pub(super) fn winds_around(&self, vertices: &[Point], point: &Point, work: &mut InsideWork) -> bool {
+        work.winding_numbers += 1;
+        self.surfaces.iter().any(|surface| surface.winds_around(vertices, point, work))
     }
 
     /// True if a box certainly contains no part of a closed surface.
-    pub(super) fn is_clear(&self, vertices: &[Point], bounds: &[Point; 2], cost: &mut u64) -> bool {
-        self.surfaces.iter().all(|surface| surface.is_clear(vertices, bounds, cost))
+    pub(super) fn is_clear(&self, vertices: &[Point], bounds: &[Point; 2], work: &mut InsideWork) -> bool {
+        self.surfaces.iter().all(|surface| surface.is_clear(vertices, bounds, work))
+    }
+
+    fn regions(&self, vertices: &[Point]) -> Option<&RegionOctree> {
+        let build = || {
+            let bounds = self.surfaces.iter().map(|surface| *surface.bounds());
+            let bounds = bounds.reduce(|a, b| [a[0].inf(&b[0]), a[1].sup(&b[1])])?;
+            let faces = self.surfaces.iter().map(|surface| surface.triangles().len()).sum();
+            let is_clear = |cell: &[Point; 2]| self.is_clear(vertices, cell, &mut InsideWork::default());
+            let is_inside = |point: &Point| self.winds_around(vertices, point, &mut InsideWork::default());
+            Some(RegionOctree::new(bounds, faces, is_clear, is_inside))
+        };
+        self.regions.get_or_init(build).as_ref()
     }
 
     /// Builds the data for point tests, so that the first costs no more than others.
@@ -84,6 +127,7 @@ impl SolidMesh {
         for surface in &self.surfaces {
             surface.prepare(vertices);
         }
+        self.regions(vertices);
     }
 }
 

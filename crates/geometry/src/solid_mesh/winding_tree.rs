@@ -1,15 +1,16 @@
-//! Winding numbers of a surface in a hierarchy (Jacobson, Kavan & Sorkine-Hornung 2013, section 4.3).
-//!
-//! For a point outside of a box, the faces in the box have the same winding number as any other surface in the box with the same
-//! boundary: here a cone over the boundary. A box of n faces then costs about √n triangles. Nothing is approximated.
+//! Winding number of a surface by a hierarchy over its faces (Barill, Dickson, Schmidt, Levin & Jacobson 2018, *Fast winding numbers for
+//! soups and clouds*): faces far from a point count by their far field, those near it one by one.
 
-use crate::math::{Point, Vector};
+use super::far_field::{FarField, SolidAngle};
+use super::inside_work::InsideWork;
+use super::moments::Moments;
+use crate::math::{Extremes, Point, Vector};
 
 /// Maximum number of faces in a leaf.
 const LEAF_FACES: usize = 8;
 
-/// Minimum distance of a point from a box for its cone to be used, as a fraction of the box's diagonal: rounding then has no effect.
-const MARGIN: f64 = 1e-3;
+/// Squares of factors on the least distance of far fields: one after the other is tried until the error is small enough.
+const SHARPNESSES: [f64; 2] = [1.0, 2.5];
 
 /// Maximum number of nodes visited to find a box without faces.
 const CLEARANCE_NODES: u32 = 512;
@@ -17,134 +18,138 @@ const CLEARANCE_NODES: u32 = 512;
 /// Faces of a surface in a binary tree of boxes.
 #[derive(Clone, Debug)]
 pub(super) struct WindingTree {
-    /// The first child of a node follows it.
+    /// Each node comes after those below it; the last is the root.
     nodes: Vec<Node>,
     /// In the order of the leaves.
     triangles: Vec<[u32; 3]>,
-    /// Boundaries of all nodes that have a cone.
-    edges: Vec<Edge>,
 }
 
 #[derive(Clone, Debug)]
 struct Node {
-    low: Point,
-    high: Point,
+    far_field: FarField,
+    /// Smallest and largest corner of the box around its faces.
+    bounds: [Point; 2],
     /// Range of its faces among all.
-    faces: [usize; 2],
-    second_child: Option<usize>,
-    /// Range of its boundary among all edges, if the boundary is short.
-    cone: Option<[usize; 2]>,
+    faces: [u32; 2],
+    /// Index of the first of the nodes below it; its own index if there are none.
+    begin: u32,
 }
 
-/// A directed edge, and its multiplicity in a boundary: negative in the other direction.
+/// A winding number, and a bound on its error.
 #[derive(Clone, Copy, Debug)]
-struct Edge {
-    ends: [u32; 2],
-    times: i64,
+pub(super) struct WindingNumber {
+    pub value: f64,
+    pub error: f64,
 }
 
 impl WindingTree {
+    /// The tree over some triangles, of which there must be at least one.
     pub fn new(vertices: &[Point], triangles: &[[u32; 3]]) -> Self {
-        let mut tree = Self { nodes: Vec::new(), triangles: triangles.to_vec(), edges: Vec::new() };
+        let mut tree = Self { nodes: Vec::new(), triangles: triangles.to_vec() };
         tree.build(vertices, [0, triangles.len()]);
         tree
     }
 
-    /// Halves are as equal as possible: the depth of the tree is the number of bits of the count. Returns the boundary of the node's
-    /// faces.
-    fn build(&mut self, vertices: &[Point], [first, end]: [usize; 2]) -> Vec<Edge> {
+    /// Adds the node over a range of triangles, and those below it; returns its moments. Halves are as equal as possible: the depth of the
+    /// tree is the number of bits of the count.
+    #[allow(clippy::cast_possible_truncation)] // a mesh has fewer than 2³² faces, and a tree not more nodes
+    fn build(&mut self, vertices: &[Point], [first, end]: [usize; 2]) -> Moments {
+        let corners_of = |t: &[u32; 3]| t.map(|v| vertices[v as usize]);
+        let begin = self.nodes.len() as u32;
+        let bounds = bounds_of(self.triangles[first..end].iter().flat_map(corners_of));
         let faces = &mut self.triangles[first..end];
-        let corners = || faces.iter().flatten().map(|v| vertices[*v as usize]);
-        let start = Point::from(Vector::repeat(f64::INFINITY));
-        let low = corners().fold(start, |low, p| low.inf(&p));
-        let high = corners().fold(-start, |high, p| high.sup(&p));
-        let number = self.nodes.len();
-        let boundary = if faces.len() <= LEAF_FACES {
-            self.nodes.push(Node { low, high, faces: [first, end], second_child: None, cone: None });
-            boundary_of(faces)
+        let moments = if faces.len() <= LEAF_FACES {
+            Moments::joined(faces.iter().map(|t| Moments::of_triangle(corners_of(t))))
         } else {
-            let axis = (high - low).imax();
-            let place = |t: &[u32; 3]| t.map(|v| vertices[v as usize][axis]).iter().sum::<f64>();
+            let axis = (bounds[1] - bounds[0]).imax();
+            let place = |t: &[u32; 3]| corners_of(t).map(|p| p[axis]).iter().sum::<f64>();
             let middle = faces.len() / 2;
             faces.select_nth_unstable_by(middle, |x, y| place(x).total_cmp(&place(y)));
-            self.nodes.push(Node { low, high, faces: [first, end], second_child: None, cone: None });
-            let of_first = self.build(vertices, [first, first + middle]);
-            self.nodes[number].second_child = Some(self.nodes.len());
-            let of_second = self.build(vertices, [first + middle, end]);
-            merged(&of_first, &of_second)
+            let halves = [[first, first + middle], [first + middle, end]];
+            Moments::joined(halves.map(|half| self.build(vertices, half)).into_iter())
         };
-        if 2 * boundary.len() <= end - first {
-            let begin = self.edges.len();
-            self.edges.extend(&boundary);
-            self.nodes[number].cone = Some([begin, self.edges.len()]);
-        }
-        boundary
+        let moments = moments.expect("there are triangles");
+        let corners = self.triangles[first..end].iter().flat_map(corners_of);
+        let radius = corners.map(|p| nalgebra::distance_squared(&p, &moments.centre)).fold(0.0, f64::greater);
+        let far_field = FarField::new(&moments, radius.sqrt());
+        self.nodes.push(Node { far_field, bounds, faces: [first as u32, end as u32], begin });
+        moments
     }
 
-    /// Winding number of the surface around a point; `cost` counts triangles and boxes.
-    pub fn winding_number(&self, vertices: &[Point], point: &Point, cost: &mut u64) -> f64 {
-        self.half_angles(0, vertices, point, cost) / std::f64::consts::TAU
+    /// The first winding number around a point whose error is small enough for a decision; `None` if even the sharpest has too large an
+    /// error.
+    pub fn decide<T>(
+        &self,
+        vertices: &[Point],
+        point: &Point,
+        work: &mut InsideWork,
+        decision: impl Fn(WindingNumber) -> Option<T>,
+    ) -> Option<T> {
+        let mut numbers =
+            SHARPNESSES.iter().map(|sharpness| self.winding_number(vertices, point, *sharpness, work));
+        numbers.find_map(decision)
     }
 
-    /// Half the solid angle of a node's faces.
-    fn half_angles(&self, number: usize, vertices: &[Point], point: &Point, cost: &mut u64) -> f64 {
-        let node = &self.nodes[number];
-        *cost += 1;
-        if node.is_outside(point) {
-            if let Some([begin, end]) = node.cone {
-                *cost += (end - begin) as u64;
-                return cone_half_angles(&self.edges[begin..end], vertices, point);
+    fn winding_number(
+        &self,
+        vertices: &[Point],
+        point: &Point,
+        sharpness: f64,
+        work: &mut InsideWork,
+    ) -> WindingNumber {
+        let (mut far, mut half_angles, mut near_faces) = (SolidAngle::default(), 0.0, 0);
+        let mut left = self.nodes.len();
+        while left > 0 {
+            left -= 1;
+            let node = &self.nodes[left];
+            work.visited += 1;
+            if node.far_field.add_to(&mut far, point, sharpness) {
+                left = node.begin as usize;
+            } else if node.begin as usize == left {
+                let faces = &self.triangles[node.faces[0] as usize..node.faces[1] as usize];
+                near_faces += faces.len();
+                half_angles += faces.iter().map(|t| half_solid_angle(vertices, t, point)).sum::<f64>();
             }
-        } else if let Some(second) = node.second_child {
-            return self.half_angles(number + 1, vertices, point, cost)
-                + self.half_angles(second, vertices, point, cost);
         }
-        let faces = &self.triangles[node.faces[0]..node.faces[1]];
-        *cost += faces.len() as u64;
-        faces.iter().map(|t| half_angle(t.map(|v| vertices[v as usize] - point))).sum()
+        work.visited += near_faces as u64;
+        #[allow(clippy::cast_precision_loss)] // a bound
+        let near_magnitude = near_faces as f64 * std::f64::consts::TAU;
+        let all = SolidAngle { magnitude: far.magnitude + near_magnitude, ..far };
+        WindingNumber {
+            value: (half_angles + 0.5 * far.value) / std::f64::consts::TAU,
+            error: all.error(self.triangles.len()) / (2.0 * std::f64::consts::TAU),
+        }
     }
 
     /// True if a box certainly contains no part of the surface.
-    pub fn is_clear(&self, vertices: &[Point], bounds: &[Point; 2], cost: &mut u64) -> bool {
-        let mut nodes_left = CLEARANCE_NODES;
-        let clear = self.is_clear_of(0, vertices, bounds, &mut nodes_left);
-        *cost += u64::from(CLEARANCE_NODES - nodes_left);
-        clear
-    }
-
-    fn is_clear_of(
-        &self,
-        number: usize,
-        vertices: &[Point],
-        bounds: &[Point; 2],
-        nodes_left: &mut u32,
-    ) -> bool {
-        let node = &self.nodes[number];
-        if !overlap(bounds, &[node.low, node.high]) {
-            return true;
+    pub fn is_clear(&self, vertices: &[Point], bounds: &[Point; 2], work: &mut InsideWork) -> bool {
+        let (mut left, mut visits_left) = (self.nodes.len(), CLEARANCE_NODES);
+        let is_near = |t: &[u32; 3]| overlap(bounds, &bounds_of(t.map(|v| vertices[v as usize]).into_iter()));
+        while left > 0 {
+            left -= 1;
+            let node = &self.nodes[left];
+            work.visited += 1;
+            if !overlap(bounds, &node.bounds) {
+                left = node.begin as usize;
+                continue;
+            }
+            if visits_left == 0 {
+                return false;
+            }
+            visits_left -= 1;
+            let faces = node.faces[0] as usize..node.faces[1] as usize;
+            if node.begin as usize == left && self.triangles[faces].iter().any(is_near) {
+                return false;
+            }
         }
-        if *nodes_left == 0 {
-            return false;
-        }
-        *nodes_left -= 1;
-        match node.second_child {
-            Some(second) => [number + 1, second]
-                .into_iter()
-                .all(|child| self.is_clear_of(child, vertices, bounds, nodes_left)),
-            None => self.triangles[node.faces[0]..node.faces[1]].iter().all(|t| {
-                let [a, b, c] = t.map(|v| vertices[v as usize]);
-                !overlap(bounds, &[a.inf(&b).inf(&c), a.sup(&b).sup(&c)])
-            }),
-        }
+        true
     }
 }
 
-impl Node {
-    /// True if a point is outside of the box by its margin.
-    fn is_outside(&self, point: &Point) -> bool {
-        let margin = MARGIN * (self.high - self.low).norm();
-        (0..3).any(|i| point[i] < self.low[i] - margin || point[i] > self.high[i] + margin)
-    }
+/// The box around some points.
+fn bounds_of(points: impl Iterator<Item = Point>) -> [Point; 2] {
+    let start = Point::from(Vector::repeat(f64::INFINITY));
+    points.fold([start, -start], |[low, high], p| [low.inf(&p), high.sup(&p)])
 }
 
 /// Whether boxes have a point in common.
@@ -152,44 +157,9 @@ fn overlap(a: &[Point; 2], b: &[Point; 2]) -> bool {
     (0..3).all(|i| a[0][i] <= b[1][i] && b[0][i] <= a[1][i])
 }
 
-/// Half the solid angle of the triangles from one corner of a boundary to its edges.
-fn cone_half_angles(edges: &[Edge], vertices: &[Point], point: &Point) -> f64 {
-    let Some(first) = edges.first() else { return 0.0 };
-    let apex = first.ends[0];
-    let to_apex = vertices[apex as usize] - point;
-    let of_edge = |edge: &Edge| {
-        let [a, b] = edge.ends.map(|v| vertices[v as usize] - point);
-        #[allow(clippy::cast_precision_loss)] // how often faces are there is small
-        let times = edge.times as f64;
-        times * half_angle([to_apex, a, b])
-    };
-    edges.iter().filter(|edge| !edge.ends.contains(&apex)).map(of_edge).sum()
-}
-
-/// Edges that do not cancel, sorted.
-fn boundary_of(faces: &[[u32; 3]]) -> Vec<Edge> {
-    let edges = faces.iter().flat_map(|[a, b, c]| [[*a, *b], [*b, *c], [*c, *a]]);
-    let mut edges: Vec<Edge> =
-        edges.map(|[a, b]| Edge { ends: [a.min(b), a.max(b)], times: if a < b { 1 } else { -1 } }).collect();
-    edges.sort_unstable_by_key(|edge| edge.ends);
-    summed(&edges)
-}
-
-fn merged(a: &[Edge], b: &[Edge]) -> Vec<Edge> {
-    let mut edges = [a, b].concat();
-    // two sorted runs
-    edges.sort_by_key(|edge| edge.ends);
-    summed(&edges)
-}
-
-fn summed(sorted: &[Edge]) -> Vec<Edge> {
-    let same = sorted.chunk_by(|a, b| a.ends == b.ends);
-    let sums = same.map(|same| Edge { ends: same[0].ends, times: same.iter().map(|edge| edge.times).sum() });
-    sums.filter(|edge| edge.times != 0).collect()
-}
-
-/// Half the solid angle of a triangle, from the vectors from a point to its corners (van Oosterom & Strackee 1983).
-fn half_angle([a, b, c]: [Vector; 3]) -> f64 {
+/// Half the solid angle of a triangle around a point (van Oosterom & Strackee 1983).
+pub(super) fn half_solid_angle(vertices: &[Point], triangle: &[u32; 3], point: &Point) -> f64 {
+    let [a, b, c] = triangle.map(|v| vertices[v as usize] - point);
     let (la, lb, lc) = (a.norm(), b.norm(), c.norm());
     let below = la * lb * lc + a.dot(&b) * lc + b.dot(&c) * la + c.dot(&a) * lb;
     a.dot(&b.cross(&c)).atan2(below)

@@ -15,3 +15,12 @@ pub struct BodyPair<'b, B: BoundingVolume = Obb> {
     /// Pose of b in the frame of a.
     pub pose_ab: &'b MatrixPose,
 }
+
+impl<B: BoundingVolume> BodyPair<'_, B> {
+    /// True if closed meshes are solids, and either body has one.
+    #[inline]
+    pub(crate) fn has_inside(&self) -> bool {
+        let interiors = self.a.interior().zip(self.b.interior());
+        interiors.is_some_and(|(a, b)| !a.closed_meshes().is_empty() || !b.closed_meshes().is_empty())
+    }
+}

@@ -3,25 +3,32 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use clearance_geometry::math::{Point, Pose};
-use clearance_geometry::{InsideTest, Shape, TriangleMesh};
+use clearance_geometry::math::{MatrixPose, Point, Pose};
+use clearance_geometry::{InsideTest, InsideWork, Primitive, Shape, TriangleMesh};
+
+use super::solid::{Solid, SolidLeaf};
+use crate::bounding_volume::BoundingVolume;
+use crate::bvh::Tree;
 
 /// The closed meshes of a body, and a point of each connected part of the body.
 #[derive(Clone, Debug)]
-pub(crate) struct Interior {
-    closed_meshes: Vec<ClosedMesh>,
+pub(crate) struct Interior<B: BoundingVolume> {
+    closed_meshes: Vec<ClosedMesh<B>>,
     part_points: Vec<Point>,
 }
 
 /// A mesh with an inside, placed in its body.
 #[derive(Clone, Debug)]
-pub(crate) struct ClosedMesh {
+pub(crate) struct ClosedMesh<B: BoundingVolume> {
     mesh: Arc<TriangleMesh>,
     pose_bm: Pose,
+    pose_mb: MatrixPose,
     bounds: (Point, Point),
+    /// The box around the mesh, in the frame of the body.
+    outline: Tree<B, SolidLeaf>,
 }
 
-impl Interior {
+impl<B: BoundingVolume> Interior<B> {
     #[inline]
     pub fn new<'a>(shapes: impl Iterator<Item = (&'a Pose, &'a Shape)>) -> Self {
         let mut interior = Self { closed_meshes: Vec::new(), part_points: Vec::new() };
@@ -33,12 +40,7 @@ impl Interior {
                 Shape::Mesh(mesh) => {
                     interior.part_points.extend(part_points(mesh).iter().map(|p| pose * p));
                     if !mesh.solid().surfaces().is_empty() {
-                        mesh.prepare_solid();
-                        interior.closed_meshes.push(ClosedMesh {
-                            mesh: Arc::clone(mesh),
-                            pose_bm: *pose,
-                            bounds: mesh.bounds(),
-                        });
+                        interior.closed_meshes.push(ClosedMesh::new(mesh, pose));
                     }
                 }
             }
@@ -48,7 +50,7 @@ impl Interior {
 
     /// The meshes that are solid.
     #[inline]
-    pub fn closed_meshes(&self) -> &[ClosedMesh] {
+    pub fn closed_meshes(&self) -> &[ClosedMesh<B>] {
         &self.closed_meshes
     }
 
@@ -59,45 +61,65 @@ impl Interior {
     }
 }
 
-impl ClosedMesh {
+impl<B: BoundingVolume> ClosedMesh<B> {
+    fn new(mesh: &Arc<TriangleMesh>, pose_bm: &Pose) -> Self {
+        mesh.prepare_solid();
+        let (low, high) = mesh.bounds();
+        let half = 0.5 * (high - low);
+        let primitive = Primitive::Box { half_extents: half.into() };
+        let centre = Pose::from_parts((low + half).coords.into(), nalgebra::one());
+        let outline = Solid { primitive, pose: pose_bm * centre };
+        Self {
+            mesh: Arc::clone(mesh),
+            pose_bm: *pose_bm,
+            pose_mb: MatrixPose::from(pose_bm).inverse(),
+            bounds: (low, high),
+            outline: Tree::build(&[outline]).0,
+        }
+    }
+
     /// Pose of the mesh in the frame of its body.
     #[inline]
     pub fn pose_bm(&self) -> &Pose {
         &self.pose_bm
     }
 
-    /// Smallest and largest corner of the box around the mesh, in its frame.
+    /// The box around the mesh, in the frame of its body.
     #[inline]
-    pub fn bounds(&self) -> &(Point, Point) {
-        &self.bounds
+    pub fn outline(&self) -> &Tree<B, SolidLeaf> {
+        &self.outline
+    }
+
+    /// Not many more than `most` boxes that together contain the inside, in the frame of the mesh: smallest and largest corners.
+    pub fn inside_boxes(&self, most: usize) -> Vec<[Point; 2]> {
+        self.mesh.inside_boxes(most)
     }
 
     #[inline]
-    pub fn test(&self) -> MeshTest<'_> {
+    pub fn test(&self) -> MeshTest<'_, B> {
         MeshTest { mesh: self, inside: InsideTest::new(&self.mesh) }
     }
 }
 
 /// Tests points against one mesh.
-pub(crate) struct MeshTest<'i> {
-    mesh: &'i ClosedMesh,
+pub(crate) struct MeshTest<'i, B: BoundingVolume> {
+    mesh: &'i ClosedMesh<B>,
     inside: InsideTest<'i>,
 }
 
-impl<'i> MeshTest<'i> {
+impl<B: BoundingVolume> MeshTest<'_, B> {
+    /// True if a point (frame of the mesh's body) is inside.
     #[inline]
-    pub fn mesh(&self) -> &'i ClosedMesh {
-        self.mesh
+    pub fn contains(&mut self, point_b: &Point) -> bool {
+        let p = &self.mesh.pose_mb * *point_b;
+        let (lo, hi) = self.mesh.bounds;
+        (0..3).all(|i| (lo[i]..=hi[i]).contains(&p[i])) && self.inside.encloses(&p)
     }
 
-    /// True if a point (frame of the mesh's body) is inside. Adds the number of tests of boxes and triangles to `tests`.
-    pub fn contains(&mut self, point_b: &Point, tests: &mut u64) -> bool {
-        *tests += 1;
-        let p = self.mesh.pose_bm.inverse_transform_point(point_b);
-        let (lo, hi) = self.mesh.bounds;
-        let is_inside = (0..3).all(|i| (lo[i]..=hi[i]).contains(&p[i])) && self.inside.encloses(&p);
-        *tests += self.inside.take_cost();
-        is_inside
+    /// Number of steps since the last call, without those for points outside of the box around the mesh.
+    #[inline]
+    pub fn take_work(&mut self) -> InsideWork {
+        self.inside.take_work()
     }
 }
 

@@ -18,6 +18,6 @@ pub use piece::{Piece, PieceVolume};
 pub use volume_box::BodyVolume;
 
 pub(crate) use cube_set::CubeSet;
-pub(crate) use interior::{ClosedMesh, Interior, MeshTest};
+pub(crate) use interior::{Interior, MeshTest};
 pub(crate) use solid::{Hull, SolidLeaf};
 pub(crate) use surface::Surface;

@@ -2,10 +2,11 @@
 
 use std::collections::BinaryHeap;
 
-use clearance_geometry::constants::VOLUME_SLACK;
+use clearance_geometry::constants::{FIT_SLACK, VOLUME_SLACK};
 use clearance_geometry::math::{MatrixPose, Point, RotationMatrix, Vector};
 
 use super::cube_set::CubeSet;
+use super::interior::ClosedMesh;
 use super::solid::SolidLeaf;
 use super::surface::Surface;
 use crate::bounding_volume::Obb;
@@ -28,6 +29,9 @@ pub enum Piece {
         /// Root of the subtree.
         node: NodeRef,
     },
+    /// The inside of its closed meshes. What does not overlap this piece's volume is not inside, and is no nearer to the inside than to the
+    /// surface.
+    Inside,
 }
 
 /// Bounding volume of a piece, in the frame of the body.
@@ -79,6 +83,21 @@ pub(super) fn cube_pieces(cubes: &CubeSet<Obb>, most: usize) -> impl Iterator<It
     cut.map(|node| {
         let piece = Piece::Cubes { set: cubes.index(), node };
         (piece, box_of(tree, node, cubes.pose_bs(), cubes.radius()))
+    })
+}
+
+/// Not many more than `most` boxes that together contain the inside of a mesh.
+#[inline]
+pub(super) fn inside_pieces(
+    mesh: &ClosedMesh<Obb>,
+    most: usize,
+) -> impl Iterator<Item = (Piece, PieceVolume)> {
+    let pose = MatrixPose::from(mesh.pose_bm());
+    mesh.inside_boxes(most).into_iter().map(move |[low, high]| {
+        let rounding = FIT_SLACK * (low.coords.amax() + high.coords.amax() + pose.translation.amax());
+        let half_extents = (0.5 * (high - low)).add_scalar(rounding);
+        let centre = &pose * nalgebra::center(&low, &high);
+        (Piece::Inside, PieceVolume::Box { centre, axes: pose.rotation, half_extents })
     })
 }
 

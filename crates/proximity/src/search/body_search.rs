@@ -18,6 +18,7 @@ use super::nearest_surface_surface::SurfaceSurfaceVisitor;
 use super::scratch::{Scratch, ScratchParts};
 use super::searched_pieces::SearchedPieces;
 use super::tree_traversal::TreeTraversal;
+use super::triangle_candidates::TriangleCandidates;
 use crate::body::{BodyPair, CollisionBody, CubeSet};
 use crate::bounding_volume::BoundingVolume;
 use crate::bvh::TreePair;
@@ -61,31 +62,12 @@ pub(crate) fn search_pieces<B: BoundingVolume, const SEPARATE: bool>(
         return SearchResult { best: None, elements: None, unseen: f64::INFINITY };
     }
     let mut best_so_far = BestSoFar::new(goal, work);
-    if a.has_solids() || b.has_solids() {
-        search_solids::<B, SEPARATE>(bodies, pieces, &mut best_so_far, traversal);
-    }
-    if let (Some(a), Some(b)) = (a.surface(), b.surface()) {
-        let relative = &a.tree().relative(b.tree(), pose_ab);
-        let best_so_far = &mut best_so_far;
-        candidates.begin(if SEPARATE { None } else { Some(relative) });
-        let mut visitor =
-            SurfaceSurfaceVisitor::<B, SEPARATE> { a, b, pose_ab, relative, best_so_far, candidates };
-        pieces.of_surface(b.tree().root(), traversal.starts());
-        traversal.run_from_starts(TreePair { a: a.tree(), b: b.tree(), relative }, &mut visitor, 0.0);
-        if goal.postpones {
-            visitor.postpone_candidates();
-        } else {
-            visitor.measure_candidates();
-        }
-    }
-    if a.has_planes() || b.has_planes() {
-        nearest_to_planes(bodies, &mut best_so_far, traversal);
-    }
-    if a.has_cubes() || b.has_cubes() {
-        search_cubes(bodies, pieces, &mut best_so_far, traversal);
+    if pieces.has_elements() {
+        let searched = SearchedElements { bodies, pieces, postpones: goal.postpones };
+        search_elements::<B, SEPARATE>(searched, &mut best_so_far, traversal, candidates);
     }
     if !best_so_far.touches() {
-        match contained_point(bodies, &mut best_so_far, traversal) {
+        match contained_point(bodies, pieces, &mut best_so_far, traversal) {
             Ok(Some(point)) => best_so_far.touch_at(point),
             Ok(None) => {}
             // one may be inside the other
@@ -94,6 +76,48 @@ pub(crate) fn search_pieces<B: BoundingVolume, const SEPARATE: bool>(
     }
     let (best, elements) = (best_so_far.separation(), best_so_far.elements());
     SearchResult { best, elements, unseen: traversal.unseen() }
+}
+
+/// Elements that are searched: all of a, and some pieces of b.
+#[derive(Clone, Copy)]
+struct SearchedElements<'s, B: BoundingVolume> {
+    bodies: BodyPair<'s, B>,
+    pieces: SearchedPieces<'s>,
+    /// True if triangles that may be nearest are left among the candidates.
+    postpones: bool,
+}
+
+/// Searches all kinds of elements.
+fn search_elements<B: BoundingVolume, const SEPARATE: bool>(
+    SearchedElements { bodies, pieces, postpones }: SearchedElements<B>,
+    best_so_far: &mut BestSoFar,
+    traversal: &mut TreeTraversal,
+    candidates: &mut TriangleCandidates,
+) {
+    let BodyPair { a, b, pose_ab } = bodies;
+    if a.has_solids() || b.has_solids() {
+        search_solids::<B, SEPARATE>(bodies, pieces, best_so_far, traversal);
+    }
+    if let (Some(a), Some(b)) = (a.surface(), b.surface()) {
+        let relative = &a.tree().relative(b.tree(), pose_ab);
+        candidates.begin(if SEPARATE { None } else { Some(relative) });
+        let best_so_far = &mut *best_so_far;
+        let mut visitor =
+            SurfaceSurfaceVisitor::<B, SEPARATE> { a, b, pose_ab, relative, best_so_far, candidates };
+        pieces.of_surface(b.tree().root(), traversal.starts());
+        traversal.run_from_starts(TreePair { a: a.tree(), b: b.tree(), relative }, &mut visitor, 0.0);
+        if postpones {
+            visitor.postpone_candidates();
+        } else {
+            visitor.measure_candidates();
+        }
+    }
+    if a.has_planes() || b.has_planes() {
+        nearest_to_planes(bodies, best_so_far, traversal);
+    }
+    if a.has_cubes() || b.has_cubes() {
+        search_cubes(bodies, pieces, best_so_far, traversal);
+    }
 }
 
 /// Searches all solids of either body.

@@ -4,13 +4,16 @@
 //! decides. Meshes that are partly open have an inside where the rest of them is closed. Point tests count as work, and stop at the
 //! deadline.
 
-use clearance_geometry::math::{MatrixPose, Point, Pose, Vector};
+use clearance_geometry::constants::CONTACT_DISTANCE;
+use clearance_geometry::math::{MatrixPose, Point, Pose};
+use clearance_geometry::simd::Simd;
 
 use super::best_so_far::BestSoFar;
+use super::searched_pieces::SearchedPieces;
 use super::tree_traversal::TreeTraversal;
-use crate::body::{BodyPair, ClosedMesh, CubeSet, Interior, MeshTest};
+use crate::body::{BodyPair, CubeSet, Interior, MeshTest, SolidLeaf};
 use crate::bounding_volume::BoundingVolume;
-use crate::bvh::{CubeLeaf, PlaneVisitor, TreePlane};
+use crate::bvh::{CubeLeaf, TreePair, Visitor};
 use crate::narrow_phase::f32_above;
 
 /// The deadline passed before the containment test was complete.
@@ -19,45 +22,64 @@ pub(crate) struct DeadlinePassed;
 
 /// A point of one body inside a closed mesh of the other, in the frame of a. One point of each connected part is tested, and the centre
 /// of each point or cube: where surfaces do not touch, the whole part is inside or outside.
+///
+/// Of pieces of b, only the inside may contain a part of a. A part of b that is inside a mesh of a has other pieces near that mesh.
 #[inline]
 pub(crate) fn contained_point<B: BoundingVolume>(
     bodies: BodyPair<B>,
+    pieces: SearchedPieces,
     best_so_far: &mut BestSoFar,
     traversal: &mut TreeTraversal,
 ) -> Result<Option<Point>, DeadlinePassed> {
     let BodyPair { a, b, pose_ab } = bodies;
     let Some((inside_a, inside_b)) = a.interior().zip(b.interior()) else { return Ok(None) };
-    let pose = Pose::from(pose_ab);
-    let part_of_b = |i: usize| pose * inside_b.part_points()[i];
-    if let Some(i) = first_inside(inside_a, inside_b.part_points().len(), part_of_b, best_so_far)? {
-        return Ok(Some(part_of_b(i)));
+    if pieces.has_elements() && !inside_a.closed_meshes().is_empty() {
+        if let Some(i) = first_inside(inside_a, inside_b.part_points(), pose_ab, best_so_far)? {
+            return Ok(Some(Pose::from(pose_ab) * inside_b.part_points()[i]));
+        }
     }
-    let part_of_a = |i: usize| pose.inverse_transform_point(&inside_a.part_points()[i]);
-    if let Some(i) = first_inside(inside_b, inside_a.part_points().len(), part_of_a, best_so_far)? {
-        return Ok(Some(inside_a.part_points()[i]));
+    let searches_inside_b = pieces.has_inside() && !inside_b.closed_meshes().is_empty();
+    let pose_ba = &pose_ab.inverse();
+    if searches_inside_b {
+        if let Some(i) = first_inside(inside_b, inside_a.part_points(), pose_ba, best_so_far)? {
+            return Ok(Some(inside_a.part_points()[i]));
+        }
     }
-    if let Some(point) = cube_inside(inside_a, b.cube_sets(), pose_ab, best_so_far, traversal)? {
-        return Ok(Some(point));
+    for cubes in b.cube_sets() {
+        pieces.of_cubes(cubes.index(), cubes.tree().root(), traversal.starts());
+        if let Some(point) = cube_inside(inside_a, cubes, pose_ab, best_so_far, traversal)? {
+            return Ok(Some(point));
+        }
     }
-    let found = cube_inside(inside_b, a.cube_sets(), &pose_ab.inverse(), best_so_far, traversal)?;
-    Ok(found.map(|point| pose_ab * point))
+    if searches_inside_b {
+        for cubes in a.cube_sets() {
+            traversal.start_at(cubes.tree().root());
+            if let Some(point) = cube_inside(inside_b, cubes, pose_ba, best_so_far, traversal)? {
+                return Ok(Some(pose_ab * point));
+            }
+        }
+    }
+    Ok(None)
 }
 
-/// The index of the first of `count` points (frame of the interior's body) that is inside one of the meshes.
-fn first_inside(
-    interior: &Interior,
-    count: usize,
-    point: impl Fn(usize) -> Point,
+/// The index of the first point of another body that is inside one of the meshes.
+fn first_inside<B: BoundingVolume>(
+    interior: &Interior<B>,
+    points: &[Point],
+    pose_to_own: &MatrixPose,
     best_so_far: &mut BestSoFar,
 ) -> Result<Option<usize>, DeadlinePassed> {
     let mut found = None;
     for mesh in interior.closed_meshes() {
         let mut test = mesh.test();
-        for i in 0..found.unwrap_or(count) {
+        for i in 0..found.unwrap_or(points.len()) {
             if best_so_far.interrupted() {
                 return if found.is_some() { Ok(found) } else { Err(DeadlinePassed) };
             }
-            if test.contains(&point(i), &mut best_so_far.work.volume_tests) {
+            let is_inside = test.contains(&(pose_to_own * points[i]));
+            best_so_far.work.volume_tests += 1;
+            best_so_far.work.add_inside_tests(test.take_work());
+            if is_inside {
                 found = Some(i);
                 break;
             }
@@ -66,20 +88,20 @@ fn first_inside(
     Ok(found)
 }
 
-/// The centre of a cube of another body inside one of the meshes, in the frame of the interior's body.
+/// The centre of a cube, of those below the start nodes, inside one of the meshes; in the frame of the interior's body.
 fn cube_inside<B: BoundingVolume>(
-    interior: &Interior,
-    sets: &[CubeSet<B>],
+    interior: &Interior<B>,
+    cubes: &CubeSet<B>,
     pose_to_own: &MatrixPose,
     best_so_far: &mut BestSoFar,
     traversal: &mut TreeTraversal,
 ) -> Result<Option<Point>, DeadlinePassed> {
-    for (mesh, cubes) in
-        interior.closed_meshes().iter().flat_map(|mesh| sets.iter().map(move |set| (mesh, set)))
-    {
-        let mut visitor = CentresInside::new(mesh, cubes, pose_to_own, best_so_far);
-        let plane = visitor.middle_plane();
-        traversal.run_to_plane(cubes.tree(), &plane, &mut visitor, 0.0);
+    for mesh in interior.closed_meshes() {
+        let relative = &mesh.outline().relative(cubes.tree(), &pose_to_own.compose(cubes.pose_bs()));
+        let (test, found, is_interrupted) = (mesh.test(), None, false);
+        let mut visitor = CentresInside { test, cubes, pose_to_own, best_so_far, found, is_interrupted };
+        let trees = TreePair { a: mesh.outline(), b: cubes.tree(), relative };
+        traversal.run_from_starts(trees, &mut visitor, 0.0);
         match visitor {
             CentresInside { found: Some(point), .. } => return Ok(Some(point)),
             CentresInside { is_interrupted: true, .. } => return Err(DeadlinePassed),
@@ -89,63 +111,39 @@ fn cube_inside<B: BoundingVolume>(
     Ok(None)
 }
 
-/// Finds cubes inside a mesh, between two planes of the box around it.
+/// Finds a cube whose centre is inside a mesh, among those in the box around it.
 struct CentresInside<'i, 'w, B: BoundingVolume> {
-    test: MeshTest<'i>,
+    test: MeshTest<'i, B>,
     cubes: &'i CubeSet<B>,
-    pose_to_mesh_body: &'i MatrixPose,
-    /// The axis along which the box is thinnest.
-    axis: usize,
-    half_width: f64,
+    /// Pose of the cubes' body in the mesh's body.
+    pose_to_own: &'i MatrixPose,
     best_so_far: &'i mut BestSoFar<'w>,
     found: Option<Point>,
     is_interrupted: bool,
 }
 
-impl<'i, 'w, B: BoundingVolume> CentresInside<'i, 'w, B> {
-    fn new(
-        mesh: &'i ClosedMesh,
-        cubes: &'i CubeSet<B>,
-        pose_to_mesh_body: &'i MatrixPose,
-        best_so_far: &'i mut BestSoFar<'w>,
-    ) -> Self {
-        let (lo, hi) = mesh.bounds();
-        let widths = hi - lo;
-        let axis = widths.imin();
-        let (test, half_width) = (mesh.test(), 0.5 * widths[axis]);
-        let (found, is_interrupted) = (None, false);
-        Self { test, cubes, pose_to_mesh_body, axis, half_width, best_so_far, found, is_interrupted }
-    }
+impl<B: BoundingVolume> Visitor<SolidLeaf, CubeLeaf> for CentresInside<'_, '_, B> {
+    const SEPARATE: bool = true;
 
-    /// In the frame of the cubes.
-    fn middle_plane(&self) -> TreePlane {
-        let mesh = self.test.mesh();
-        let (lo, hi) = mesh.bounds();
-        let pose_mb = MatrixPose::from(mesh.pose_bm()).inverse();
-        let pose_ms = pose_mb.compose(self.pose_to_mesh_body).compose(self.cubes.pose_bs());
-        let axis = Vector::ith(self.axis, 1.0);
-        let offset = nalgebra::center(lo, hi)[self.axis] - pose_ms.translation[self.axis];
-        TreePlane::new(&pose_ms.rotation.tr_mul(&axis), offset, self.cubes.tree())
-    }
-}
-
-impl<B: BoundingVolume> PlaneVisitor<CubeLeaf> for CentresInside<'_, '_, B> {
     fn threshold(&self) -> f32 {
-        if self.found.is_some() { f32::NEG_INFINITY } else { f32_above(self.half_width) }
+        if self.found.is_some() { f32::NEG_INFINITY } else { f32_above(CONTACT_DISTANCE) }
     }
 
     fn volume_tests(&mut self, count: u32) {
         self.best_so_far.work.volume_tests += u64::from(count);
     }
 
-    fn leaf(&mut self, leaf: &CubeLeaf) {
+    #[inline(always)]
+    fn leaves<S: Simd>(&mut self, _: S, _: &SolidLeaf, leaf: &CubeLeaf) {
         for cube in leaf.first..leaf.first + leaf.count {
-            let centre = self.pose_to_mesh_body * self.cubes.centre(cube);
-            if self.test.contains(&centre, &mut self.best_so_far.work.volume_tests) {
+            let centre = self.pose_to_own * self.cubes.centre(cube);
+            if self.test.contains(&centre) {
                 self.found = Some(centre);
-                return;
+                break;
             }
         }
+        self.best_so_far.work.volume_tests += u64::from(leaf.count);
+        self.best_so_far.work.add_inside_tests(self.test.take_work());
     }
 
     fn interrupted(&mut self) -> bool {
@@ -193,7 +191,7 @@ mod tests {
                     let ScratchParts { work, traversal, .. } = scratch.begin();
                     let pose_ab = &MatrixPose::from(&Pose::identity());
                     let bodies = BodyPair { a: &a, b: &b, pose_ab };
-                    contained_point(bodies, &mut BestSoFar::new(goal, work), traversal)
+                    contained_point(bodies, SearchedPieces::All, &mut BestSoFar::new(goal, work), traversal)
                 };
                 assert!(found(None).unwrap().is_some());
                 assert!(found(Some(Instant::now())).is_err());

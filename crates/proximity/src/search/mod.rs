@@ -28,6 +28,7 @@ pub use work::Work;
 
 pub(crate) use best_so_far::BestSoFar;
 pub(crate) use body_search::{SearchResult, search, search_pieces};
+pub(crate) use contained_point::contained_point;
 pub(crate) use goal::Goal;
 pub(crate) use nearest_surface_surface::{SurfaceSurfaceVisitor, separation_of_triangles};
 pub(crate) use scratch::ScratchParts;

@@ -25,6 +25,24 @@ impl<'p> SearchedPieces<'p> {
         }
     }
 
+    /// True if the inside of closed meshes is searched.
+    #[inline]
+    pub fn has_inside(self) -> bool {
+        match self {
+            Self::All => true,
+            Self::Some(pieces) => pieces.contains(&Piece::Inside),
+        }
+    }
+
+    /// True if anything but the inside is searched.
+    #[inline]
+    pub fn has_elements(self) -> bool {
+        match self {
+            Self::All => true,
+            Self::Some(pieces) => pieces.iter().any(|piece| *piece != Piece::Inside),
+        }
+    }
+
     /// Start nodes in the tree over triangles.
     #[inline]
     pub fn of_surface(self, root: NodeRef, starts: &mut Vec<NodeRef>) {

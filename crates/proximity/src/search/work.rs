@@ -1,5 +1,7 @@
 //! Cost of queries, in numbers of tests rather than in seconds.
 
+use clearance_geometry::InsideWork;
+
 /// Counters of elementary tests: they guard speed without timing noise (Gottschalk, Lin & Manocha 1996:
 /// `T = N_bv * C_bv + N_p * C_p`).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -10,6 +12,9 @@ pub struct Work {
     pub screened_pairs: u64,
     /// Tests in f64 of two elements: triangles, convex primitives, planes, points or cubes.
     pub primitive_tests: u64,
+    /// Points of which a winding number was computed, to find out whether they are inside a closed mesh; the steps of each are counted
+    /// as volume tests.
+    pub winding_numbers: u64,
 }
 
 impl Work {
@@ -19,6 +24,13 @@ impl Work {
     pub fn cost(&self) -> u64 {
         self.volume_tests + self.screened_pairs + 6 * self.primitive_tests
     }
+
+    /// Adds tests whether points are inside a mesh.
+    #[inline]
+    pub(crate) fn add_inside_tests(&mut self, tests: InsideWork) {
+        self.volume_tests += tests.visited;
+        self.winding_numbers += tests.winding_numbers;
+    }
 }
 
 impl std::ops::AddAssign for Work {
@@ -26,5 +38,6 @@ impl std::ops::AddAssign for Work {
         self.volume_tests += other.volume_tests;
         self.screened_pairs += other.screened_pairs;
         self.primitive_tests += other.primitive_tests;
+        self.winding_numbers += other.winding_numbers;
     }
 }

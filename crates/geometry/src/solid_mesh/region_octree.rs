@@ -1,0 +1,196 @@
+//! Octree of the box around a solid: cells that are inside, cells that are outside, and cells with a part of the surface (Samet 1984,
+//! *The quadtree and related hierarchical data structures*, section 2, in three dimensions).
+//!
+//! A cell that contains no part of the surface is wholly inside or wholly outside, so the winding number of its centre decides for all of
+//! its points.
+
+use std::collections::BinaryHeap;
+
+use crate::math::Point;
+
+/// Maximum number of cells.
+const MOST_CELLS: usize = 4096;
+
+/// Number of faces for each cell, up to the maximum.
+const FACES_PER_CELL: usize = 4;
+
+/// Least maximum number of cells.
+const FEWEST_CELLS: usize = 64;
+
+/// Content of a cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Region {
+    Outside,
+    Inside,
+    /// Undecided: it may contain a part of the surface.
+    Boundary,
+}
+
+/// A region, or the index of the first of eight children.
+#[derive(Clone, Copy, Debug)]
+enum Cell {
+    Region(Region),
+    Children(u32),
+}
+
+/// Cells of the box around a solid.
+#[derive(Clone, Debug)]
+pub(super) struct RegionOctree {
+    bounds: [Point; 2],
+    /// The first cell is the whole box.
+    cells: Vec<Cell>,
+}
+
+impl RegionOctree {
+    /// Cells of the box `bounds` around a surface of `faces` triangles. `is_clear` is true only for boxes without a part of the surface,
+    /// and `is_inside` gives the side of points that are in such boxes.
+    pub fn new(
+        bounds: [Point; 2],
+        faces: usize,
+        is_clear: impl Fn(&[Point; 2]) -> bool,
+        is_inside: impl Fn(&Point) -> bool,
+    ) -> Self {
+        let most = (faces / FACES_PER_CELL).clamp(FEWEST_CELLS, MOST_CELLS);
+        let mut cells = vec![Cell::Region(Region::Boundary)];
+        let mut boxes = vec![bounds];
+        let mut number = 0;
+        while number < cells.len() && cells.len() + 8 <= most {
+            if matches!(cells[number], Cell::Region(Region::Boundary)) {
+                cells[number] = Cell::Children(u32::try_from(cells.len()).expect("cells are few"));
+                let children = octants(&boxes[number]);
+                let regions = regions_of(&children, &is_clear, &is_inside);
+                cells.extend(regions.map(Cell::Region));
+                boxes.extend(children);
+            }
+            number += 1;
+        }
+        Self { bounds, cells }
+    }
+
+    /// The region of a point.
+    pub fn region(&self, point: &Point) -> Region {
+        let [mut low, mut high] = self.bounds;
+        if !(0..3).all(|i| (low[i]..=high[i]).contains(&point[i])) {
+            return Region::Outside;
+        }
+        let mut cell = self.cells[0];
+        loop {
+            match cell {
+                Cell::Region(region) => return region,
+                Cell::Children(first) => {
+                    let middle = middle_of(&[low, high]);
+                    let mut octant = 0;
+                    for i in 0..3 {
+                        if point[i] > middle[i] {
+                            low[i] = middle[i];
+                            octant |= 1 << i;
+                        } else {
+                            high[i] = middle[i];
+                        }
+                    }
+                    cell = self.cells[first as usize + octant];
+                }
+            }
+        }
+    }
+
+    /// Not many more than `most` boxes that together contain all points inside.
+    pub fn inside_boxes(&self, most: usize) -> Vec<[Point; 2]> {
+        let mut open = BinaryHeap::from_iter(self.shrunk(0, &self.bounds));
+        let mut closed = Vec::new();
+        while open.len() + closed.len() < most {
+            let Some(largest) = open.pop() else { break };
+            let Cell::Children(first) = self.cells[largest.number] else {
+                closed.push(largest.shrunk);
+                continue;
+            };
+            let children = (first as usize..).zip(octants(&largest.bounds));
+            open.extend(children.filter_map(|(number, bounds)| self.shrunk(number, &bounds)));
+        }
+        open.into_iter().map(|cell| cell.shrunk).chain(closed).collect()
+    }
+
+    /// A cell with the box around all regions in it that are not outside; `None` if there are none.
+    fn shrunk(&self, number: usize, bounds: &[Point; 2]) -> Option<ShrunkCell> {
+        let shrunk = match self.cells[number] {
+            Cell::Region(Region::Outside) => None,
+            Cell::Region(_) => Some(*bounds),
+            Cell::Children(first) => (first as usize..)
+                .zip(octants(bounds))
+                .filter_map(|(number, bounds)| Some(self.shrunk(number, &bounds)?.shrunk))
+                .reduce(|a, b| [a[0].inf(&b[0]), a[1].sup(&b[1])]),
+        }?;
+        Some(ShrunkCell { number, bounds: *bounds, shrunk })
+    }
+}
+
+/// The regions of eight cells; neighbours without a surface between them are alike.
+fn regions_of(
+    children: &[[Point; 2]; 8],
+    is_clear: impl Fn(&[Point; 2]) -> bool,
+    is_inside: impl Fn(&Point) -> bool,
+) -> [Region; 8] {
+    let mut regions = [Region::Boundary; 8];
+    for octant in 0..8 {
+        if is_clear(&children[octant]) {
+            let neighbours = [1, 2, 4].map(|bit| octant ^ bit).into_iter().filter(|other| *other < octant);
+            let known = neighbours.map(|other| regions[other]).find(|region| *region != Region::Boundary);
+            regions[octant] = known.unwrap_or_else(|| match is_inside(&middle_of(&children[octant])) {
+                true => Region::Inside,
+                false => Region::Outside,
+            });
+        }
+    }
+    regions
+}
+
+/// A cell, with the box around all that is not outside in it; the one with the longest diagonal is the greatest.
+#[derive(Clone, Copy, Debug)]
+struct ShrunkCell {
+    number: usize,
+    bounds: [Point; 2],
+    shrunk: [Point; 2],
+}
+
+impl ShrunkCell {
+    fn diagonal(&self) -> f64 {
+        (self.shrunk[1] - self.shrunk[0]).norm_squared()
+    }
+}
+
+impl PartialEq for ShrunkCell {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for ShrunkCell {}
+
+impl PartialOrd for ShrunkCell {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for ShrunkCell {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        self.diagonal().total_cmp(&other.diagonal()).then(other.number.cmp(&self.number))
+    }
+}
+
+/// The eight equal parts of a box; bit i of their index is set in the upper half along axis i.
+fn octants(bounds: &[Point; 2]) -> [[Point; 2]; 8] {
+    let [low, high] = bounds;
+    let middle = middle_of(bounds);
+    std::array::from_fn(|octant| {
+        let is_upper = |i: usize| octant >> i & 1 == 1;
+        [
+            Point::from([0, 1, 2].map(|i| if is_upper(i) { middle[i] } else { low[i] })),
+            Point::from([0, 1, 2].map(|i| if is_upper(i) { high[i] } else { middle[i] })),
+        ]
+    })
+}
+
+fn middle_of([low, high]: &[Point; 2]) -> Point {
+    low + (high - low) * 0.5
+}
