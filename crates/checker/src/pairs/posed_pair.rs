@@ -45,11 +45,6 @@ impl PosedPair<'_> {
         query::pieces_within_margin(self.posed_bodies(), pieces, self.info.padding, scratch).is_some()
     }
 
-    /// True if a part of a is inside a closed mesh of b, where meshes are solids.
-    pub fn is_inside(&self, scratch: &mut Scratch) -> bool {
-        query::pieces_within_margin(self.posed_bodies(), &[Piece::Inside], 0.0, scratch).is_some()
-    }
-
     /// Passes the candidates for the nearest elements of a and b, or of some pieces of b, to `postpone`, to be measured
     /// later. Nothing is passed if they are proven farther apart than `limit` (m). Returns an upper bound (m) on the
     /// distance without padding.

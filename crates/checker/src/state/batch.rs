@@ -52,7 +52,7 @@ impl BatchSearch<'_> {
         for (part, robot_body) in pairs.robot().parts().iter().enumerate() {
             let capsule = robot_body.padded_capsule(&eight.frame(robot_body.chain_body(), lane));
             let query = PartQuery::new(part, &capsule, CONTACT_DISTANCE);
-            pairs.world().candidates(query, &mut obstacles.broad_phase, scratch, candidates, |_, _| true);
+            pairs.world().candidates(query, &mut obstacles.broad_phase, scratch, candidates);
         }
         candidates.len() as u64
     }

@@ -20,8 +20,6 @@ pub struct DistanceScratch {
     queue: NearestFirstQueue,
     /// Pairs with obstacles that this search has already bounded or measured.
     visited: Vec<usize>,
-    /// Pairs of which this search has tested whether the robot part is inside the obstacle.
-    tested_inside: Vec<usize>,
     /// Candidates that this search measures at the end.
     postponed: Vec<PostponedPair>,
     /// By part: its capsule with its padding, in the root frame.
@@ -109,7 +107,6 @@ impl<'s, 'a> NearestSearch<'s, 'a> {
     /// Searches the queue, then measures the candidates that may be the nearest.
     pub fn run(&mut self) {
         self.scratch.visited.clear();
-        self.scratch.tested_inside.clear();
         self.scratch.postponed.clear();
         while let Some(queued) = self.scratch.queue.pop() {
             let bound = self.bound();
@@ -163,24 +160,15 @@ impl<'s, 'a> NearestSearch<'s, 'a> {
                 let (lowers, children) = pairs.world().node(node, capsule, scratch.level());
                 self.scratch.queue.push_children(part, lowers, children);
             }
-            SearchNode::Inside { part, piece } => {
-                let world = self.evaluation.state.pairs.world();
-                let index = world.number(world.pair_with_piece(part, piece));
-                if is_first_visit(&mut self.scratch.tested_inside, index) {
-                    self.visit_inside(CandidatePair { lower, index });
-                }
-            }
             SearchNode::Piece { part, piece } => {
                 let world = self.evaluation.state.pairs.world();
                 let index = world.number(world.pair_with_piece(part, piece));
-                if is_first_visit(&mut self.scratch.visited, index) {
+                if self.is_first_visit(index) {
                     self.bound_or_measure(CandidatePair { lower, index }, Some((part, piece)));
                 }
             }
             SearchNode::Pair(index) => {
-                if self.evaluation.state.pairs.is_self_pair(index)
-                    || is_first_visit(&mut self.scratch.visited, index)
-                {
+                if self.evaluation.state.pairs.is_self_pair(index) || self.is_first_visit(index) {
                     self.bound_or_measure(CandidatePair { lower, index }, None);
                 }
             }
@@ -197,17 +185,13 @@ impl<'s, 'a> NearestSearch<'s, 'a> {
         }
     }
 
-    /// Tests whether the robot part of a pair is inside the obstacle.
-    fn visit_inside(&mut self, candidate: CandidatePair) {
-        let index = candidate.index;
-        if self.postpones() {
-            let state = &mut self.evaluation.state;
-            let pair = &state.pair(index);
-            let elements = PairElements { index, pair, pieces: Some(&[Piece::Inside]) };
-            self.least.bound_elements(&elements, state.scratch, &mut self.scratch.postponed);
-        } else if self.evaluation.may_be_inside(index) && is_first_visit(&mut self.scratch.visited, index) {
-            self.measure_at_once(candidate);
+    /// False if the pair was visited before: several pieces may lead to one pair.
+    fn is_first_visit(&mut self, index: usize) -> bool {
+        let first = !self.scratch.visited.contains(&index);
+        if first {
+            self.scratch.visited.push(index);
         }
+        first
     }
 
     /// True if candidates are bounded before any is measured, obstacles piece by piece. Tolerances, deadlines and
@@ -248,7 +232,7 @@ impl<'s, 'a> NearestSearch<'s, 'a> {
         let place = world.pair_with_piece(part, piece).place;
         world.find_pieces_near(query, place, state.broad_phase, state.scratch);
         let pieces = &mut state.broad_phase.pieces;
-        pieces.retain(|other| *other != first && *other != Piece::Inside);
+        pieces.retain(|other| *other != first);
         if !pieces.is_empty() {
             let elements = PairElements { index, pair, pieces: Some(pieces) };
             least.bound_elements(&elements, state.scratch, &mut distance.postponed);
@@ -296,15 +280,6 @@ impl<'s, 'a> NearestSearch<'s, 'a> {
         let (lower, node) = pairs.world().bounded_piece(part, piece, robot_body, capsule)?;
         Some(QueuedNode { lower: lower.greater(known), node })
     }
-}
-
-/// False if the pair was visited before: several pieces may lead to one pair.
-fn is_first_visit(visited: &mut Vec<usize>, index: usize) -> bool {
-    let first = !visited.contains(&index);
-    if first {
-        visited.push(index);
-    }
-    first
 }
 
 impl Least {

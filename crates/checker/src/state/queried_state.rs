@@ -54,8 +54,6 @@ impl<'a> QueriedState<'a> {
             return;
         }
         let Self { pairs, robot, broad_phase, candidates, scratch, stream, .. } = self;
-        let is_inside =
-            |index: usize, scratch: &mut Scratch| pairs.pair(index, robot.frames()).is_inside(scratch);
         for (part, robot_body) in pairs.robot().parts().iter().enumerate() {
             if stream.as_ref().is_some_and(|stream| stream.obstacles_beyond(part, limit)) {
                 continue;
@@ -63,13 +61,13 @@ impl<'a> QueriedState<'a> {
             let capsule = robot_body.padded_capsule(&robot.frame(robot_body.chain_body()));
             let Some(stream) = stream else {
                 let query = PartQuery::new(part, &capsule, limit);
-                pairs.world().candidates(query, broad_phase, scratch, candidates, is_inside);
+                pairs.world().candidates(query, broad_phase, scratch, candidates);
                 continue;
             };
             let begin = candidates.len();
             let farther = limit + WORLD_LOOK_AHEAD;
             let query = PartQuery::new(part, &capsule, farther);
-            pairs.world().candidates(query, broad_phase, scratch, candidates, is_inside);
+            pairs.world().candidates(query, broad_phase, scratch, candidates);
             stream.record_obstacles(part, farther, &candidates[begin..]);
             let mut rank = 0;
             candidates.retain(|pair| {

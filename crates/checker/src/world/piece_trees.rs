@@ -1,6 +1,5 @@
 //! Pieces of obstacles, and the bounding box trees that find the pieces near a robot part.
 
-use clearance_geometry::math::Extremes;
 use clearance_geometry::simd::{LANES, Level, Simd, dispatch, f32x8};
 use clearance_proximity::Piece;
 use clearance_proximity::bvh::{AxisBox, Child, DynamicTree, EightBoxes, SelectedBoxes};
@@ -43,20 +42,7 @@ impl PlacedPiece {
     /// Bit mask of the eight padded parts that are not proven farther away than `limit` (m).
     #[inline(always)]
     pub fn near<S: Simd>(&self, simd: S, parts: &RootCapsule<f32x8<S>>, limit: f32) -> u8 {
-        self.volume.near(simd, parts, self.limit(limit))
-    }
-
-    /// A lower bound (m) on the padded distance to a padded part, not negative; `None` if it is larger than `limit` (m).
-    #[inline(always)]
-    pub fn lower_bound_within(&self, part: &RootCapsule, limit: f32) -> Option<f32> {
-        let lower = self.lower_bound(part);
-        (lower <= self.limit(limit)).then_some(lower.greater(0.0))
-    }
-
-    /// A part that does not overlap the inside is not inside, whatever the limit.
-    #[inline(always)]
-    fn limit(&self, limit: f32) -> f32 {
-        if self.piece == Piece::Inside { limit.lesser(0.0) } else { limit }
+        self.volume.near(simd, parts, limit)
     }
 }
 

@@ -87,9 +87,7 @@ impl PlacedObstacle {
     /// Bounding volumes of its pieces at their poses, with its padding; of the whole obstacle where it cannot be split.
     pub fn placed_pieces(&self) -> Vec<PieceVolumes> {
         let placed = |(piece, volume): &(Piece, PieceVolume)| {
-            // what is farther than the padding from the surface is not nearer to the inside
-            let padding = if *piece == Piece::Inside { 0.0 } else { self.padding };
-            let volume = RootVolume::of_piece(volume, &self.pose_ro, padding);
+            let volume = RootVolume::of_piece(volume, &self.pose_ro, self.padding);
             PieceVolumes { piece: *piece, volume, bounds: volume.axis_box() }
         };
         if self.pieces.is_empty() {

@@ -9,8 +9,6 @@ pub enum SearchNode {
     BoxedPiece { part: usize, piece: u32 },
     /// A piece whose bounding volume was tested, too.
     Piece { part: usize, piece: u32 },
-    /// A piece of an obstacle's inside whose bounding volume overlaps the part's.
-    Inside { part: usize, piece: u32 },
     /// The pieces in a node of the tree.
     TreeNode { part: usize, node: u32 },
 }

@@ -158,15 +158,13 @@ impl WorldIndex {
     }
 
     /// Pairs of a part with obstacles that may be near, in the order of their numbers, with lower bounds (m) on their
-    /// distances. `is_inside` is true for a pair of which the part may be inside the obstacle; it is only called where
-    /// nothing else is near.
+    /// distances.
     pub fn candidates(
         &self,
         query: PartQuery,
         nearby: &mut BroadPhaseScratch,
         scratch: &mut Scratch,
         candidates: &mut Vec<CandidatePair>,
-        mut is_inside: impl FnMut(usize, &mut Scratch) -> bool,
     ) {
         if self.is_empty() {
             return;
@@ -176,10 +174,7 @@ impl WorldIndex {
         for pieces in nearby.near.chunk_by(|a, b| a.place == b.place) {
             let lower = pieces.iter().map(|piece| piece.lower).fold(f32::INFINITY, f32::lesser);
             let index = self.number_with(query.part, pieces[0].place);
-            let has_elements = pieces.iter().any(|near| near.piece != Piece::Inside);
-            if has_elements || is_inside(index, scratch) {
-                candidates.push(CandidatePair { lower: f64::from(lower), index });
-            }
+            candidates.push(CandidatePair { lower: f64::from(lower), index });
         }
     }
 
@@ -200,12 +195,14 @@ impl WorldIndex {
         for &number in &*found {
             let placed = pieces.at(number);
             if self.pair_list.checks(part, ObstacleId(placed.place)) {
-                let within = placed.lower_bound_within(capsule, limit);
-                near.extend(within.map(|lower| NearPiece {
-                    place: placed.place,
-                    piece: placed.piece,
-                    lower,
-                }));
+                let lower = placed.lower_bound(capsule);
+                if lower <= limit {
+                    near.push(NearPiece {
+                        place: placed.place,
+                        piece: placed.piece,
+                        lower: lower.greater(0.0),
+                    });
+                }
             }
         }
         near.sort_unstable_by_key(|near| (near.place, near.piece));
@@ -226,8 +223,7 @@ impl WorldIndex {
         found.iter().any(|&number| {
             work.volume_tests += 1;
             let placed = pieces.at(number);
-            self.pair_list.checks(part, ObstacleId(placed.place))
-                && placed.lower_bound_within(capsule, limit).is_some()
+            self.pair_list.checks(part, ObstacleId(placed.place)) && placed.lower_bound(capsule) <= limit
         })
     }
 
@@ -301,9 +297,7 @@ impl WorldIndex {
             let mut states = 0_u8;
             for (lane, capsule) in capsules.iter().enumerate() {
                 work.volume_tests += 1;
-                let near = of_one
-                    .iter()
-                    .any(|number| pieces.at(*number).lower_bound_within(capsule, limit).is_some());
+                let near = of_one.iter().any(|number| pieces.at(*number).lower_bound(capsule) <= limit);
                 states |= u8::from(near) << lane;
             }
             if states != 0 {
@@ -338,7 +332,7 @@ impl WorldIndex {
     }
 
     /// Tests the bounding volumes of a piece and a part: returns the node with a lower bound (m) on its padded
-    /// distance, or `None` if the pair is not checked or the part is outside of this piece of the inside.
+    /// distance, or `None` if the pair is not checked.
     pub fn bounded_piece(
         &self,
         part: usize,
@@ -350,9 +344,7 @@ impl WorldIndex {
         if !self.pair_list.checks(part, ObstacleId(placed.place)) {
             return None;
         }
-        let lower = f64::from(placed.lower_bound_within(capsule, f32::INFINITY)?);
         let node = match placed.piece {
-            Piece::Inside => SearchNode::Inside { part, piece },
             // pieces of an obstacle are no nearer to an infinite part than the whole obstacle
             _ if !robot_body.capsule().radius.is_finite() => {
                 SearchNode::Pair(self.number_with(part, placed.place))
@@ -360,7 +352,7 @@ impl WorldIndex {
             Piece::Whole | Piece::Solids => SearchNode::Pair(self.number_with(part, placed.place)),
             Piece::Surface(_) | Piece::Cubes { .. } => SearchNode::Piece { part, piece },
         };
-        Some((lower, node))
+        Some((f64::from(placed.lower_bound(capsule).greater(0.0)), node))
     }
 }
 
