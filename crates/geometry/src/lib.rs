@@ -12,6 +12,7 @@ pub mod simd;
 #[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation)]
 pub mod testing;
 
+mod connected_parts;
 mod inside_test;
 mod mesh;
 mod plane;

@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
+use super::connected_parts::part_points;
 use super::{InsideWork, SolidMesh, Triangle};
 use crate::constants::LARGEST_COORDINATE;
 use crate::math::{Point, Vector};
@@ -152,6 +153,12 @@ impl TriangleMesh {
     #[must_use]
     pub fn encloses(&self, point: &Point) -> bool {
         self.solid().contains(&self.vertices, point, &mut InsideWork::default())
+    }
+
+    /// A vertex of each connected part (m). Parts are connected where corners have the same position.
+    #[must_use]
+    pub fn part_points(&self) -> Vec<Point> {
+        part_points(&self.vertices, &self.triangles)
     }
 
     /// Not many more than `most` boxes (smallest and largest corner) that together contain all points inside the mesh as a solid.

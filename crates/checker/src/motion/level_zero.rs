@@ -14,7 +14,7 @@ use crate::capsules::round_up;
 use crate::pairs::{CheckedPairs, PlacedRobot};
 use crate::robot::set_bits;
 use crate::state::EightStates;
-use crate::world::{BroadPhaseScratch, EightStatesQuery, WorldPair};
+use crate::world::{BroadPhaseScratch, EightStatesQuery, ObstaclePart, WorldPair};
 
 /// Scratch memory of level 0.
 #[derive(Clone, Debug, Default)]
@@ -245,18 +245,33 @@ impl ObstacleScreen<'_> {
             let capsules: [_; LANES] =
                 std::array::from_fn(|lane| robot_body.padded_capsule(&frame(robot_body.chain_body(), lane)));
             let limit = round_up(f64::from(motion(part)) + CONTACT_DISTANCE + MOTION_SLACK);
-            let query = EightStatesQuery { part, capsules: &capsules, limit };
-            world.for_each_near_in_eight_states(query, broad_phase, scratch, |place, intervals| {
+            let mut add = |place, intervals| {
                 if !movers.contains(&place) {
                     near.push(NearPair { pair: world.number(WorldPair { part, place }), intervals });
                 }
-            });
+            };
+            let elements = EightStatesQuery { of: ObstaclePart::Elements, part, capsules: &capsules, limit };
+            world.for_each_near_in_eight_states(elements, broad_phase, scratch, &mut add);
+            // while the elements stay apart, nothing comes inside: the middle of an interval decides
+            if let Some(inner) = robot_body.inner_capsule().filter(|_| world.has_inside()) {
+                let capsules = &capsules.map(|capsule| capsule.inner((), *inner));
+                let limit = round_up(CONTACT_DISTANCE);
+                let inside = EightStatesQuery { of: ObstaclePart::Inside, part, capsules, limit };
+                world.for_each_near_in_eight_states(inside, broad_phase, scratch, &mut add);
+            }
             // level 0 does not bound moving obstacles
             let moving = movers.iter().map(|place| world.number(WorldPair { part, place: *place }));
             let moving = moving.filter(|pair| pairs.is_checked(*pair));
             near.extend(moving.map(|pair| NearPair { pair, intervals: u8::MAX }));
         }
         near.sort_unstable_by_key(|near| near.pair);
+        near.dedup_by(|next, first| {
+            let is_same = next.pair == first.pair;
+            if is_same {
+                first.intervals |= next.intervals;
+            }
+            is_same
+        });
     }
 }
 

@@ -45,6 +45,11 @@ impl PosedPair<'_> {
         query::pieces_within_margin(self.posed_bodies(), pieces, self.info.padding, scratch).is_some()
     }
 
+    /// True if a part of a is inside a solid mesh of b, whose surfaces do not touch.
+    pub fn is_inside(&self, scratch: &mut Scratch) -> bool {
+        self.pieces_touch(&[Piece::Inside], scratch)
+    }
+
     /// Passes the candidates for the nearest elements of a and b, or of some pieces of b, to `postpone`, to be measured
     /// later. Nothing is passed if they are proven farther apart than `limit` (m). Returns an upper bound (m) on the
     /// distance without padding.

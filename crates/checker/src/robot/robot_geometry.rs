@@ -5,6 +5,7 @@ use std::ops::Index;
 use std::sync::Arc;
 
 use clearance_geometry::math::{Extremes, Point};
+use clearance_geometry::simd::{Simd, f32x8};
 use clearance_robot::{
     Chain, Deviations, DisplacementRates, Frame, KinematicPath, LinkPoses, PathsToRoot, Reach, RobotModel,
     SideMotion,
@@ -14,7 +15,7 @@ use clearance_scene::{BodyId, World};
 
 use super::path_sums::PathSums;
 use super::robot_body::{RobotBody, SceneOfRobot, robot_bodies};
-use crate::capsules::RootCapsule;
+use crate::capsules::{InnerCapsule, RootCapsule};
 use crate::settings_error::SettingsError;
 
 /// A robot with its attached objects: kinematic chain, collision bodies, and bounds on their motion.
@@ -124,6 +125,15 @@ impl RobotGeometry {
     /// Capsules of all parts with their paddings, in the root frame.
     pub fn padded_capsules(&self, frame: impl Fn(usize) -> Frame<f64>) -> impl Iterator<Item = RootCapsule> {
         self.parts.iter().map(move |robot_body| robot_body.padded_capsule(&frame(robot_body.chain_body())))
+    }
+
+    /// The inner capsules of up to eight parts, in lanes; the whole capsule where there is none.
+    #[inline(always)]
+    pub fn inner_capsules_of_eight<S: Simd>(&self, simd: S, parts: &[usize]) -> InnerCapsule<f32x8<S>> {
+        InnerCapsule::gather(simd, |lane| {
+            let robot_body = &self.parts[*parts.get(lane).unwrap_or(&parts[0])];
+            robot_body.inner_capsule().copied().unwrap_or_else(|| InnerCapsule::whole(robot_body.capsule()))
+        })
     }
 
     /// Transforms a point from the frame of a part's chain body to the root frame, in a configuration.

@@ -2,7 +2,7 @@
 //! precision. Only candidates that may still be the nearest at the end are measured exactly.
 
 use clearance_geometry::math::Extremes;
-use clearance_geometry::simd::LANES;
+use clearance_geometry::simd::{LANES, dispatch};
 use clearance_proximity::{Piece, Scratch};
 
 use super::nearest_first_queue::{NearestFirstQueue, QueuedNode};
@@ -12,7 +12,7 @@ use crate::capsules::RootCapsule;
 use crate::collision_report::PairDistance;
 use crate::pairs::{MeasuredPair, PosedPair, PostponedPair};
 use crate::robot::CandidatePair;
-use crate::world::{PartQuery, SearchNode};
+use crate::world::{PartQuery, SearchNode, WorldPair};
 
 /// Scratch memory of the search.
 #[derive(Clone, Debug, Default)]
@@ -63,6 +63,8 @@ impl<'s, 'a> NearestSearch<'s, 'a> {
     /// An empty search; distances beyond `limit` (m) do not matter.
     pub fn new(evaluation: &'s mut PairEvaluation<'a>, scratch: &'s mut DistanceScratch, limit: f64) -> Self {
         scratch.queue.clear();
+        scratch.visited.clear();
+        scratch.postponed.clear();
         Self { evaluation, scratch, least: Least::within(limit) }
     }
 
@@ -89,6 +91,38 @@ impl<'s, 'a> NearestSearch<'s, 'a> {
         for node in self.evaluation.state.pairs.world().search_roots(part) {
             self.scratch.queue.push(QueuedNode { lower: 0.0, node });
         }
+        self.visit_inside(part);
+    }
+
+    /// Bounds or measures the obstacles that a part is inside of.
+    fn visit_inside(&mut self, part: usize) {
+        let QueriedState { pairs, broad_phase, scratch, .. } = &mut self.evaluation.state;
+        let (world, capsule) = (pairs.world(), &self.scratch.capsules[part]);
+        let inner = pairs.robot()[part].placed_inner_capsule(capsule).filter(|_| world.has_inside());
+        let Some(inner) = inner else { return };
+        let (level, work) = (scratch.level(), &mut scratch.work);
+        let query = PartQuery::inside(part, &inner);
+        dispatch!(level, simd => world.find_near(simd, query, broad_phase, work));
+        let mut places = std::mem::take(&mut self.evaluation.state.broad_phase.near);
+        places.dedup_by_key(|near| near.place);
+        for near in &places {
+            let index = world.number(WorldPair { part, place: near.place as usize });
+            let candidate = CandidatePair { lower: 0.0, index };
+            if self.postpones() {
+                self.bound_elements_of(index, &[Piece::Inside]);
+            } else if self.evaluation.may_be_inside(index) && self.is_first_visit(index) {
+                self.measure_at_once(candidate);
+            }
+        }
+        self.evaluation.state.broad_phase.near = places;
+    }
+
+    /// Bounds some pieces of a pair's obstacle.
+    fn bound_elements_of(&mut self, index: usize, pieces: &[Piece]) {
+        let state = &mut self.evaluation.state;
+        let pair = &state.pair(index);
+        let elements = PairElements { index, pair, pieces: Some(pieces) };
+        self.least.bound_elements(&elements, state.scratch, &mut self.scratch.postponed);
     }
 
     /// Starts from a pair that was measured before.
@@ -106,8 +140,6 @@ impl<'s, 'a> NearestSearch<'s, 'a> {
 
     /// Searches the queue, then measures the candidates that may be the nearest.
     pub fn run(&mut self) {
-        self.scratch.visited.clear();
-        self.scratch.postponed.clear();
         while let Some(queued) = self.scratch.queue.pop() {
             let bound = self.bound();
             if queued.lower > bound || bound <= 0.0 {

@@ -53,21 +53,18 @@ impl<'a> QueriedState<'a> {
         if !self.queue_self_candidates(limit) {
             return;
         }
-        let Self { pairs, robot, broad_phase, candidates, scratch, stream, .. } = self;
-        for (part, robot_body) in pairs.robot().parts().iter().enumerate() {
-            if stream.as_ref().is_some_and(|stream| stream.obstacles_beyond(part, limit)) {
+        for part in 0..self.pairs.robot().parts().len() {
+            if self.stream.as_ref().is_some_and(|stream| stream.obstacles_beyond(part, limit)) {
                 continue;
             }
-            let capsule = robot_body.padded_capsule(&robot.frame(robot_body.chain_body()));
-            let Some(stream) = stream else {
-                let query = PartQuery::new(part, &capsule, limit);
-                pairs.world().candidates(query, broad_phase, scratch, candidates);
+            if self.stream.is_none() {
+                self.queue_obstacles(part, limit);
                 continue;
-            };
-            let begin = candidates.len();
+            }
+            let begin = self.candidates.len();
             let farther = limit + WORLD_LOOK_AHEAD;
-            let query = PartQuery::new(part, &capsule, farther);
-            pairs.world().candidates(query, broad_phase, scratch, candidates);
+            self.queue_obstacles(part, farther);
+            let Self { candidates, stream: Some(stream), .. } = self else { continue };
             stream.record_obstacles(part, farther, &candidates[begin..]);
             let mut rank = 0;
             candidates.retain(|pair| {
@@ -75,6 +72,32 @@ impl<'a> QueriedState<'a> {
                 rank <= begin || pair.lower <= limit
             });
         }
+    }
+
+    /// Queues the pairs of a part with obstacles that may be within `limit` (m), and with those that it is inside of.
+    fn queue_obstacles(&mut self, part: usize, limit: f64) {
+        let Self { pairs, robot, broad_phase, candidates, scratch, .. } = self;
+        let (world, robot_body) = (pairs.world(), &pairs.robot()[part]);
+        let capsule = robot_body.padded_capsule(&robot.frame(robot_body.chain_body()));
+        let begin = candidates.len();
+        world.candidates(PartQuery::new(part, &capsule, limit), broad_phase, scratch, candidates);
+        let Some(inner) = robot_body.placed_inner_capsule(&capsule).filter(|_| world.has_inside()) else {
+            return;
+        };
+        let near = candidates.len();
+        world.candidates(PartQuery::inside(part, &inner), broad_phase, scratch, candidates);
+        for k in (near..candidates.len()).rev() {
+            let pair = candidates.swap_remove(k);
+            let known = candidates[begin..near].iter().position(|near| near.index == pair.index);
+            let is_touched = known.is_some_and(|known| candidates[begin + known].lower <= 0.0);
+            if !is_touched && pairs.pair(pair.index, robot.frames()).is_inside(scratch) {
+                match known {
+                    Some(known) => candidates[begin + known].lower = 0.0,
+                    None => candidates.push(pair),
+                }
+            }
+        }
+        candidates[begin..].sort_unstable_by_key(|pair| pair.index);
     }
 
     /// As [`Self::queue_candidates`], for self pairs only; returns true if any pair may be within the limit.

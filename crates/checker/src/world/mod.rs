@@ -22,6 +22,7 @@ mod world_index;
 
 pub use bodies_in_reach::{BodiesInReach, BodyOrder};
 pub use broad_phase::{BroadPhaseScratch, EightQuery, EightStatesQuery, PartQuery};
+pub use obstacles::ObstaclePart;
 pub use placed_obstacle::PlacedObstacle;
 pub use search_node::SearchNode;
 pub use world_index::{WorldIndex, WorldPair, obstacle_id};

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use clearance_scene::{ObstacleId, Settings, World};
 use rayon::prelude::*;
 
-use super::piece_trees::PieceTrees;
+use super::piece_trees::{PieceTrees, PieceVolumes};
 use super::placed_obstacle::PlacedObstacle;
 use super::reachable_regions::ReachableRegions;
 use crate::settings_error::SettingsError;
@@ -16,6 +16,17 @@ pub struct Obstacles {
     /// By id; `None` at gaps.
     places: Vec<Option<Arc<PlacedObstacle>>>,
     pieces: PieceTrees,
+    /// Boxes that together contain the inside of solid meshes.
+    inside: PieceTrees,
+}
+
+/// Parts of obstacles that are searched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ObstaclePart {
+    /// Triangles and all other elements.
+    Elements,
+    /// The inside of solid meshes, without their surfaces.
+    Inside,
 }
 
 /// New content of the place of an obstacle.
@@ -42,9 +53,12 @@ impl Obstacles {
                 Ok(Some(PlacedObstacle::new(source, settings, known.get(id))?))
             })
             .collect::<Result<Vec<_>, _>>()?;
-        let pieces =
-            places.iter().map(|place| place.as_deref().map_or_else(Vec::new, PlacedObstacle::placed_pieces));
-        Ok(Self { pieces: PieceTrees::new(pieces.collect(), reachable), places })
+        let trees = |placed: fn(&PlacedObstacle) -> Vec<PieceVolumes>| {
+            let of_places = places.iter().map(|place| place.as_deref().map_or_else(Vec::new, placed));
+            PieceTrees::new(of_places.collect(), reachable)
+        };
+        let (pieces, inside) = (trees(PlacedObstacle::placed_pieces), trees(PlacedObstacle::placed_inside));
+        Ok(Self { pieces, inside, places })
     }
 
     /// New contents of the places that differ from a world.
@@ -66,8 +80,11 @@ impl Obstacles {
         if self.places.len() <= place {
             self.places.resize(place + 1, None);
         }
-        let placed = obstacle.as_deref().map_or_else(Vec::new, PlacedObstacle::placed_pieces);
-        self.pieces.set(id.0, placed, reachable);
+        let placed = |placed: fn(&PlacedObstacle) -> Vec<PieceVolumes>| {
+            obstacle.as_deref().map_or_else(Vec::new, placed)
+        };
+        self.pieces.set(id.0, placed(PlacedObstacle::placed_pieces), reachable);
+        self.inside.set(id.0, placed(PlacedObstacle::placed_inside), reachable);
         self.places[place] = obstacle;
     }
 
@@ -81,6 +98,21 @@ impl Obstacles {
     #[inline]
     pub fn pieces(&self) -> &PieceTrees {
         &self.pieces
+    }
+
+    /// The trees over a part of all obstacles.
+    #[inline]
+    pub fn trees(&self, part: ObstaclePart) -> &PieceTrees {
+        match part {
+            ObstaclePart::Elements => &self.pieces,
+            ObstaclePart::Inside => &self.inside,
+        }
+    }
+
+    /// True if an obstacle has an inside, as solid meshes have.
+    #[inline]
+    pub fn have_inside(&self) -> bool {
+        !self.inside.is_empty()
     }
 
     /// Number of places.

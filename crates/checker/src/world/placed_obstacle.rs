@@ -18,6 +18,9 @@ use crate::settings_error::SettingsError;
 /// Approximate maximum number of pieces that a large obstacle is split into.
 const MOST_PIECES: usize = 384;
 
+/// Approximate maximum number of boxes that contain the inside of a solid mesh.
+const MOST_INSIDE_BOXES: usize = 256;
+
 /// An obstacle with its collision geometry.
 #[derive(Debug)]
 pub struct PlacedObstacle {
@@ -26,6 +29,8 @@ pub struct PlacedObstacle {
     solids: Arc<LazySolidBody>,
     /// Its pieces, if it can be split.
     pieces: Arc<[(Piece, PieceVolume)]>,
+    /// Boxes that together contain the inside of its solid meshes.
+    inside_boxes: Arc<[PieceVolume]>,
     /// Bounding volume, in the frame of the obstacle.
     capsule: LinkCapsule,
     pose_ro: MatrixPose,
@@ -52,19 +57,20 @@ impl PlacedObstacle {
                 && known.scale.to_bits() == scale.to_bits()
                 && known.mesh_model == mesh_model
         });
-        let (geometry, pieces) = match same {
+        let (geometry, pieces, inside_boxes) = match same {
             Some(same)
                 if Arc::ptr_eq(&same.source, source) && same.padding.to_bits() == padding.to_bits() =>
             {
                 return Ok(Arc::clone(same));
             }
-            Some(same) => (same.geometry(), Arc::clone(&same.pieces)),
+            Some(same) => (same.geometry(), Arc::clone(&same.pieces), Arc::clone(&same.inside_boxes)),
             None => {
                 let shapes = source.shapes.iter().map(|s| (s.pose_os, &s.shape));
                 let geometry = ScaledBody::new(&shapes.collect::<Vec<_>>(), scale, mesh_model)
                     .map_err(|why| SettingsError::CannotScale { of: source.name.clone(), why })?;
                 let pieces = geometry.body.pieces(MOST_PIECES).into();
-                (geometry, pieces)
+                let inside_boxes = geometry.body.inside_boxes(MOST_INSIDE_BOXES).into();
+                (geometry, pieces, inside_boxes)
             }
         };
         let pose_ro = MatrixPose::from(&source.pose_ro);
@@ -75,6 +81,7 @@ impl PlacedObstacle {
             solid: body,
             solids,
             pieces,
+            inside_boxes,
             capsule,
             pose_ro,
             reach,
@@ -96,6 +103,16 @@ impl PlacedObstacle {
             return vec![PieceVolumes { piece: Piece::Whole, volume, bounds }];
         }
         self.pieces.iter().map(placed).collect()
+    }
+
+    /// Boxes at their poses that together contain its inside.
+    pub fn placed_inside(&self) -> Vec<PieceVolumes> {
+        let placed = |volume: &PieceVolume| {
+            // a body that is apart is not nearer to the inside than to the surface, so there is no padding
+            let volume = RootVolume::of_piece(volume, &self.pose_ro, 0.0);
+            PieceVolumes { piece: Piece::Inside, volume, bounds: volume.axis_box() }
+        };
+        self.inside_boxes.iter().map(placed).collect()
     }
 
     /// A box around it, in the root frame.

@@ -147,6 +147,12 @@ impl WorldIndex {
         all.filter(|pair| self.checks(*pair))
     }
 
+    /// True if an obstacle has an inside, as solid meshes have.
+    #[inline]
+    pub fn has_inside(&self) -> bool {
+        self.obstacles.have_inside()
+    }
+
     #[inline]
     fn first_number(&self) -> usize {
         self.pair_list.self_pairs().len()
@@ -183,11 +189,11 @@ impl WorldIndex {
     pub fn find_near<S: Simd>(
         &self,
         simd: S,
-        PartQuery { part, capsule, limit }: PartQuery,
+        PartQuery { of, part, capsule, limit }: PartQuery,
         BroadPhaseScratch { stack, found, near, .. }: &mut BroadPhaseScratch,
         work: &mut Work,
     ) {
-        let pieces = self.obstacles.pieces();
+        let pieces = self.obstacles.trees(of);
         near.clear();
         found.clear();
         work.volume_tests += pieces.find(simd, &capsule.axis_box(limit), stack, found);
@@ -211,11 +217,11 @@ impl WorldIndex {
     /// True if a piece of an obstacle may be near a part.
     pub fn anything_near(
         &self,
-        PartQuery { part, capsule, limit }: PartQuery,
+        PartQuery { of, part, capsule, limit }: PartQuery,
         BroadPhaseScratch { stack, found, .. }: &mut BroadPhaseScratch,
         scratch: &mut Scratch,
     ) -> bool {
-        let pieces = self.obstacles.pieces();
+        let pieces = self.obstacles.trees(of);
         found.clear();
         let around = capsule.axis_box(limit);
         let (level, work) = (scratch.level(), &mut scratch.work);
@@ -232,11 +238,11 @@ impl WorldIndex {
     pub fn find_near_eight<S: Simd, C: Fn(ObstacleId, u8) -> u8>(
         &self,
         simd: S,
-        EightQuery { capsules, among, are_expected, limit, checks }: EightQuery<S, C>,
+        EightQuery { of, capsules, among, are_expected, limit, checks }: EightQuery<S, C>,
         BroadPhaseScratch { eight_stack, eight_found, near_eight, .. }: &mut BroadPhaseScratch,
         work: &mut Work,
     ) {
-        let pieces = self.obstacles.pieces();
+        let pieces = self.obstacles.trees(of);
         eight_found.clear();
         let boxes = capsules.axis_boxes(limit);
         let query = EightBoxQuery { boxes: &boxes, among, are_expected };
@@ -275,7 +281,7 @@ impl WorldIndex {
     /// of these states.
     pub fn for_each_near_in_eight_states(
         &self,
-        EightStatesQuery { part, capsules, limit }: EightStatesQuery,
+        EightStatesQuery { of, part, capsules, limit }: EightStatesQuery,
         nearby: &mut BroadPhaseScratch,
         scratch: &mut Scratch,
         mut visit: impl FnMut(usize, u8),
@@ -283,7 +289,7 @@ impl WorldIndex {
         let BroadPhaseScratch { stack, found: numbers, .. } = nearby;
         let around =
             capsules[1..].iter().fold(capsules[0].axis_box(limit), |all, c| all.union(&c.axis_box(limit)));
-        let pieces = self.obstacles.pieces();
+        let pieces = self.obstacles.trees(of);
         numbers.clear();
         let level = scratch.level();
         let work = &mut scratch.work;
@@ -350,7 +356,7 @@ impl WorldIndex {
                 SearchNode::Pair(self.number_with(part, placed.place))
             }
             Piece::Whole | Piece::Solids => SearchNode::Pair(self.number_with(part, placed.place)),
-            Piece::Surface(_) | Piece::Cubes { .. } => SearchNode::Piece { part, piece },
+            Piece::Surface(_) | Piece::Cubes { .. } | Piece::Inside => SearchNode::Piece { part, piece },
         };
         Some((f64::from(placed.lower_bound(capsule).greater(0.0)), node))
     }

@@ -6,16 +6,13 @@ use clearance_geometry::{Plane, Shape};
 use super::bounding_sphere::BoundingSphere;
 use super::cube_set::CubeSet;
 use super::interior::Interior;
-use super::piece::{Piece, PieceVolume, cube_pieces, inside_pieces, solid_pieces, surface_pieces};
+use super::piece::{Piece, PieceVolume, cube_pieces, inside_boxes, solid_pieces, surface_pieces};
 use super::solid::{Solid, SolidLeaf};
 use super::surface::Surface;
 use super::volume_box::BodyVolume;
 use crate::bounding_volume::{BoundingVolume, Obb};
 use crate::bvh::Tree;
 use crate::elements::{ElementId, RoundedShape};
-
-/// Number of pieces of a surface for each of the inside.
-const INSIDE_SHARE: usize = 4;
 
 /// Collision geometry of one body in its own frame, with hierarchies of volumes `B`: triangles, solid primitives, planes, points and
 /// voxels. Immutable; threads share it.
@@ -56,7 +53,7 @@ impl CollisionBody {
     }
 
     /// Splits the body into not many more than `most` pieces, so that a broad phase can find those that are near. Empty if it cannot be
-    /// split: planes are infinite. The inside of each solid mesh gets a quarter more.
+    /// split: planes are infinite. The inside of solid meshes is not in these pieces.
     #[must_use]
     #[inline]
     pub fn pieces(&self, most: usize) -> Vec<(Piece, PieceVolume)> {
@@ -67,9 +64,16 @@ impl CollisionBody {
         pieces.extend(self.solids.iter().flat_map(solid_pieces));
         pieces.extend(self.surface.iter().flat_map(|surface| surface_pieces(surface, most)));
         pieces.extend(self.cube_sets.iter().flat_map(|cubes| cube_pieces(cubes, most)));
-        let closed_meshes = self.interior.iter().flat_map(Interior::closed_meshes);
-        pieces.extend(closed_meshes.flat_map(|mesh| inside_pieces(mesh, most / INSIDE_SHARE)));
         pieces
+    }
+
+    /// Not many more than `most` boxes for each solid mesh that together contain its inside. A body that is apart from the surfaces, and of
+    /// which no point is in these boxes, is outside.
+    #[must_use]
+    #[inline]
+    pub fn inside_boxes(&self, most: usize) -> Vec<PieceVolume> {
+        let closed_meshes = self.interior.iter().flat_map(Interior::closed_meshes);
+        closed_meshes.flat_map(|mesh| inside_boxes(mesh, most)).collect()
     }
 
     /// The boxes at a given depth below the roots of the hierarchies, and the boxes of leaves nearer to the root: together they contain

@@ -1,6 +1,5 @@
 //! Inside of a body: its closed meshes, and a point of each of its connected parts.
 
-use std::collections::HashMap;
 use std::sync::Arc;
 
 use clearance_geometry::math::{MatrixPose, Point, Pose};
@@ -38,7 +37,7 @@ impl<B: BoundingVolume> Interior<B> {
                 Shape::Plane(_) | Shape::Points(_) | Shape::Voxels(_) => {}
                 Shape::Primitive(_) => interior.part_points.push(Point::from(pose.translation.vector)),
                 Shape::Mesh(mesh) => {
-                    interior.part_points.extend(part_points(mesh).iter().map(|p| pose * p));
+                    interior.part_points.extend(mesh.part_points().iter().map(|p| pose * p));
                     if !mesh.solid().surfaces().is_empty() {
                         interior.closed_meshes.push(ClosedMesh::new(mesh, pose));
                     }
@@ -121,38 +120,4 @@ impl<B: BoundingVolume> MeshTest<'_, B> {
     pub fn take_work(&mut self) -> InsideWork {
         self.inside.take_work()
     }
-}
-
-/// One vertex of each connected part, corners at equal positions joined.
-fn part_points(mesh: &TriangleMesh) -> Vec<Point> {
-    let mut parent: Vec<usize> = (0..mesh.vertices().len()).collect();
-    let mut first_at: HashMap<[u64; 3], usize> = HashMap::new();
-    for (v, p) in mesh.vertices().iter().enumerate() {
-        let same = *first_at.entry([p.x, p.y, p.z].map(|c| (c + 0.0).to_bits())).or_insert(v);
-        join(&mut parent, same, v);
-    }
-    for t in mesh.triangles() {
-        let [a, b, c] = t.map(|v| v as usize);
-        join(&mut parent, a, b);
-        join(&mut parent, b, c);
-    }
-    let mut seen = std::collections::HashSet::new();
-    (mesh.triangles().iter().flatten())
-        .map(|&v| v as usize)
-        .filter(|&v| seen.insert(find(&mut parent, v)))
-        .map(|v| mesh.vertices()[v])
-        .collect()
-}
-
-fn find(parent: &mut [usize], mut v: usize) -> usize {
-    while parent[v] != v {
-        parent[v] = parent[parent[v]];
-        v = parent[v];
-    }
-    v
-}
-
-fn join(parent: &mut [usize], a: usize, b: usize) {
-    let (a, b) = (find(parent, a), find(parent, b));
-    parent[a.max(b)] = a.min(b);
 }

@@ -29,8 +29,7 @@ pub enum Piece {
         /// Root of the subtree.
         node: NodeRef,
     },
-    /// The inside of its closed meshes. What does not overlap this piece's volume is not inside, and is no nearer to the inside than to the
-    /// surface.
+    /// The inside of its solid meshes, without their surfaces.
     Inside,
 }
 
@@ -88,16 +87,13 @@ pub(super) fn cube_pieces(cubes: &CubeSet<Obb>, most: usize) -> impl Iterator<It
 
 /// Not many more than `most` boxes that together contain the inside of a mesh.
 #[inline]
-pub(super) fn inside_pieces(
-    mesh: &ClosedMesh<Obb>,
-    most: usize,
-) -> impl Iterator<Item = (Piece, PieceVolume)> {
+pub(super) fn inside_boxes(mesh: &ClosedMesh<Obb>, most: usize) -> impl Iterator<Item = PieceVolume> {
     let pose = MatrixPose::from(mesh.pose_bm());
     mesh.inside_boxes(most).into_iter().map(move |[low, high]| {
         let rounding = FIT_SLACK * (low.coords.amax() + high.coords.amax() + pose.translation.amax());
         let half_extents = (0.5 * (high - low)).add_scalar(rounding);
         let centre = &pose * nalgebra::center(&low, &high);
-        (Piece::Inside, PieceVolume::Box { centre, axes: pose.rotation, half_extents })
+        PieceVolume::Box { centre, axes: pose.rotation, half_extents }
     })
 }
 
