@@ -30,6 +30,7 @@ mod replays;
 mod robots;
 mod snapshots;
 mod solid_meshes;
+mod solid_scenes;
 mod soundness;
 mod state_transforms;
 mod streams;
