@@ -7,7 +7,9 @@ use std::fmt::Write;
 use std::path::Path;
 use std::sync::Arc;
 
-use clearance::checker::{CollisionChecker, CollisionReport, MotionOptions, MotionVerdict, Question, Workspace};
+use clearance::checker::{
+    CollisionChecker, CollisionReport, MotionOptions, MotionVerdict, Question, Workspace,
+};
 use clearance::geometry::math::{Point, Pose, Vector};
 use clearance::geometry::{Primitive, Shape, TriangleMesh};
 use clearance::motion::MotionSegment;
@@ -323,7 +325,8 @@ impl Scene {
     /// Compares the answers to one question with the near pairs.
     fn compare(&self, q: &Configuration, near: &[NearPair], question: Question, workspace: &mut Workspace) {
         let report = self.checker.check(q, question, workspace);
-        let touching: Vec<_> = near.iter().filter(|pair| pair.2 == 0.0).map(|pair| (pair.0, pair.1)).collect();
+        let touching: Vec<_> =
+            near.iter().filter(|pair| pair.2 == 0.0).map(|pair| (pair.0, pair.1)).collect();
         assert_eq!(report.is_free(), touching.is_empty(), "{question:?} {near:?} {report:?}");
         let least = near.iter().map(|pair| pair.2).fold(f64::INFINITY, f64::min);
         match question {
@@ -425,7 +428,8 @@ fn streams_are_as_by_brute_force() {
     let mut seen = Seen::default();
     for round in 0..24 {
         let scene = Scene::new(&mut random, [0.0, 0.0, 0.01][round % 3]);
-        let mut streams: [Workspace; QUESTIONS] = std::array::from_fn(|_| scene.checker.streaming_workspace());
+        let mut streams: [Workspace; QUESTIONS] =
+            std::array::from_fn(|_| scene.checker.streaming_workspace());
         let mut tolerant = scene.checker.streaming_workspace();
         let mut last = scene.state(&mut random);
         let step = [0.001, 0.01, 0.05][round % 3];
@@ -433,7 +437,8 @@ fn streams_are_as_by_brute_force() {
             last = if i % 13 == 12 {
                 scene.state(&mut random)
             } else {
-                let moved = last.positions().iter().map(|q| (q + random.within(-step, step)).clamp(-0.7, 0.7));
+                let moved =
+                    last.positions().iter().map(|q| (q + random.within(-step, step)).clamp(-0.7, 0.7));
                 scene.checker.robot().configuration(&moved.collect::<Vec<_>>()).unwrap()
             };
             let near = scene.near_pairs(&last, NEAR);

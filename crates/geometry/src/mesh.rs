@@ -161,6 +161,18 @@ impl TriangleMesh {
         part_points(&self.vertices, &self.triangles)
     }
 
+    /// A point well inside the mesh as a solid, if one is known.
+    #[must_use]
+    pub fn inner_point(&self) -> Option<Point> {
+        self.solid().inner_point(&self.vertices)
+    }
+
+    /// False if a point is certainly not inside the mesh as a solid, found without computing a winding number.
+    #[must_use]
+    pub fn may_enclose(&self, point: &Point) -> bool {
+        self.solid().known(&self.vertices, point, &mut InsideWork::default()) != Some(false)
+    }
+
     /// Not many more than `most` boxes (smallest and largest corner) that together contain all points inside the mesh as a solid.
     #[must_use]
     pub fn inside_boxes(&self, most: usize) -> Vec<[Point; 2]> {

@@ -2,7 +2,7 @@
 
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::simd::{LANES, Simd, dispatch, f32x8};
-use clearance_proximity::Scratch;
+use clearance_proximity::{Piece, Scratch};
 use clearance_robot::{Chain, Frame};
 
 use super::checked_pairs::CheckedPairs;
@@ -187,8 +187,15 @@ fn touches_near(
     near_eight.chunk_by(|a, b| a.place == b.place).any(|of_one| {
         pieces.clear();
         pieces.extend(of_one.iter().filter(|near| near.lanes & (1 << lane) != 0).map(|near| near.piece));
-        let index = pairs.world().number(WorldPair { part, place: of_one[0].place as usize });
-        !pieces.is_empty() && pairs.pair_with(index, frame).pieces_touch(pieces, scratch)
+        let pair = WorldPair { part, place: of_one[0].place as usize };
+        match pieces.first() {
+            None => false,
+            Some(Piece::Inside) => pairs.is_inside(pair, frame, scratch),
+            Some(_) => {
+                let index = pairs.world().number(pair);
+                pairs.pair_with(index, frame).pieces_touch(pieces, scratch)
+            }
+        }
     })
 }
 

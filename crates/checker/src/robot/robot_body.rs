@@ -175,6 +175,12 @@ impl RobotBody {
         &self.solid
     }
 
+    /// True if it has points of clouds or voxels.
+    #[inline]
+    pub fn has_cubes(&self) -> bool {
+        self.solid.cube_count() > 0
+    }
+
     /// Its shapes for queries of penetration depth.
     pub fn solids(&self) -> &SolidBody {
         self.solids.get()

@@ -106,7 +106,12 @@ impl<'s, 'a> NearestSearch<'s, 'a> {
         let mut places = std::mem::take(&mut self.evaluation.state.broad_phase.near);
         places.dedup_by_key(|near| near.place);
         for near in &places {
-            let index = world.number(WorldPair { part, place: near.place as usize });
+            let QueriedState { pairs, robot, scratch, .. } = &mut self.evaluation.state;
+            let bodies = WorldPair { part, place: near.place as usize };
+            if !pairs.may_be_inside(bodies, |body| robot.frame(body), &mut scratch.work) {
+                continue;
+            }
+            let index = world.number(bodies);
             let candidate = CandidatePair { lower: 0.0, index };
             if self.postpones() {
                 self.bound_elements_of(index, &[Piece::Inside]);

@@ -8,7 +8,7 @@ use clearance_robot::Configuration;
 use super::stream::Stream;
 use crate::pairs::{CheckedPairs, PlacedRobot, PosedPair};
 use crate::robot::CandidatePair;
-use crate::world::{BroadPhaseScratch, PartQuery};
+use crate::world::{BroadPhaseScratch, PartQuery, WorldPair};
 
 /// Distance (m) beyond the requested limit up to which a stream searches for obstacles, so that the result lasts for
 /// some further states.
@@ -90,7 +90,9 @@ impl<'a> QueriedState<'a> {
             let pair = candidates.swap_remove(k);
             let known = candidates[begin..near].iter().position(|near| near.index == pair.index);
             let is_touched = known.is_some_and(|known| candidates[begin + known].lower <= 0.0);
-            if !is_touched && pairs.pair(pair.index, robot.frames()).is_inside(scratch) {
+            let place = world.pair(pair.index - pairs.self_pairs().count()).place;
+            let bodies = WorldPair { part, place };
+            if !is_touched && pairs.is_inside(bodies, |body| robot.frame(body), scratch) {
                 match known {
                     Some(known) => candidates[begin + known].lower = 0.0,
                     None => candidates.push(pair),

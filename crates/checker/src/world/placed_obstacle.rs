@@ -12,14 +12,14 @@ use clearance_scene::{MeshModel, Obstacle, Settings};
 
 use super::piece_trees::PieceVolumes;
 use crate::capsules::{LinkCapsule, RootCapsule, RootVolume, corners};
-use crate::robot::{LazySolidBody, ScaledBody, object_padding, object_scale};
+use crate::robot::{LazySolidBody, RobotBody, ScaledBody, object_padding, object_scale};
 use crate::settings_error::SettingsError;
 
 /// Approximate maximum number of pieces that a large obstacle is split into.
 const MOST_PIECES: usize = 384;
 
 /// Approximate maximum number of boxes that contain the inside of a solid mesh.
-const MOST_INSIDE_BOXES: usize = 256;
+const MOST_INSIDE_BOXES: usize = 8;
 
 /// An obstacle with its collision geometry.
 #[derive(Debug)]
@@ -34,6 +34,7 @@ pub struct PlacedObstacle {
     /// Bounding volume, in the frame of the obstacle.
     capsule: LinkCapsule,
     pose_ro: MatrixPose,
+    pose_or: MatrixPose,
     /// Its capsule, in the root frame.
     reach: Reach,
     /// Safety distance (m).
@@ -83,6 +84,7 @@ impl PlacedObstacle {
             pieces,
             inside_boxes,
             capsule,
+            pose_or: pose_ro.inverse(),
             pose_ro,
             reach,
             padding,
@@ -134,6 +136,16 @@ impl PlacedObstacle {
     #[inline]
     pub fn solid(&self) -> &CollisionBody {
         &self.solid
+    }
+
+    /// False if a robot body is certainly not inside its solid meshes, given the pose of the body in the root frame; their surfaces must be
+    /// apart.
+    #[inline]
+    pub fn may_contain(&self, robot_body: &RobotBody, pose_rb: &MatrixPose) -> bool {
+        robot_body.has_cubes() || {
+            let mut points = robot_body.solid().decisive_points().iter();
+            points.any(|point| self.solid.may_contain(&(&self.pose_or * (pose_rb * *point))))
+        }
     }
 
     /// Its shapes for queries of penetration depth.

@@ -84,6 +84,11 @@ impl SolidMesh {
         self.regions(vertices).map_or_else(Vec::new, |regions| regions.inside_boxes(most))
     }
 
+    /// A point well inside, if one is known; `vertices` are the mesh's.
+    pub(super) fn inner_point(&self, vertices: &[Point]) -> Option<Point> {
+        self.regions(vertices)?.inner_point()
+    }
+
     /// True if a point is inside; `vertices` are the mesh's.
     pub(super) fn contains(&self, vertices: &[Point], point: &Point, work: &mut InsideWork) -> bool {
         self.known(vertices, point, work).unwrap_or_else(|| self.winds_around(vertices, point, work))

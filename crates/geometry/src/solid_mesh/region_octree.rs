@@ -94,6 +94,23 @@ impl RegionOctree {
         }
     }
 
+    /// The centre of the largest cell inside; `None` if no cell is wholly inside.
+    pub fn inner_point(&self) -> Option<Point> {
+        let mut level = vec![(0, self.bounds)];
+        while !level.is_empty() {
+            let mut below = Vec::new();
+            for (number, bounds) in level {
+                match self.cells[number] {
+                    Cell::Region(Region::Inside) => return Some(middle_of(&bounds)),
+                    Cell::Region(_) => {}
+                    Cell::Children(first) => below.extend((first as usize..).zip(octants(&bounds))),
+                }
+            }
+            level = below;
+        }
+        None
+    }
+
     /// Not many more than `most` boxes that together contain all points inside.
     pub fn inside_boxes(&self, most: usize) -> Vec<[Point; 2]> {
         let mut open = BinaryHeap::from_iter(self.shrunk(0, &self.bounds));

@@ -52,6 +52,22 @@ impl CollisionBody {
         Some(body)
     }
 
+    /// Points (frame of the body) that decide whether the body is inside another one, if their surfaces are apart and closed meshes are solids:
+    /// where a point of either body is inside the other.
+    #[must_use]
+    #[inline]
+    pub fn decisive_points(&self) -> &[Point] {
+        self.interior.as_ref().map_or(&[], Interior::decisive_points)
+    }
+
+    /// False if a point (frame of the body) is certainly outside of all closed meshes, where these are solids; found without computing a
+    /// winding number.
+    #[must_use]
+    #[inline]
+    pub fn may_contain(&self, point: &Point) -> bool {
+        self.interior.as_ref().is_some_and(|interior| interior.may_contain(point))
+    }
+
     /// Splits the body into not many more than `most` pieces, so that a broad phase can find those that are near. Empty if it cannot be
     /// split: planes are infinite. The inside of solid meshes is not in these pieces.
     #[must_use]

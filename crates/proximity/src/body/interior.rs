@@ -14,6 +14,7 @@ use crate::bvh::Tree;
 pub(crate) struct Interior<B: BoundingVolume> {
     closed_meshes: Vec<ClosedMesh<B>>,
     part_points: Vec<Point>,
+    decisive_points: Vec<Point>,
 }
 
 /// A mesh with an inside, placed in its body.
@@ -30,14 +31,20 @@ pub(crate) struct ClosedMesh<B: BoundingVolume> {
 impl<B: BoundingVolume> Interior<B> {
     #[inline]
     pub fn new<'a>(shapes: impl Iterator<Item = (&'a Pose, &'a Shape)>) -> Self {
-        let mut interior = Self { closed_meshes: Vec::new(), part_points: Vec::new() };
+        let mut interior =
+            Self { closed_meshes: Vec::new(), part_points: Vec::new(), decisive_points: Vec::new() };
         for (pose, shape) in shapes {
             match shape {
                 // no closed mesh contains a plane; cubes are searched in their tree
                 Shape::Plane(_) | Shape::Points(_) | Shape::Voxels(_) => {}
-                Shape::Primitive(_) => interior.part_points.push(Point::from(pose.translation.vector)),
+                Shape::Primitive(_) => {
+                    interior.part_points.push(Point::from(pose.translation.vector));
+                    interior.decisive_points.push(Point::from(pose.translation.vector));
+                }
                 Shape::Mesh(mesh) => {
-                    interior.part_points.extend(mesh.part_points().iter().map(|p| pose * p));
+                    let points = mesh.part_points();
+                    interior.part_points.extend(points.iter().map(|p| pose * p));
+                    interior.decisive_points.extend(decisive_points(mesh, points).iter().map(|p| pose * p));
                     if !mesh.solid().surfaces().is_empty() {
                         interior.closed_meshes.push(ClosedMesh::new(mesh, pose));
                     }
@@ -57,6 +64,19 @@ impl<B: BoundingVolume> Interior<B> {
     #[inline]
     pub fn part_points(&self) -> &[Point] {
         &self.part_points
+    }
+
+    /// Points (frame of the body) that decide whether one of two bodies, whose surfaces are apart, has a part inside the other: this is so
+    /// if and only if one of these points of either body is inside the other.
+    #[inline]
+    pub fn decisive_points(&self) -> &[Point] {
+        &self.decisive_points
+    }
+
+    /// False if a point (frame of the body) is certainly outside of all closed meshes, found without computing a winding number.
+    #[inline]
+    pub fn may_contain(&self, point: &Point) -> bool {
+        self.closed_meshes.iter().any(|mesh| mesh.mesh.may_enclose(&(&mesh.pose_mb * *point)))
     }
 }
 
@@ -119,5 +139,17 @@ impl<B: BoundingVolume> MeshTest<'_, B> {
     #[inline]
     pub fn take_work(&mut self) -> InsideWork {
         self.inside.take_work()
+    }
+}
+
+/// Decisive points of a mesh: where it has only one connected part, a point well inside it, if one is known.
+///
+/// Let a connected part C of one body be inside a mesh M of another, and x a point that C encloses. Where x is not inside M, a connected
+/// part of M is wholly inside C. Then M has several parts, as it is around C, too; and of a mesh with several parts, all have a point of
+/// their own here.
+fn decisive_points(mesh: &TriangleMesh, part_points: Vec<Point>) -> Vec<Point> {
+    match mesh.inner_point() {
+        Some(inner) if part_points.len() == 1 => vec![inner],
+        _ => part_points,
     }
 }

@@ -20,8 +20,8 @@ use crate::narrow_phase::f32_above;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DeadlinePassed;
 
-/// A point of one body inside a closed mesh of the other, in the frame of a. One point of each connected part is tested, and the centre
-/// of each point or cube: where surfaces do not touch, the whole part is inside or outside.
+/// A point of one body inside a closed mesh of the other, in the frame of a. A point of each connected part is tested, or a point that it
+/// encloses, and the centre of each point or cube: where surfaces do not touch, the whole part is inside or outside.
 ///
 /// Of pieces of b, only the inside may contain a part of a. A part of b that is inside a mesh of a has other pieces near that mesh.
 #[inline]
@@ -33,16 +33,21 @@ pub(crate) fn contained_point<B: BoundingVolume>(
 ) -> Result<Option<Point>, DeadlinePassed> {
     let BodyPair { a, b, pose_ab } = bodies;
     let Some((inside_a, inside_b)) = a.interior().zip(b.interior()) else { return Ok(None) };
-    if pieces.has_elements() && !inside_a.closed_meshes().is_empty() {
-        if let Some(i) = first_inside(inside_a, inside_b.part_points(), pose_ab, best_so_far)? {
-            return Ok(Some(Pose::from(pose_ab) * inside_b.part_points()[i]));
-        }
-    }
+    let searches_inside_a = pieces.has_elements() && !inside_a.closed_meshes().is_empty();
     let searches_inside_b = pieces.has_inside() && !inside_b.closed_meshes().is_empty();
     let pose_ba = &pose_ab.inverse();
+    if searches_inside_a {
+        let decisive = first_inside(inside_a, inside_b.decisive_points(), pose_ab, best_so_far)?;
+        if let Some(i) = decisive {
+            let known = pose_ab * inside_b.decisive_points()[i];
+            return part_inside([inside_a, inside_b], pose_ab, known, best_so_far).map(Some);
+        }
+    }
     if searches_inside_b {
-        if let Some(i) = first_inside(inside_b, inside_a.part_points(), pose_ba, best_so_far)? {
-            return Ok(Some(inside_a.part_points()[i]));
+        let decisive = first_inside(inside_b, inside_a.decisive_points(), pose_ba, best_so_far)?;
+        if let Some(i) = decisive {
+            let known = inside_a.decisive_points()[i];
+            return part_inside([inside_a, inside_b], pose_ab, known, best_so_far).map(Some);
         }
     }
     for cubes in b.cube_sets() {
@@ -60,6 +65,21 @@ pub(crate) fn contained_point<B: BoundingVolume>(
         }
     }
     Ok(None)
+}
+
+/// A point of a connected part that is inside the other body, of two of which one has a part inside the other; `known` is a common point
+/// (frame of a) of their insides.
+fn part_inside<B: BoundingVolume>(
+    [inside_a, inside_b]: [&Interior<B>; 2],
+    pose_ab: &MatrixPose,
+    known: Point,
+    best_so_far: &mut BestSoFar,
+) -> Result<Point, DeadlinePassed> {
+    if let Some(i) = first_inside(inside_a, inside_b.part_points(), pose_ab, best_so_far)? {
+        return Ok(Pose::from(pose_ab) * inside_b.part_points()[i]);
+    }
+    let of_a = first_inside(inside_b, inside_a.part_points(), &pose_ab.inverse(), best_so_far)?;
+    Ok(of_a.map_or(known, |i| inside_a.part_points()[i]))
 }
 
 /// The index of the first point of another body that is inside one of the meshes.
