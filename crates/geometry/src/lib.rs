@@ -29,7 +29,7 @@ pub use plane::{Plane, PlaneError};
 pub use point_cloud::{PointCloud, PointCloudError};
 pub use primitive::{Primitive, PrimitiveError};
 pub use shape::{ScaleError, Shape};
-pub use solid_mesh::{ClosedSurface, InsideWork, SolidMesh, SolidRemarks};
+pub use solid_mesh::{ClosedSurface, InsideGrid, InsideWork, SolidMesh, SolidRemarks};
 pub use triangle::{
     PointPair, Triangle, nearest_on_segment, nearest_on_segments, nearest_pair, separated_across,
 };

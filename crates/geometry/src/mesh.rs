@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use super::connected_parts::part_points;
-use super::{InsideWork, SolidMesh, Triangle};
+use super::{InsideGrid, InsideWork, SolidMesh, Triangle};
 use crate::constants::LARGEST_COORDINATE;
 use crate::math::{Point, Vector};
 
@@ -173,10 +173,10 @@ impl TriangleMesh {
         self.solid().known(&self.vertices, point, &mut InsideWork::default()) != Some(false)
     }
 
-    /// Not many more than `most` boxes (smallest and largest corner) that together contain all points inside the mesh as a solid.
+    /// Grid of the cells that may contain points inside the mesh as a solid; `None` if nothing is inside.
     #[must_use]
-    pub fn inside_boxes(&self, most: usize) -> Vec<[Point; 2]> {
-        self.solid().inside_boxes(&self.vertices, most)
+    pub fn inside_grid(&self) -> Option<&Arc<InsideGrid>> {
+        self.solid().inside_grid(&self.vertices)
     }
 
     /// Builds the data for [`Self::encloses`], so that the first point costs no more than others.

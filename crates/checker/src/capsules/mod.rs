@@ -4,7 +4,6 @@
 //! |---|---|
 //! | capsule of a link, in double precision | `link_capsule` |
 //! | fitting a capsule around shapes | `capsule_fit` |
-//! | a smaller one with a point of each connected part | `inner_capsule` |
 //! | segments in single precision, for one state or eight | `segment` |
 //! | distance bounds of eight pairs of segments, with their rounding | `segment_lanes` |
 //! | level 0: pairs of a fixed list that may be near | `capsule_pairs` |
@@ -12,7 +11,6 @@
 
 mod capsule_fit;
 mod capsule_pairs;
-mod inner_capsule;
 mod link_capsule;
 mod root_volume;
 mod segment;
@@ -20,7 +18,6 @@ mod segment_lanes;
 
 pub use capsule_fit::{capsule_around, corners};
 pub use capsule_pairs::CapsulePairs;
-pub use inner_capsule::InnerCapsule;
 pub use link_capsule::{LinkCapsule, capsule_distance_bound};
 pub use root_volume::{RootCapsule, RootVolume};
 pub use segment::{PlacedSegment, Segment, gather, round_up};

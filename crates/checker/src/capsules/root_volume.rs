@@ -20,7 +20,6 @@ use clearance_proximity::PieceVolume;
 use clearance_proximity::bvh::{AxisBox, EightBoxes};
 use clearance_robot::Reach;
 
-use super::inner_capsule::InnerCapsule;
 use super::segment::{Segment, round_up};
 use super::segment_lanes::{LEAST_SQUARE, PARALLEL, SLACK};
 
@@ -118,20 +117,6 @@ impl<V: Single> RootCapsule<V> {
             over_square: V::splat(token, 1.0) / dot(half, half).greater(least),
             radius,
             size: extent + offset + reach,
-        }
-    }
-
-    /// The capsule within this one.
-    #[inline(always)]
-    #[must_use]
-    pub fn inner(&self, token: V::Token, InnerCapsule { shift, share, radius }: InnerCapsule<V>) -> Self {
-        let half = scaled(self.segment.half, share);
-        let least = V::splat(token, LEAST_SQUARE);
-        Self {
-            segment: Segment { centre: along(self.segment.centre, self.segment.half, shift), half },
-            over_square: V::splat(token, 1.0) / dot(half, half).greater(least),
-            radius,
-            size: self.size,
         }
     }
 

@@ -11,10 +11,10 @@ use clearance_robot::{Deviation, Deviations, Frame};
 use super::checked_motion::CheckedMotion;
 use super::interval_midpoint::deviations_within;
 use crate::capsules::round_up;
-use crate::pairs::{CheckedPairs, PlacedRobot};
+use crate::pairs::{CheckedPairs, InsideSearch, PlacedRobot, SearchedBodies};
 use crate::robot::set_bits;
 use crate::state::EightStates;
-use crate::world::{BroadPhaseScratch, EightStatesQuery, ObstaclePart, WorldPair};
+use crate::world::{BroadPhaseScratch, EightStatesQuery, WorldPair};
 
 /// Scratch memory of level 0.
 #[derive(Clone, Debug, Default)]
@@ -245,25 +245,26 @@ impl ObstacleScreen<'_> {
             let capsules: [_; LANES] =
                 std::array::from_fn(|lane| robot_body.padded_capsule(&frame(robot_body.chain_body(), lane)));
             let limit = round_up(f64::from(motion(part)) + CONTACT_DISTANCE + MOTION_SLACK);
-            let mut add = |place, intervals| {
+            let query = EightStatesQuery { part, capsules: &capsules, limit };
+            world.for_each_near_in_eight_states(query, broad_phase, scratch, |place, intervals| {
                 if !movers.contains(&place) {
                     near.push(NearPair { pair: world.number(WorldPair { part, place }), intervals });
                 }
-            };
-            let elements = EightStatesQuery { of: ObstaclePart::Elements, part, capsules: &capsules, limit };
-            world.for_each_near_in_eight_states(elements, broad_phase, scratch, &mut add);
-            // while the elements stay apart, nothing comes inside: the middle of an interval decides
-            if let Some(inner) = robot_body.inner_capsule().filter(|_| world.has_inside()) {
-                let capsules = &capsules.map(|capsule| capsule.inner((), *inner));
-                let limit = round_up(CONTACT_DISTANCE);
-                let inside = EightStatesQuery { of: ObstaclePart::Inside, part, capsules, limit };
-                world.for_each_near_in_eight_states(inside, broad_phase, scratch, &mut add);
-            }
+            });
             // level 0 does not bound moving obstacles
             let moving = movers.iter().map(|place| world.number(WorldPair { part, place: *place }));
             let moving = moving.filter(|pair| pairs.is_checked(*pair));
             near.extend(moving.map(|pair| NearPair { pair, intervals: u8::MAX }));
         }
+        // while elements stay apart nothing comes inside, so that the middle of an interval decides
+        let mut search = InsideSearch { pairs, bodies: SearchedBodies::All, scratch };
+        let add = |pair: WorldPair, lane: usize| {
+            if !movers.contains(&pair.place) {
+                near.push(NearPair { pair: world.number(pair), intervals: 1 << lane });
+            }
+            false
+        };
+        dispatch!(search.scratch.level(), simd => search.in_eight_states(simd, u8::MAX, &frame, add));
         near.sort_unstable_by_key(|near| near.pair);
         near.dedup_by(|next, first| {
             let is_same = next.pair == first.pair;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use clearance_geometry::math::MatrixPose;
-use clearance_proximity::{Scratch, SolidBody, Work};
+use clearance_proximity::SolidBody;
 use clearance_robot::{Frame, KinematicPath, PlacedFrame, RobotModel};
 use clearance_scene::{AllowedCollisionMatrix, BodyId, PairList, Settings, World};
 
@@ -154,33 +154,6 @@ impl CheckedPairs {
             PairBodies::Parts(index) => self.self_pairs.path_between(index, &self.robot),
             PairBodies::PartAndObstacle(pair) => self.robot.path_to_root(pair.part),
         }
-    }
-
-    /// False if a robot body is certainly not inside a solid mesh of an obstacle, whose surface does not touch it; `frame`
-    /// gives the poses of chain bodies.
-    #[inline]
-    pub fn may_be_inside(
-        &self,
-        pair: WorldPair,
-        frame: impl Fn(usize) -> Frame<f64>,
-        work: &mut Work,
-    ) -> bool {
-        let robot_body = &self.robot[pair.part];
-        work.volume_tests += 1;
-        let pose_rb = &MatrixPose::from(&frame(robot_body.chain_body()));
-        self.world.obstacle(pair.place).may_contain(robot_body, pose_rb)
-    }
-
-    /// True if a robot body has a part inside a solid mesh of an obstacle, whose surface does not touch it.
-    #[inline]
-    pub fn is_inside(
-        &self,
-        pair: WorldPair,
-        frame: impl Fn(usize) -> Frame<f64>,
-        scratch: &mut Scratch,
-    ) -> bool {
-        self.may_be_inside(pair, &frame, &mut scratch.work)
-            && self.pair_with(self.world.number(pair), &frame).is_inside(scratch)
     }
 
     /// The bodies of a pair for queries of penetration depth.

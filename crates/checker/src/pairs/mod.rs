@@ -11,6 +11,7 @@
 //! | contacts with obstacles, in SIMD lanes | `obstacle_contacts` |
 
 mod checked_pairs;
+mod inside_search;
 mod measured_pair;
 mod obstacle_contacts;
 mod pair_memory;
@@ -19,6 +20,7 @@ mod posed_pair;
 mod state_independent;
 
 pub use checked_pairs::{CheckedPairs, PairBodies};
+pub use inside_search::{InsideSearch, SearchedBodies};
 pub use measured_pair::{MeasuredPair, PostponedPair};
 pub use obstacle_contacts::{ObstacleContacts, ObstacleScratch, StatesInLanes};
 pub use pair_memory::{PairMemory, RememberedPair};

@@ -2,15 +2,14 @@
 
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::simd::{LANES, Simd, dispatch, f32x8};
-use clearance_proximity::{Piece, Scratch};
+use clearance_proximity::Scratch;
 use clearance_robot::{Chain, Frame};
 
 use super::checked_pairs::CheckedPairs;
+use super::inside_search::{InsideSearch, SearchedBodies};
 use crate::capsules::{RootCapsule, round_up};
 use crate::robot::PlacedSegments;
-use crate::world::{
-    BodiesInReach, BodyOrder, BroadPhaseScratch, EightQuery, ObstaclePart, PartQuery, WorldPair,
-};
+use crate::world::{BodiesInReach, BodyOrder, BroadPhaseScratch, EightQuery, PartQuery, WorldPair};
 
 /// Scratch memory of searches among obstacles.
 #[derive(Clone, Debug, Default)]
@@ -55,16 +54,9 @@ impl ObstacleContacts<'_> {
         }
         order.update(world.revision(), in_reach);
         let parts = if is_expected { order.parts() } else { &in_reach.moving };
-        for (first, of) in searched(parts.len().div_ceil(LANES), world.has_inside()) {
-            let first = first * LANES;
+        for first in (0..parts.len()).step_by(LANES) {
             let eight = &parts[first..parts.len().min(first + LANES)];
             let capsules = pairs.self_pairs().padded_capsules_of_eight(simd, eight, segments);
-            let capsules = match of {
-                ObstaclePart::Elements => capsules,
-                ObstaclePart::Inside => {
-                    capsules.inner(simd, pairs.robot().inner_capsules_of_eight(simd, eight))
-                }
-            };
             let checks = |place, among: u8| {
                 let (mut checked, mut left) = (0, among);
                 while left != 0 {
@@ -76,7 +68,6 @@ impl ObstacleContacts<'_> {
             };
             let among = u8::MAX >> (LANES - eight.len());
             let query = EightQuery {
-                of,
                 capsules: &capsules,
                 among,
                 are_expected: is_expected,
@@ -89,14 +80,14 @@ impl ObstacleContacts<'_> {
                 let lane = left.trailing_zeros() as usize;
                 left &= left - 1;
                 if touches_near(pairs, PartInLane { part: eight[lane], lane }, frame, broad_phase, scratch) {
-                    if is_expected && of == ObstaclePart::Elements {
+                    if is_expected {
                         order.step_forward(first + lane);
                     }
                     return true;
                 }
             }
         }
-        false
+        InsideSearch { pairs, bodies: SearchedBodies::Moving, scratch }.in_state(simd, frame, |_| true)
     }
 
     /// Bit mask of the states in which a part touches an obstacle.
@@ -120,23 +111,15 @@ impl ObstacleContacts<'_> {
         order.update(world.revision(), in_reach);
         let mut hit = 0;
         let parts = if are_expected { order.parts().len() } else { in_reach.moving.len() };
-        for (rank, of) in searched(parts, world.has_inside()) {
+        for rank in 0..parts {
             let left = among & !hit;
             if left == 0 {
                 break;
             }
             let part = if are_expected { order.parts()[rank] } else { in_reach.moving[rank] };
             let checks = |place, among| if world.pair_list().checks(part, place) { among } else { 0 };
-            let capsules = match of {
-                ObstaclePart::Elements => capsules(part),
-                ObstaclePart::Inside => match pairs.robot()[part].inner_capsule() {
-                    Some(inner) => capsules(part).inner(simd, inner.splat(simd)),
-                    None => continue,
-                },
-            };
             let query = EightQuery {
-                of,
-                capsules: &capsules,
+                capsules: &capsules(part),
                 among: left,
                 are_expected,
                 limit: round_up(CONTACT_DISTANCE),
@@ -152,19 +135,18 @@ impl ObstacleContacts<'_> {
                 found |= u8::from(touches) << lane;
             }
             hit |= found;
-            if found != 0 && are_expected && of == ObstaclePart::Elements {
+            if found != 0 && are_expected {
                 order.step_forward(rank);
             }
         }
-        hit
+        let mut inside = 0;
+        let mut search = InsideSearch { pairs, bodies: SearchedBodies::Moving, scratch };
+        search.in_eight_states(simd, among & !hit, frame, |_, lane| {
+            inside |= 1 << lane;
+            false
+        });
+        hit | inside
     }
-}
-
-/// What is searched, group by group: first all elements of obstacles, then their inside, if any has one.
-fn searched(groups: usize, has_inside: bool) -> impl Iterator<Item = (usize, ObstaclePart)> {
-    let elements = (0..groups).map(|group| (group, ObstaclePart::Elements));
-    let inside = (0..if has_inside { groups } else { 0 }).map(|group| (group, ObstaclePart::Inside));
-    elements.chain(inside)
 }
 
 /// A part in its lane of eight.
@@ -187,15 +169,8 @@ fn touches_near(
     near_eight.chunk_by(|a, b| a.place == b.place).any(|of_one| {
         pieces.clear();
         pieces.extend(of_one.iter().filter(|near| near.lanes & (1 << lane) != 0).map(|near| near.piece));
-        let pair = WorldPair { part, place: of_one[0].place as usize };
-        match pieces.first() {
-            None => false,
-            Some(Piece::Inside) => pairs.is_inside(pair, frame, scratch),
-            Some(_) => {
-                let index = pairs.world().number(pair);
-                pairs.pair_with(index, frame).pieces_touch(pieces, scratch)
-            }
-        }
+        let index = pairs.world().number(WorldPair { part, place: of_one[0].place as usize });
+        !pieces.is_empty() && pairs.pair_with(index, frame).pieces_touch(pieces, scratch)
     })
 }
 
@@ -224,12 +199,15 @@ fn find_bodies_in_reach(
 ) -> BodiesInReach {
     let (robot, world) = (pairs.robot(), pairs.world());
     let mut fixed = robot.parts_on(|body| body == Chain::ROOT);
-    let fixed_contact = fixed.any(|part| fixed_part_touches(pairs, part, broad_phase, scratch));
+    let fixed_contact = fixed.any(|part| fixed_part_touches(pairs, part, broad_phase, scratch))
+        || dispatch!(scratch.level(), simd => {
+            let mut search = InsideSearch { pairs, bodies: SearchedBodies::Fixed, scratch };
+            search.in_state(simd, &|_| Frame::IDENTITY, |_| true)
+        });
     let moving: Vec<usize> = robot.parts_on(|body| body != Chain::ROOT).rev().collect();
     let comes_near = |part: &usize| {
         let Some(ball) = world.reachable().ball_of_part(*part) else { return true };
         world.anything_near(PartQuery::new(*part, &ball, CONTACT_DISTANCE), broad_phase, scratch)
-            || world.anything_near(PartQuery::inside(*part, &ball), broad_phase, scratch)
     };
     let parts = moving.iter().copied().filter(comes_near).collect();
     BodiesInReach { fixed_contact, moving, parts }
@@ -243,17 +221,15 @@ fn fixed_part_touches(
     scratch: &mut Scratch,
 ) -> bool {
     let capsule = pairs.robot()[part].padded_capsule(&Frame::IDENTITY);
-    let elements = PartQuery::new(part, &capsule, CONTACT_DISTANCE);
-    [elements, PartQuery::inside(part, &capsule)].into_iter().any(|query| {
-        let (level, work) = (scratch.level(), &mut scratch.work);
-        dispatch!(level, simd => pairs.world().find_near(simd, query, broad_phase, work));
-        let BroadPhaseScratch { near, pieces, .. } = &mut *broad_phase;
-        near.chunk_by(|a, b| a.place == b.place).any(|of_one| {
-            pieces.clear();
-            pieces.extend(of_one.iter().map(|near| near.piece));
-            let index = pairs.world().number(WorldPair { part, place: of_one[0].place as usize });
-            pairs.pair_with(index, |_| Frame::IDENTITY).pieces_touch(pieces, scratch)
-        })
+    let query = PartQuery::new(part, &capsule, CONTACT_DISTANCE);
+    let (level, work) = (scratch.level(), &mut scratch.work);
+    dispatch!(level, simd => pairs.world().find_near(simd, query, broad_phase, work));
+    let BroadPhaseScratch { near, pieces, .. } = broad_phase;
+    near.chunk_by(|a, b| a.place == b.place).any(|of_one| {
+        pieces.clear();
+        pieces.extend(of_one.iter().map(|near| near.piece));
+        let index = pairs.world().number(WorldPair { part, place: of_one[0].place as usize });
+        pairs.pair_with(index, |_| Frame::IDENTITY).pieces_touch(pieces, scratch)
     })
 }
 

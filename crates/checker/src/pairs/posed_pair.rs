@@ -45,7 +45,7 @@ impl PosedPair<'_> {
         query::pieces_within_margin(self.posed_bodies(), pieces, self.info.padding, scratch).is_some()
     }
 
-    /// True if a part of a is inside a solid mesh of b, whose surfaces do not touch.
+    /// True if a part of a is inside a solid mesh of b; their elements must not touch.
     pub fn is_inside(&self, scratch: &mut Scratch) -> bool {
         self.pieces_touch(&[Piece::Inside], scratch)
     }

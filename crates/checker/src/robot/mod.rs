@@ -8,10 +8,12 @@
 //! | kinematic chain with its bodies, and bounds on their motion | `robot_geometry` |
 //! | boxes around the robot's parts, and its extent | `link_volumes` |
 //! | sums along kinematic paths | `path_sums` |
+//! | points that decide whether a body is inside an obstacle | `decisive_points` |
 //! | constants of a pair; candidate pairs | `pair_info` |
 //! | self pairs and their capsules | `self_pairs` |
 //! | self pairs that collided most often recently | `pair_priority` |
 
+mod decisive_points;
 mod geometry_settings;
 mod link_volumes;
 mod pair_info;
@@ -22,6 +24,7 @@ mod robot_geometry;
 mod scaled_body;
 mod self_pairs;
 
+pub use decisive_points::DecisivePoint;
 pub use geometry_settings::{object_padding, object_scale};
 pub use link_volumes::{LinkVolume, extent, link_volumes};
 pub use pair_info::{CandidatePair, PairInfo};

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 use super::geometry_settings::{checked_scale, link_padding, link_scale, object_padding, object_scale};
 use super::scaled_body::{LazySolidBody, ScaledBody};
-use crate::capsules::{InnerCapsule, LinkCapsule, RootCapsule};
+use crate::capsules::{LinkCapsule, RootCapsule};
 use crate::settings_error::SettingsError;
 
 /// A link or an attached object with geometry, in the frame of the chain body that carries it.
@@ -24,8 +24,6 @@ pub struct RobotBody {
     padding: f64,
     solid: Arc<CollisionBody>,
     capsule: LinkCapsule,
-    /// `None` where meshes are surfaces.
-    inner_capsule: Option<InnerCapsule>,
     solids: Arc<LazySolidBody>,
     built_from: BuiltFrom,
 }
@@ -142,9 +140,7 @@ impl RobotBody {
     ) -> Result<Self, ScaleError> {
         let ScaledBody { body, capsule, solids } =
             ScaledBody::new(shapes, built_from.scale, built_from.mesh_model)?;
-        let is_solid = built_from.mesh_model == MeshModel::Solid;
-        let inner_capsule = is_solid.then(|| solids.inner_capsule(&capsule));
-        Ok(Self { id, link, padding, solid: body, capsule, inner_capsule, solids, built_from })
+        Ok(Self { id, link, padding, solid: body, capsule, solids, built_from })
     }
 
     #[inline]
@@ -175,12 +171,6 @@ impl RobotBody {
         &self.solid
     }
 
-    /// True if it has points of clouds or voxels.
-    #[inline]
-    pub fn has_cubes(&self) -> bool {
-        self.solid.cube_count() > 0
-    }
-
     /// Its shapes for queries of penetration depth.
     pub fn solids(&self) -> &SolidBody {
         self.solids.get()
@@ -190,18 +180,6 @@ impl RobotBody {
     #[inline]
     pub fn capsule(&self) -> &LinkCapsule {
         &self.capsule
-    }
-
-    /// The part of its capsule that decides whether it is inside an obstacle; `None` where meshes are surfaces.
-    #[inline]
-    pub fn inner_capsule(&self) -> Option<&InnerCapsule> {
-        self.inner_capsule.as_ref()
-    }
-
-    /// As [`Self::inner_capsule`], of its capsule in the root frame.
-    #[inline]
-    pub fn placed_inner_capsule(&self, capsule: &RootCapsule) -> Option<RootCapsule> {
-        self.inner_capsule.map(|inner| capsule.inner((), inner))
     }
 
     /// Pose of its link in the frame of the chain body.

@@ -5,7 +5,6 @@ use std::ops::Index;
 use std::sync::Arc;
 
 use clearance_geometry::math::{Extremes, Point};
-use clearance_geometry::simd::{Simd, f32x8};
 use clearance_robot::{
     Chain, Deviations, DisplacementRates, Frame, KinematicPath, LinkPoses, PathsToRoot, Reach, RobotModel,
     SideMotion,
@@ -13,9 +12,10 @@ use clearance_robot::{
 use clearance_robot::{Configuration, PlacedFrame};
 use clearance_scene::{BodyId, World};
 
+use super::decisive_points::DecisivePoints;
 use super::path_sums::PathSums;
 use super::robot_body::{RobotBody, SceneOfRobot, robot_bodies};
-use crate::capsules::{InnerCapsule, RootCapsule};
+use crate::capsules::RootCapsule;
 use crate::settings_error::SettingsError;
 
 /// A robot with its attached objects: kinematic chain, collision bodies, and bounds on their motion.
@@ -28,6 +28,7 @@ pub struct RobotGeometry {
     parts: Vec<RobotBody>,
     paths_to_root: PathsToRoot,
     path_sums: PathSums,
+    decisive_points: DecisivePoints,
     /// Bounds on how far bodies move when joints move.
     displacement_rates: DisplacementRates,
 }
@@ -53,7 +54,8 @@ impl RobotGeometry {
         let paths_to_root = chain.paths_to_root();
         let path_sums = PathSums::new(&paths_to_root, &parts);
         let displacement_rates = displacement_rates(&model, &chain, &parts);
-        Ok(Self { model, chain, parts, paths_to_root, path_sums, displacement_rates })
+        let decisive_points = DecisivePoints::new(&parts);
+        Ok(Self { model, chain, parts, paths_to_root, path_sums, decisive_points, displacement_rates })
     }
 
     pub fn model(&self) -> &Arc<RobotModel> {
@@ -78,6 +80,12 @@ impl RobotGeometry {
     /// The parts whose chain bodies fulfil a condition.
     pub fn parts_on(&self, bodies: impl Fn(usize) -> bool) -> impl DoubleEndedIterator<Item = usize> {
         (0..self.parts.len()).filter(move |part| bodies(self.parts[*part].chain_body()))
+    }
+
+    /// Points that decide whether parts are inside obstacles.
+    #[inline]
+    pub fn decisive_points(&self) -> &DecisivePoints {
+        &self.decisive_points
     }
 
     pub fn displacement_rates(&self) -> &DisplacementRates {
@@ -125,15 +133,6 @@ impl RobotGeometry {
     /// Capsules of all parts with their paddings, in the root frame.
     pub fn padded_capsules(&self, frame: impl Fn(usize) -> Frame<f64>) -> impl Iterator<Item = RootCapsule> {
         self.parts.iter().map(move |robot_body| robot_body.padded_capsule(&frame(robot_body.chain_body())))
-    }
-
-    /// The inner capsules of up to eight parts, in lanes; the whole capsule where there is none.
-    #[inline(always)]
-    pub fn inner_capsules_of_eight<S: Simd>(&self, simd: S, parts: &[usize]) -> InnerCapsule<f32x8<S>> {
-        InnerCapsule::gather(simd, |lane| {
-            let robot_body = &self.parts[*parts.get(lane).unwrap_or(&parts[0])];
-            robot_body.inner_capsule().copied().unwrap_or_else(|| InnerCapsule::whole(robot_body.capsule()))
-        })
     }
 
     /// Transforms a point from the frame of a part's chain body to the root frame, in a configuration.

@@ -7,7 +7,7 @@ use clearance_geometry::{ScaleError, Shape};
 use clearance_proximity::{CollisionBody, SolidBody};
 use clearance_scene::MeshModel;
 
-use crate::capsules::{InnerCapsule, LinkCapsule, capsule_around};
+use crate::capsules::{LinkCapsule, capsule_around};
 
 /// Collision geometry of some shapes, each scaled by a factor.
 #[derive(Clone, Debug)]
@@ -45,11 +45,6 @@ impl ScaledBody {
 }
 
 impl LazySolidBody {
-    /// The part of the capsule around the shapes that decides whether they are inside an obstacle.
-    pub fn inner_capsule(&self, capsule: &LinkCapsule) -> InnerCapsule {
-        InnerCapsule::new(capsule, &self.shapes)
-    }
-
     pub fn get(&self) -> &SolidBody {
         self.solids.get_or_init(|| SolidBody::new(self.shapes.iter().map(|(pose, shape)| (pose, shape))))
     }

@@ -8,7 +8,7 @@ use super::nearest_search::{DistanceScratch, NearestSearch};
 use super::nearest_to_fixed::nearest_to_fixed;
 use super::pair_evaluation::PairEvaluation;
 use crate::collision_report::PairDistance;
-use crate::pairs::NearestToFixed;
+use crate::pairs::{NearestToFixed, SearchedBodies};
 
 /// The least distance of all pairs, unless it exceeds `limit` (m). The nearest candidates are searched first, and each
 /// pair only up to the least distance so far.
@@ -38,6 +38,7 @@ fn add_all_pairs(search: &mut NearestSearch, limit: f64) {
     for part in pairs.robot().parts_on(|body| !is_fixed_known || body != Chain::ROOT) {
         search.add_obstacles(part);
     }
+    search.add_inside(if is_fixed_known { SearchedBodies::Moving } else { SearchedBodies::All });
 }
 
 /// Starts from the known distance of the parts that no joint moves; returns true if they need not be searched.

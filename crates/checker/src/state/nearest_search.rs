@@ -2,7 +2,7 @@
 //! precision. Only candidates that may still be the nearest at the end are measured exactly.
 
 use clearance_geometry::math::Extremes;
-use clearance_geometry::simd::{LANES, dispatch};
+use clearance_geometry::simd::LANES;
 use clearance_proximity::{Piece, Scratch};
 
 use super::nearest_first_queue::{NearestFirstQueue, QueuedNode};
@@ -10,9 +10,9 @@ use super::pair_evaluation::PairEvaluation;
 use super::queried_state::QueriedState;
 use crate::capsules::RootCapsule;
 use crate::collision_report::PairDistance;
-use crate::pairs::{MeasuredPair, PosedPair, PostponedPair};
+use crate::pairs::{MeasuredPair, PosedPair, PostponedPair, SearchedBodies};
 use crate::robot::CandidatePair;
-use crate::world::{PartQuery, SearchNode, WorldPair};
+use crate::world::{PartQuery, SearchNode};
 
 /// Scratch memory of the search.
 #[derive(Clone, Debug, Default)]
@@ -91,43 +91,24 @@ impl<'s, 'a> NearestSearch<'s, 'a> {
         for node in self.evaluation.state.pairs.world().search_roots(part) {
             self.scratch.queue.push(QueuedNode { lower: 0.0, node });
         }
-        self.visit_inside(part);
     }
 
-    /// Bounds or measures the obstacles that a part is inside of.
-    fn visit_inside(&mut self, part: usize) {
-        let QueriedState { pairs, broad_phase, scratch, .. } = &mut self.evaluation.state;
-        let (world, capsule) = (pairs.world(), &self.scratch.capsules[part]);
-        let inner = pairs.robot()[part].placed_inner_capsule(capsule).filter(|_| world.has_inside());
-        let Some(inner) = inner else { return };
-        let (level, work) = (scratch.level(), &mut scratch.work);
-        let query = PartQuery::inside(part, &inner);
-        dispatch!(level, simd => world.find_near(simd, query, broad_phase, work));
-        let mut places = std::mem::take(&mut self.evaluation.state.broad_phase.near);
-        places.dedup_by_key(|near| near.place);
-        for near in &places {
-            let QueriedState { pairs, robot, scratch, .. } = &mut self.evaluation.state;
-            let bodies = WorldPair { part, place: near.place as usize };
-            if !pairs.may_be_inside(bodies, |body| robot.frame(body), &mut scratch.work) {
-                continue;
-            }
-            let index = world.number(bodies);
-            let candidate = CandidatePair { lower: 0.0, index };
+    /// Bounds or measures the pairs of which the robot body is inside the obstacle.
+    pub fn add_inside(&mut self, bodies: SearchedBodies) {
+        self.evaluation.state.find_inside(bodies);
+        let inside = std::mem::take(&mut self.evaluation.state.broad_phase.inside);
+        for pair in &inside {
+            let index = self.evaluation.state.pairs.world().number(*pair);
             if self.postpones() {
-                self.bound_elements_of(index, &[Piece::Inside]);
-            } else if self.evaluation.may_be_inside(index) && self.is_first_visit(index) {
-                self.measure_at_once(candidate);
+                let state = &mut self.evaluation.state;
+                let pair = &state.pair(index);
+                let elements = PairElements { index, pair, pieces: Some(&[Piece::Inside]) };
+                self.least.bound_elements(&elements, state.scratch, &mut self.scratch.postponed);
+            } else if self.is_first_visit(index) {
+                self.measure_at_once(CandidatePair { lower: 0.0, index });
             }
         }
-        self.evaluation.state.broad_phase.near = places;
-    }
-
-    /// Bounds some pieces of a pair's obstacle.
-    fn bound_elements_of(&mut self, index: usize, pieces: &[Piece]) {
-        let state = &mut self.evaluation.state;
-        let pair = &state.pair(index);
-        let elements = PairElements { index, pair, pieces: Some(pieces) };
-        self.least.bound_elements(&elements, state.scratch, &mut self.scratch.postponed);
+        self.evaluation.state.broad_phase.inside = inside;
     }
 
     /// Starts from a pair that was measured before.

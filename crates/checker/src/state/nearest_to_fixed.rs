@@ -9,7 +9,7 @@ use super::nearest_search::{DistanceScratch, NearestSearch};
 use super::pair_evaluation::PairEvaluation;
 use super::queried_state::QueriedState;
 use crate::collision_report::CollisionReport;
-use crate::pairs::NearestToFixed;
+use crate::pairs::{NearestToFixed, SearchedBodies};
 
 /// The nearest obstacle to fixed parts, computed at the first call; all bodies must be placed. Like the building of
 /// hierarchies, this does not count as work of a state. With a deadline the result is `None`: the report must depend
@@ -38,6 +38,7 @@ fn find_nearest_to_fixed(state: QueriedState) -> NearestToFixed {
     for part in pairs.robot().parts_on(|body| body == Chain::ROOT) {
         search.add_obstacles(part);
     }
+    search.add_inside(SearchedBodies::Fixed);
     search.run();
     let nearest = search.measured();
     evaluation.state.scratch.work = work;

@@ -64,16 +64,6 @@ impl PairEvaluation<'_> {
         }
     }
 
-    /// False if no part of a pair's robot body is inside the obstacle; with a deadline, this is left to the search of the
-    /// whole pair.
-    pub fn may_be_inside(&mut self, index: usize) -> bool {
-        let pair = &self.state.pair(index);
-        let QueriedState { scratch, stream, .. } = &mut self.state;
-        let memory = stream.as_ref().and_then(|stream| stream.known_memory(index));
-        let is_known_apart = memory.is_some_and(|known| known.lower_at(pair) > 0.0);
-        self.effort.deadline.is_some() || !is_known_apart && pair.is_inside(scratch)
-    }
-
     /// The padded distance of a candidate pair, unless it is proven larger than `limit`.
     pub fn distance(&mut self, candidate: CandidatePair, limit: f64) -> Option<PairDistance> {
         let CandidatePair { lower, index } = candidate;

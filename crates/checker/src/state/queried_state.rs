@@ -2,13 +2,14 @@
 
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::Extremes;
+use clearance_geometry::simd::dispatch;
 use clearance_proximity::Scratch;
 use clearance_robot::Configuration;
 
 use super::stream::Stream;
-use crate::pairs::{CheckedPairs, PlacedRobot, PosedPair};
+use crate::pairs::{CheckedPairs, InsideSearch, PlacedRobot, PosedPair, SearchedBodies};
 use crate::robot::CandidatePair;
-use crate::world::{BroadPhaseScratch, PartQuery, WorldPair};
+use crate::world::{BroadPhaseScratch, PartQuery};
 
 /// Distance (m) beyond the requested limit up to which a stream searches for obstacles, so that the result lasts for
 /// some further states.
@@ -53,8 +54,16 @@ impl<'a> QueriedState<'a> {
         if !self.queue_self_candidates(limit) {
             return;
         }
-        for part in 0..self.pairs.robot().parts().len() {
-            if self.stream.as_ref().is_some_and(|stream| stream.obstacles_beyond(part, limit)) {
+        let is_beyond = |state: &Self, part: usize| {
+            state.stream.as_ref().is_some_and(|stream| stream.obstacles_beyond(part, limit))
+        };
+        let parts = 0..self.pairs.robot().parts().len();
+        if parts.clone().all(|part| is_beyond(self, part)) {
+            return;
+        }
+        self.find_inside(SearchedBodies::All);
+        for part in parts {
+            if is_beyond(self, part) {
                 continue;
             }
             if self.stream.is_none() {
@@ -74,29 +83,33 @@ impl<'a> QueriedState<'a> {
         }
     }
 
+    /// Finds the pairs of which the robot body is inside the obstacle; all bodies must be placed.
+    pub fn find_inside(&mut self, bodies: SearchedBodies) {
+        let Self { pairs, robot, broad_phase, scratch, .. } = self;
+        let inside = &mut broad_phase.inside;
+        inside.clear();
+        dispatch!(scratch.level(), simd => {
+            let mut search = InsideSearch { pairs, bodies, scratch };
+            search.in_state(simd, &|chain_body| robot.frame(chain_body), |pair| {
+                inside.push(pair);
+                false
+            })
+        });
+    }
+
     /// Queues the pairs of a part with obstacles that may be within `limit` (m), and with those that it is inside of.
     fn queue_obstacles(&mut self, part: usize, limit: f64) {
         let Self { pairs, robot, broad_phase, candidates, scratch, .. } = self;
-        let (world, robot_body) = (pairs.world(), &pairs.robot()[part]);
+        let robot_body = &pairs.robot()[part];
         let capsule = robot_body.padded_capsule(&robot.frame(robot_body.chain_body()));
         let begin = candidates.len();
-        world.candidates(PartQuery::new(part, &capsule, limit), broad_phase, scratch, candidates);
-        let Some(inner) = robot_body.placed_inner_capsule(&capsule).filter(|_| world.has_inside()) else {
-            return;
-        };
-        let near = candidates.len();
-        world.candidates(PartQuery::inside(part, &inner), broad_phase, scratch, candidates);
-        for k in (near..candidates.len()).rev() {
-            let pair = candidates.swap_remove(k);
-            let known = candidates[begin..near].iter().position(|near| near.index == pair.index);
-            let is_touched = known.is_some_and(|known| candidates[begin + known].lower <= 0.0);
-            let place = world.pair(pair.index - pairs.self_pairs().count()).place;
-            let bodies = WorldPair { part, place };
-            if !is_touched && pairs.is_inside(bodies, |body| robot.frame(body), scratch) {
-                match known {
-                    Some(known) => candidates[begin + known].lower = 0.0,
-                    None => candidates.push(pair),
-                }
+        let query = PartQuery::new(part, &capsule, limit);
+        pairs.world().candidates(query, broad_phase, scratch, candidates);
+        for pair in broad_phase.inside.iter().filter(|pair| pair.part == part) {
+            let index = pairs.world().number(*pair);
+            match candidates[begin..].iter_mut().find(|near| near.index == index) {
+                Some(near) => near.lower = 0.0,
+                None => candidates.push(CandidatePair { lower: 0.0, index }),
             }
         }
         candidates[begin..].sort_unstable_by_key(|pair| pair.index);

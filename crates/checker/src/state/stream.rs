@@ -156,17 +156,13 @@ impl Stream {
 
     /// Records the bound that a pair's memory gives at its present pose.
     pub fn record_bound_of_memory(&mut self, index: usize, pair: &PosedPair) {
-        if let Some(lower) = self.known_memory(index).map(|memory| memory.lower_at(pair)) {
-            self.record_bound(index, lower - pair.info.padding);
-        }
-    }
-
-    /// Memory of a pair that was searched before.
-    pub fn known_memory(&self, index: usize) -> Option<&PairMemory> {
-        if self.self_memories.is_self_pair(index) {
+        let memory = if self.self_memories.is_self_pair(index) {
             self.self_memories.get(index)
         } else {
             self.world_memories.get(&index).and_then(Option::as_ref)
+        };
+        if let Some(lower) = memory.map(|memory| memory.lower_at(pair)) {
+            self.record_bound(index, lower - pair.info.padding);
         }
     }
 

@@ -1,10 +1,9 @@
 //! Queries of the broad phase, and their scratch memory.
 
-use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::simd::{LANES, Simd, f32x8};
 use clearance_proximity::Piece;
 
-use super::obstacles::ObstaclePart;
+use super::world_index::WorldPair;
 use crate::capsules::{RootCapsule, round_up};
 
 /// Scratch memory of the broad phase.
@@ -21,12 +20,13 @@ pub struct BroadPhaseScratch {
     pub near_eight: Vec<NearEight>,
     /// Pieces of one obstacle.
     pub pieces: Vec<Piece>,
+    /// Pairs of which the robot body is inside the obstacle.
+    pub inside: Vec<WorldPair>,
 }
 
 /// Search for the obstacles near one part in one state.
 #[derive(Clone, Copy, Debug)]
 pub struct PartQuery<'q> {
-    pub of: ObstaclePart,
     pub part: usize,
     /// The part's capsule with its padding, in the root frame.
     pub capsule: &'q RootCapsule,
@@ -38,20 +38,13 @@ impl<'q> PartQuery<'q> {
     /// Obstacles within `limit` (m) of a part's padded capsule.
     #[inline]
     pub fn new(part: usize, capsule: &'q RootCapsule, limit: f64) -> Self {
-        Self { of: ObstaclePart::Elements, part, capsule, limit: round_up(limit) }
-    }
-
-    /// Obstacles that a part may be inside of, given its inner capsule.
-    #[inline]
-    pub fn inside(part: usize, inner: &'q RootCapsule) -> Self {
-        Self { of: ObstaclePart::Inside, part, capsule: inner, limit: round_up(CONTACT_DISTANCE) }
+        Self { part, capsule, limit: round_up(limit) }
     }
 }
 
 /// Search for the obstacles near eight capsules: of eight parts in one state, or of one part in eight states.
 #[derive(Debug)]
 pub struct EightQuery<'q, S: Simd, C: Fn(clearance_scene::ObstacleId, u8) -> u8> {
-    pub of: ObstaclePart,
     /// The capsules with their paddings, in the root frame.
     pub capsules: &'q RootCapsule<f32x8<S>>,
     /// Bit mask of the capsules that are searched for.
@@ -67,7 +60,6 @@ pub struct EightQuery<'q, S: Simd, C: Fn(clearance_scene::ObstacleId, u8) -> u8>
 /// Search for the obstacles near one part in any of eight states.
 #[derive(Clone, Copy, Debug)]
 pub struct EightStatesQuery<'q> {
-    pub of: ObstaclePart,
     pub part: usize,
     /// The part's capsules with its padding, in the root frame.
     pub capsules: &'q [RootCapsule; LANES],

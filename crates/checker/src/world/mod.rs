@@ -13,6 +13,7 @@
 
 mod bodies_in_reach;
 mod broad_phase;
+mod inside_index;
 mod obstacles;
 mod piece_trees;
 mod placed_obstacle;
@@ -22,7 +23,7 @@ mod world_index;
 
 pub use bodies_in_reach::{BodiesInReach, BodyOrder};
 pub use broad_phase::{BroadPhaseScratch, EightQuery, EightStatesQuery, PartQuery};
-pub use obstacles::ObstaclePart;
+pub use inside_index::EightPoints;
 pub use placed_obstacle::PlacedObstacle;
 pub use search_node::SearchNode;
 pub use world_index::{WorldIndex, WorldPair, obstacle_id};

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use clearance_scene::{ObstacleId, Settings, World};
 use rayon::prelude::*;
 
-use super::piece_trees::{PieceTrees, PieceVolumes};
+use super::inside_index::InsideIndex;
+use super::piece_trees::PieceTrees;
 use super::placed_obstacle::PlacedObstacle;
 use super::reachable_regions::ReachableRegions;
 use crate::settings_error::SettingsError;
@@ -16,17 +17,9 @@ pub struct Obstacles {
     /// By id; `None` at gaps.
     places: Vec<Option<Arc<PlacedObstacle>>>,
     pieces: PieceTrees,
-    /// Boxes that together contain the inside of solid meshes.
-    inside: PieceTrees,
-}
-
-/// Parts of obstacles that are searched.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ObstaclePart {
-    /// Triangles and all other elements.
-    Elements,
-    /// The inside of solid meshes, without their surfaces.
-    Inside,
+    inside: InsideIndex,
+    /// True if obstacles with an inside have changed since `inside` was built.
+    inside_is_outdated: bool,
 }
 
 /// New content of the place of an obstacle.
@@ -53,12 +46,22 @@ impl Obstacles {
                 Ok(Some(PlacedObstacle::new(source, settings, known.get(id))?))
             })
             .collect::<Result<Vec<_>, _>>()?;
-        let trees = |placed: fn(&PlacedObstacle) -> Vec<PieceVolumes>| {
-            let of_places = places.iter().map(|place| place.as_deref().map_or_else(Vec::new, placed));
-            PieceTrees::new(of_places.collect(), reachable)
-        };
-        let (pieces, inside) = (trees(PlacedObstacle::placed_pieces), trees(PlacedObstacle::placed_inside));
-        Ok(Self { pieces, inside, places })
+        let pieces =
+            places.iter().map(|place| place.as_deref().map_or_else(Vec::new, PlacedObstacle::placed_pieces));
+        let pieces = PieceTrees::new(pieces.collect(), reachable);
+        let mut obstacles = Self { pieces, places, inside_is_outdated: true, ..Self::default() };
+        obstacles.renew_inside();
+        Ok(obstacles)
+    }
+
+    /// Renews the index of the inside of obstacles after changes.
+    pub fn renew_inside(&mut self) {
+        if self.inside_is_outdated {
+            let known = self.places.iter().enumerate();
+            self.inside =
+                InsideIndex::new(known.filter_map(|(place, known)| Some((place, known.as_deref()?))));
+            self.inside_is_outdated = false;
+        }
     }
 
     /// New contents of the places that differ from a world.
@@ -74,17 +77,16 @@ impl Obstacles {
             .collect()
     }
 
-    /// Updates one place and no other.
+    /// Updates one place and no other; [`Self::renew_inside`] has to follow.
     pub fn set(&mut self, PlaceChange { id, obstacle }: PlaceChange, reachable: &ReachableRegions) {
         let place = id.0 as usize;
         if self.places.len() <= place {
             self.places.resize(place + 1, None);
         }
-        let placed = |placed: fn(&PlacedObstacle) -> Vec<PieceVolumes>| {
-            obstacle.as_deref().map_or_else(Vec::new, placed)
-        };
-        self.pieces.set(id.0, placed(PlacedObstacle::placed_pieces), reachable);
-        self.inside.set(id.0, placed(PlacedObstacle::placed_inside), reachable);
+        let placed = obstacle.as_deref().map_or_else(Vec::new, PlacedObstacle::placed_pieces);
+        self.pieces.set(id.0, placed, reachable);
+        let have_inside = [&self.places[place], &obstacle];
+        self.inside_is_outdated |= have_inside.iter().any(|o| o.as_ref().is_some_and(|o| o.has_inside()));
         self.places[place] = obstacle;
     }
 
@@ -100,19 +102,10 @@ impl Obstacles {
         &self.pieces
     }
 
-    /// The trees over a part of all obstacles.
+    /// The inside of all obstacles.
     #[inline]
-    pub fn trees(&self, part: ObstaclePart) -> &PieceTrees {
-        match part {
-            ObstaclePart::Elements => &self.pieces,
-            ObstaclePart::Inside => &self.inside,
-        }
-    }
-
-    /// True if an obstacle has an inside, as solid meshes have.
-    #[inline]
-    pub fn have_inside(&self) -> bool {
-        !self.inside.is_empty()
+    pub fn inside(&self) -> &InsideIndex {
+        &self.inside
     }
 
     /// Number of places.

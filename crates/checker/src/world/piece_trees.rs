@@ -138,12 +138,6 @@ impl PieceTrees {
         self.of_places[at] = numbers;
     }
 
-    /// True if there are no pieces.
-    #[inline]
-    pub fn is_empty(&self) -> bool {
-        self.all.len() == self.unused.len()
-    }
-
     #[inline]
     pub fn at(&self, number: u32) -> &PlacedPiece {
         &self.all[number as usize]

@@ -12,14 +12,11 @@ use clearance_scene::{MeshModel, Obstacle, Settings};
 
 use super::piece_trees::PieceVolumes;
 use crate::capsules::{LinkCapsule, RootCapsule, RootVolume, corners};
-use crate::robot::{LazySolidBody, RobotBody, ScaledBody, object_padding, object_scale};
+use crate::robot::{LazySolidBody, ScaledBody, object_padding, object_scale};
 use crate::settings_error::SettingsError;
 
 /// Approximate maximum number of pieces that a large obstacle is split into.
 const MOST_PIECES: usize = 384;
-
-/// Approximate maximum number of boxes that contain the inside of a solid mesh.
-const MOST_INSIDE_BOXES: usize = 8;
 
 /// An obstacle with its collision geometry.
 #[derive(Debug)]
@@ -29,8 +26,6 @@ pub struct PlacedObstacle {
     solids: Arc<LazySolidBody>,
     /// Its pieces, if it can be split.
     pieces: Arc<[(Piece, PieceVolume)]>,
-    /// Boxes that together contain the inside of its solid meshes.
-    inside_boxes: Arc<[PieceVolume]>,
     /// Bounding volume, in the frame of the obstacle.
     capsule: LinkCapsule,
     pose_ro: MatrixPose,
@@ -58,20 +53,19 @@ impl PlacedObstacle {
                 && known.scale.to_bits() == scale.to_bits()
                 && known.mesh_model == mesh_model
         });
-        let (geometry, pieces, inside_boxes) = match same {
+        let (geometry, pieces) = match same {
             Some(same)
                 if Arc::ptr_eq(&same.source, source) && same.padding.to_bits() == padding.to_bits() =>
             {
                 return Ok(Arc::clone(same));
             }
-            Some(same) => (same.geometry(), Arc::clone(&same.pieces), Arc::clone(&same.inside_boxes)),
+            Some(same) => (same.geometry(), Arc::clone(&same.pieces)),
             None => {
                 let shapes = source.shapes.iter().map(|s| (s.pose_os, &s.shape));
                 let geometry = ScaledBody::new(&shapes.collect::<Vec<_>>(), scale, mesh_model)
                     .map_err(|why| SettingsError::CannotScale { of: source.name.clone(), why })?;
                 let pieces = geometry.body.pieces(MOST_PIECES).into();
-                let inside_boxes = geometry.body.inside_boxes(MOST_INSIDE_BOXES).into();
-                (geometry, pieces, inside_boxes)
+                (geometry, pieces)
             }
         };
         let pose_ro = MatrixPose::from(&source.pose_ro);
@@ -82,7 +76,6 @@ impl PlacedObstacle {
             solid: body,
             solids,
             pieces,
-            inside_boxes,
             capsule,
             pose_or: pose_ro.inverse(),
             pose_ro,
@@ -107,16 +100,6 @@ impl PlacedObstacle {
         self.pieces.iter().map(placed).collect()
     }
 
-    /// Boxes at their poses that together contain its inside.
-    pub fn placed_inside(&self) -> Vec<PieceVolumes> {
-        let placed = |volume: &PieceVolume| {
-            // a body that is apart is not nearer to the inside than to the surface, so there is no padding
-            let volume = RootVolume::of_piece(volume, &self.pose_ro, 0.0);
-            PieceVolumes { piece: Piece::Inside, volume, bounds: volume.axis_box() }
-        };
-        self.inside_boxes.iter().map(placed).collect()
-    }
-
     /// A box around it, in the root frame.
     fn bounds(&self) -> AxisBox {
         if self.scale != 1.0 {
@@ -138,14 +121,15 @@ impl PlacedObstacle {
         &self.solid
     }
 
-    /// False if a robot body is certainly not inside its solid meshes, given the pose of the body in the root frame; their surfaces must be
-    /// apart.
+    /// False if a point (root frame) is certainly outside of its solid meshes.
     #[inline]
-    pub fn may_contain(&self, robot_body: &RobotBody, pose_rb: &MatrixPose) -> bool {
-        robot_body.has_cubes() || {
-            let mut points = robot_body.solid().decisive_points().iter();
-            points.any(|point| self.solid.may_contain(&(&self.pose_or * (pose_rb * *point))))
-        }
+    pub fn may_contain(&self, point: &Point) -> bool {
+        self.solid.may_contain(&(&self.pose_or * *point))
+    }
+
+    /// True if it has solid meshes.
+    pub fn has_inside(&self) -> bool {
+        self.solid.inside_grids().next().is_some()
     }
 
     /// Its shapes for queries of penetration depth.

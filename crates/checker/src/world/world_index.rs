@@ -8,6 +8,7 @@ use clearance_proximity::{Piece, Scratch, Work};
 use clearance_scene::{ObstacleId, PairList, Settings, World};
 
 use super::broad_phase::{BroadPhaseScratch, EightQuery, EightStatesQuery, NearEight, NearPiece, PartQuery};
+use super::inside_index::InsideIndex;
 use super::obstacles::Obstacles;
 use super::piece_trees::EightBoxQuery;
 use super::placed_obstacle::PlacedObstacle;
@@ -72,6 +73,7 @@ impl WorldIndex {
             self.pair_list.set_obstacle(change.id, name);
             self.obstacles.set(change, &self.reachable);
         }
+        self.obstacles.renew_inside();
         self.world = world.clone();
         self.revision = Revision::next();
         Ok(())
@@ -93,6 +95,12 @@ impl WorldIndex {
 
     pub fn obstacles(&self) -> &Obstacles {
         &self.obstacles
+    }
+
+    /// The inside of all obstacles.
+    #[inline]
+    pub fn inside(&self) -> &InsideIndex {
+        self.obstacles.inside()
     }
 
     #[inline]
@@ -147,12 +155,6 @@ impl WorldIndex {
         all.filter(|pair| self.checks(*pair))
     }
 
-    /// True if an obstacle has an inside, as solid meshes have.
-    #[inline]
-    pub fn has_inside(&self) -> bool {
-        self.obstacles.have_inside()
-    }
-
     #[inline]
     fn first_number(&self) -> usize {
         self.pair_list.self_pairs().len()
@@ -189,11 +191,11 @@ impl WorldIndex {
     pub fn find_near<S: Simd>(
         &self,
         simd: S,
-        PartQuery { of, part, capsule, limit }: PartQuery,
+        PartQuery { part, capsule, limit }: PartQuery,
         BroadPhaseScratch { stack, found, near, .. }: &mut BroadPhaseScratch,
         work: &mut Work,
     ) {
-        let pieces = self.obstacles.trees(of);
+        let pieces = self.obstacles.pieces();
         near.clear();
         found.clear();
         work.volume_tests += pieces.find(simd, &capsule.axis_box(limit), stack, found);
@@ -217,11 +219,11 @@ impl WorldIndex {
     /// True if a piece of an obstacle may be near a part.
     pub fn anything_near(
         &self,
-        PartQuery { of, part, capsule, limit }: PartQuery,
+        PartQuery { part, capsule, limit }: PartQuery,
         BroadPhaseScratch { stack, found, .. }: &mut BroadPhaseScratch,
         scratch: &mut Scratch,
     ) -> bool {
-        let pieces = self.obstacles.trees(of);
+        let pieces = self.obstacles.pieces();
         found.clear();
         let around = capsule.axis_box(limit);
         let (level, work) = (scratch.level(), &mut scratch.work);
@@ -238,11 +240,11 @@ impl WorldIndex {
     pub fn find_near_eight<S: Simd, C: Fn(ObstacleId, u8) -> u8>(
         &self,
         simd: S,
-        EightQuery { of, capsules, among, are_expected, limit, checks }: EightQuery<S, C>,
+        EightQuery { capsules, among, are_expected, limit, checks }: EightQuery<S, C>,
         BroadPhaseScratch { eight_stack, eight_found, near_eight, .. }: &mut BroadPhaseScratch,
         work: &mut Work,
     ) {
-        let pieces = self.obstacles.trees(of);
+        let pieces = self.obstacles.pieces();
         eight_found.clear();
         let boxes = capsules.axis_boxes(limit);
         let query = EightBoxQuery { boxes: &boxes, among, are_expected };
@@ -281,7 +283,7 @@ impl WorldIndex {
     /// of these states.
     pub fn for_each_near_in_eight_states(
         &self,
-        EightStatesQuery { of, part, capsules, limit }: EightStatesQuery,
+        EightStatesQuery { part, capsules, limit }: EightStatesQuery,
         nearby: &mut BroadPhaseScratch,
         scratch: &mut Scratch,
         mut visit: impl FnMut(usize, u8),
@@ -289,7 +291,7 @@ impl WorldIndex {
         let BroadPhaseScratch { stack, found: numbers, .. } = nearby;
         let around =
             capsules[1..].iter().fold(capsules[0].axis_box(limit), |all, c| all.union(&c.axis_box(limit)));
-        let pieces = self.obstacles.trees(of);
+        let pieces = self.obstacles.pieces();
         numbers.clear();
         let level = scratch.level();
         let work = &mut scratch.work;

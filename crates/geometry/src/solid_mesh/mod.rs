@@ -12,6 +12,7 @@ mod cavities;
 mod closed_surface;
 mod cycles;
 mod far_field;
+mod inside_grid;
 mod inside_work;
 mod moments;
 mod patches;
@@ -20,12 +21,13 @@ mod remarks;
 mod weld;
 mod winding_tree;
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use crate::math::Point;
 use cavities::are_cavities;
 pub use closed_surface::ClosedSurface;
 use cycles::{Cycle, basis};
+pub use inside_grid::InsideGrid;
 pub use inside_work::InsideWork;
 use patches::Patches;
 use region_octree::{Region, RegionOctree};
@@ -40,6 +42,8 @@ pub struct SolidMesh {
     remarks: SolidRemarks,
     /// Built at the first use; `None` without closed surfaces.
     regions: OnceLock<Option<RegionOctree>>,
+    /// As `regions`.
+    inside_grid: OnceLock<Option<Arc<InsideGrid>>>,
 }
 
 impl SolidMesh {
@@ -64,7 +68,7 @@ impl SolidMesh {
                 remarks.note_inward_shells(inward_count);
             }
         }
-        Self { surfaces, remarks, regions: OnceLock::new() }
+        Self { surfaces, remarks, regions: OnceLock::new(), inside_grid: OnceLock::new() }
     }
 
     /// Closed surfaces; a point is inside if one of them winds around it.
@@ -79,9 +83,10 @@ impl SolidMesh {
         &self.remarks
     }
 
-    /// Not many more than `most` boxes that together contain all points inside; `vertices` are the mesh's.
-    pub(super) fn inside_boxes(&self, vertices: &[Point], most: usize) -> Vec<[Point; 2]> {
-        self.regions(vertices).map_or_else(Vec::new, |regions| regions.inside_boxes(most))
+    /// A grid over the box around the mesh, of the cells with points inside; `vertices` are the mesh's.
+    pub(super) fn inside_grid(&self, vertices: &[Point]) -> Option<&Arc<InsideGrid>> {
+        let build = || self.regions(vertices).map(|regions| Arc::new(InsideGrid::new(regions)));
+        self.inside_grid.get_or_init(build).as_ref()
     }
 
     /// A point well inside, if one is known; `vertices` are the mesh's.

@@ -4,8 +4,6 @@
 //! A cell that contains no part of the surface is wholly inside or wholly outside, so the winding number of its centre decides for all of
 //! its points.
 
-use std::collections::BinaryHeap;
-
 use crate::math::Point;
 
 /// Maximum number of cells.
@@ -111,33 +109,21 @@ impl RegionOctree {
         None
     }
 
-    /// Not many more than `most` boxes that together contain all points inside.
-    pub fn inside_boxes(&self, most: usize) -> Vec<[Point; 2]> {
-        let mut open = BinaryHeap::from_iter(self.shrunk(0, &self.bounds));
-        let mut closed = Vec::new();
-        while open.len() + closed.len() < most {
-            let Some(largest) = open.pop() else { break };
-            let Cell::Children(first) = self.cells[largest.number] else {
-                closed.push(largest.shrunk);
-                continue;
-            };
-            let children = (first as usize..).zip(octants(&largest.bounds));
-            open.extend(children.filter_map(|(number, bounds)| self.shrunk(number, &bounds)));
-        }
-        open.into_iter().map(|cell| cell.shrunk).chain(closed).collect()
+    /// The box of all cells.
+    pub fn bounds(&self) -> &[Point; 2] {
+        &self.bounds
     }
 
-    /// A cell with the box around all regions in it that are not outside; `None` if there are none.
-    fn shrunk(&self, number: usize, bounds: &[Point; 2]) -> Option<ShrunkCell> {
-        let shrunk = match self.cells[number] {
-            Cell::Region(Region::Outside) => None,
-            Cell::Region(_) => Some(*bounds),
-            Cell::Children(first) => (first as usize..)
-                .zip(octants(bounds))
-                .filter_map(|(number, bounds)| Some(self.shrunk(number, &bounds)?.shrunk))
-                .reduce(|a, b| [a[0].inf(&b[0]), a[1].sup(&b[1])]),
-        }?;
-        Some(ShrunkCell { number, bounds: *bounds, shrunk })
+    /// Visits the boxes of all cells that are not outside.
+    pub fn for_each_not_outside(&self, mut visit: impl FnMut(&[Point; 2])) {
+        let mut open = vec![(0, self.bounds)];
+        while let Some((number, bounds)) = open.pop() {
+            match self.cells[number] {
+                Cell::Region(Region::Outside) => {}
+                Cell::Region(_) => visit(&bounds),
+                Cell::Children(first) => open.extend((first as usize..).zip(octants(&bounds))),
+            }
+        }
     }
 }
 
@@ -159,40 +145,6 @@ fn regions_of(
         }
     }
     regions
-}
-
-/// A cell, with the box around all that is not outside in it; the one with the longest diagonal is the greatest.
-#[derive(Clone, Copy, Debug)]
-struct ShrunkCell {
-    number: usize,
-    bounds: [Point; 2],
-    shrunk: [Point; 2],
-}
-
-impl ShrunkCell {
-    fn diagonal(&self) -> f64 {
-        (self.shrunk[1] - self.shrunk[0]).norm_squared()
-    }
-}
-
-impl PartialEq for ShrunkCell {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other).is_eq()
-    }
-}
-
-impl Eq for ShrunkCell {}
-
-impl PartialOrd for ShrunkCell {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for ShrunkCell {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.diagonal().total_cmp(&other.diagonal()).then(other.number.cmp(&self.number))
-    }
 }
 
 /// The eight equal parts of a box; bit i of their index is set in the upper half along axis i.

@@ -1,12 +1,14 @@
 //! A rigid body for proximity queries.
 
+use std::sync::Arc;
+
 use clearance_geometry::math::{Extremes, MatrixPose, Point, Pose};
-use clearance_geometry::{Plane, Shape};
+use clearance_geometry::{InsideGrid, Plane, Shape};
 
 use super::bounding_sphere::BoundingSphere;
 use super::cube_set::CubeSet;
 use super::interior::Interior;
-use super::piece::{Piece, PieceVolume, cube_pieces, inside_boxes, solid_pieces, surface_pieces};
+use super::piece::{Piece, PieceVolume, cube_pieces, solid_pieces, surface_pieces};
 use super::solid::{Solid, SolidLeaf};
 use super::surface::Surface;
 use super::volume_box::BodyVolume;
@@ -83,13 +85,10 @@ impl CollisionBody {
         pieces
     }
 
-    /// Not many more than `most` boxes for each solid mesh that together contain its inside. A body that is apart from the surfaces, and of
-    /// which no point is in these boxes, is outside.
-    #[must_use]
-    #[inline]
-    pub fn inside_boxes(&self, most: usize) -> Vec<PieceVolume> {
+    /// The grids of cells that may be inside its solid meshes, with their poses in the frame of the body.
+    pub fn inside_grids(&self) -> impl Iterator<Item = (&Pose, &Arc<InsideGrid>)> {
         let closed_meshes = self.interior.iter().flat_map(Interior::closed_meshes);
-        closed_meshes.flat_map(|mesh| inside_boxes(mesh, most)).collect()
+        closed_meshes.filter_map(|mesh| Some((mesh.pose_bm(), mesh.inside_grid()?)))
     }
 
     /// The boxes at a given depth below the roots of the hierarchies, and the boxes of leaves nearer to the root: together they contain

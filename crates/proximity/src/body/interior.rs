@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use clearance_geometry::math::{MatrixPose, Point, Pose};
-use clearance_geometry::{InsideTest, InsideWork, Primitive, Shape, TriangleMesh};
+use clearance_geometry::{InsideGrid, InsideTest, InsideWork, Primitive, Shape, TriangleMesh};
 
 use super::solid::{Solid, SolidLeaf};
 use crate::bounding_volume::BoundingVolume;
@@ -109,9 +109,9 @@ impl<B: BoundingVolume> ClosedMesh<B> {
         &self.outline
     }
 
-    /// Not many more than `most` boxes that together contain the inside, in the frame of the mesh: smallest and largest corners.
-    pub fn inside_boxes(&self, most: usize) -> Vec<[Point; 2]> {
-        self.mesh.inside_boxes(most)
+    /// Grid of the cells that may be inside, in the frame of the mesh.
+    pub fn inside_grid(&self) -> Option<&Arc<InsideGrid>> {
+        self.mesh.inside_grid()
     }
 
     #[inline]

@@ -2,11 +2,10 @@
 
 use std::collections::BinaryHeap;
 
-use clearance_geometry::constants::{FIT_SLACK, VOLUME_SLACK};
+use clearance_geometry::constants::VOLUME_SLACK;
 use clearance_geometry::math::{MatrixPose, Point, RotationMatrix, Vector};
 
 use super::cube_set::CubeSet;
-use super::interior::ClosedMesh;
 use super::solid::SolidLeaf;
 use super::surface::Surface;
 use crate::bounding_volume::Obb;
@@ -82,18 +81,6 @@ pub(super) fn cube_pieces(cubes: &CubeSet<Obb>, most: usize) -> impl Iterator<It
     cut.map(|node| {
         let piece = Piece::Cubes { set: cubes.index(), node };
         (piece, box_of(tree, node, cubes.pose_bs(), cubes.radius()))
-    })
-}
-
-/// Not many more than `most` boxes that together contain the inside of a mesh.
-#[inline]
-pub(super) fn inside_boxes(mesh: &ClosedMesh<Obb>, most: usize) -> impl Iterator<Item = PieceVolume> {
-    let pose = MatrixPose::from(mesh.pose_bm());
-    mesh.inside_boxes(most).into_iter().map(move |[low, high]| {
-        let rounding = FIT_SLACK * (low.coords.amax() + high.coords.amax() + pose.translation.amax());
-        let half_extents = (0.5 * (high - low)).add_scalar(rounding);
-        let centre = &pose * nalgebra::center(&low, &high);
-        PieceVolume::Box { centre, axes: pose.rotation, half_extents }
     })
 }
 
