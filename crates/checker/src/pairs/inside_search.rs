@@ -123,7 +123,7 @@ impl InsideSearch<'_> {
                 left &= left - 1;
                 let pair = WorldPair { part: part(lane), place };
                 let may_be_inside = world.checks(pair) && world.obstacle(place).may_contain(&points[lane]);
-                let is_inside = || {
+                let mut is_inside = || {
                     let pair = pairs.pair_with(world.number(pair), |chain_body| frames(chain_body, lane));
                     pair.is_inside(scratch)
                 };
