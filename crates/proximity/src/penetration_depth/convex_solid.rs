@@ -16,7 +16,7 @@ const MOST_VERTICES: usize = 4096;
 const CONVEX_TOLERANCE: f64 = 1e-7;
 
 /// Points of a convex set that are farthest along a direction.
-pub(super) trait SupportMap {
+pub(crate) trait SupportMap {
     /// The point of the core that is farthest along `direction`.
     fn support(&self, direction: &Vector) -> Point;
 
@@ -26,14 +26,14 @@ pub(super) trait SupportMap {
 
 /// A convex solid in the frame of its body: a core swept by a sphere.
 #[derive(Clone, Debug)]
-pub(super) enum ConvexSolid {
+pub(crate) enum ConvexSolid {
     Primitive(RoundedShape),
     Hull(Hull),
 }
 
 /// Convex polyhedron.
 #[derive(Clone, Debug)]
-pub(super) struct Hull {
+pub(crate) struct Hull {
     vertices: Vec<Point>,
     faces: Vec<HalfSpace>,
     /// Largest distance (m) of a vertex beyond the plane of a face.
@@ -42,9 +42,9 @@ pub(super) struct Hull {
 
 /// All points p with `normal · p <= offset` (m); the normal is a unit vector.
 #[derive(Clone, Copy, Debug)]
-struct HalfSpace {
-    normal: Vector,
-    offset: f64,
+pub(crate) struct HalfSpace {
+    pub normal: Vector,
+    pub offset: f64,
 }
 
 impl SupportMap for ConvexSolid {
@@ -99,6 +99,15 @@ impl ConvexSolid {
 }
 
 impl Hull {
+    pub fn vertices(&self) -> &[Point] {
+        &self.vertices
+    }
+
+    /// The half-spaces of the faces: the solid is what all of them have in common.
+    pub fn faces(&self) -> &[HalfSpace] {
+        &self.faces
+    }
+
     /// A closed mesh at a pose, if it is convex: no vertex is beyond the plane of any face.
     pub fn of_convex_mesh(mesh: &TriangleMesh, pose: &Pose) -> Option<Self> {
         let [surface] = mesh.solid().surfaces() else { return None };

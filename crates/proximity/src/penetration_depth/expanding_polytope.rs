@@ -29,7 +29,7 @@ pub(super) struct ConvexPair<'s, A, B> {
 
 /// Bounds on the penetration depth (m) of two overlapping convex solids.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct ConvexDepth {
+pub(crate) struct ConvexDepth {
     pub lower: f64,
     pub upper: f64,
     /// Translation of the second solid by `upper` along this unit vector separates them.

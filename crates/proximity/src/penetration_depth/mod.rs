@@ -9,9 +9,12 @@
 //! | `plane` | exact depth of a plane in a bounded body |
 //! | `separating_translation` | upper bounds for others: short translations that are proven to separate |
 //! | `inner_balls` | lower bounds for others: balls inside both solids |
+//! | `winding` | which side of a surface is outside |
+//! | `exit` | shortest way of a point out of a body |
 //! | `solid_set` | points and voxels: which one is deepest |
 
 mod convex_solid;
+mod exit;
 mod expanding_polytope;
 mod inner_balls;
 mod plane;
@@ -20,22 +23,24 @@ mod separating_translation;
 mod signed_distance;
 mod solid_body;
 mod solid_set;
+mod winding;
 #[cfg(test)]
 mod tests;
 
 pub use signed_distance::signed_distance;
 pub use solid_body::SolidBody;
 
+pub(crate) use convex_solid::{ConvexSolid, HalfSpace, Hull, SupportMap};
+pub(crate) pub(crate) use winding::Winding;
+
 use clearance_geometry::PointPair;
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::{Extremes, MatrixPose, Point, Vector};
 
 use crate::search::Scratch;
-use convex_solid::ConvexSolid;
 use expanding_polytope::{ConvexDepth, ConvexPair};
 use inner_balls::{Ball, SurfacePoint};
 use separating_translation::{GAP, MovedSolids, SeparatingTranslation};
-use solid_body::{Part, Union};
 use solid_set::deepest_solid;
 
 /// Relative lengths that are added to an exact depth until the distance after the translation is proven positive: that of curved solids in
@@ -184,7 +189,7 @@ fn depth_of_unions(
 }
 
 /// Depth of two convex solids; `None` if they are apart by more than their radii.
-fn depth_of_convex(a: &ConvexSolid, b: &ConvexSolid, pose_ab: &MatrixPose) -> Option<ConvexDepth> {
+pub(crate) fn depth_of_convex(a: &ConvexSolid, b: &ConvexSolid, pose_ab: &MatrixPose) -> Option<ConvexDepth> {
     if let (ConvexSolid::Primitive(first), ConvexSolid::Primitive(second)) = (a, b)
         && let Some(depth) = rounded_pair::depth_of_rounded(first, second, pose_ab)
     {

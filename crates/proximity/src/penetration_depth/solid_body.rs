@@ -8,6 +8,7 @@ use clearance_geometry::{Plane, Primitive, Shape, TriangleMesh};
 use super::convex_solid::{ConvexSolid, Hull, SupportMap, farthest_along};
 use super::inner_balls::{Ball, inner_balls};
 use super::solid_set::SolidSet;
+use super::winding::Winding;
 use crate::body::BoundingSphere;
 use crate::body::CollisionBody;
 use crate::narrow_phase::Separation;
@@ -25,7 +26,7 @@ const ROUNDING: f64 = 1e-13;
 #[derive(Debug)]
 pub struct SolidBody {
     /// All shapes that count as one body.
-    pub(super) union: Option<Union>,
+    pub(crate) union: Option<Union>,
     /// Points and voxels, each a body of its own.
     pub(super) sets: Vec<SolidSet>,
     /// All of these together; built at the first use.
@@ -34,7 +35,7 @@ pub struct SolidBody {
 
 /// A union of solids and planes.
 #[derive(Debug)]
-pub(super) struct Union {
+pub(crate) struct Union {
     /// All shapes, for tests of separation.
     pub whole: CollisionBody,
     pub parts: Vec<Part>,
@@ -43,13 +44,16 @@ pub(super) struct Union {
     /// Points of the parts that are farthest in directions spread over the sphere.
     outermost: Vec<Point>,
     balls: OnceLock<Vec<Ball>>,
+    /// The meshes, in the order of the triangles' vertices.
+    meshes: Vec<Arc<TriangleMesh>>,
+    winding: OnceLock<Winding>,
     /// Whether a part of a mesh is not closed.
     pub is_open: bool,
 }
 
 /// One shape of a union.
 #[derive(Debug)]
-pub(super) enum Part {
+pub(crate) enum Part {
     Convex(ConvexSolid),
     Mesh {
         mesh: Arc<TriangleMesh>,
@@ -139,9 +143,24 @@ impl Union {
             surface: CollisionBody::new(meshes()).filter(|_| meshes().count() < shapes().count()),
             outermost: outermost.collect(),
             balls: OnceLock::new(),
+            meshes: shapes().filter_map(mesh_of).collect(),
+            winding: OnceLock::new(),
             is_open: meshes().any(|(_, shape)| is_open(shape)),
             parts,
         })
+    }
+
+    /// Which side of the triangles is outside; found at the first use.
+    pub fn winding(&self) -> &Winding {
+        self.winding.get_or_init(|| Winding::new(self.meshes.iter().map(Arc::as_ref)))
+    }
+
+    /// The only part, if it is a convex solid.
+    pub fn only_convex(&self) -> Option<&ConvexSolid> {
+        match &self.parts[..] {
+            [Part::Convex(solid)] => Some(solid),
+            _ => None,
+        }
     }
 
     /// A union of one convex solid.
@@ -182,17 +201,30 @@ impl Union {
             _ => None,
         });
         let radius = of_convex.reduce(f64::greater);
-        let is_in_mesh = self.parts.iter().any(|part| match part {
-            Part::Mesh { mesh, pose } => mesh.encloses(&pose.inverse_transform_point(p)),
-            _ => false,
-        });
-        if !is_in_mesh {
+        if !self.is_in_mesh(p) {
             return radius;
         }
-        let surface = self.surface.as_ref().unwrap_or(&self.whole);
-        let to_surface = distance_of_point(surface, p, scratch).map_or(0.0, |found| found.distance);
+        let to_surface = distance_of_point(self.surface_only(), p, scratch).map_or(0.0, |found| found.distance);
         let to_surface = (to_surface - ROUNDING * p.coords.amax()).greater(0.0);
         Some(radius.map_or(to_surface, |radius| radius.greater(to_surface)))
+    }
+
+    /// Whether a point is inside a mesh that is not convex.
+    pub fn is_in_mesh(&self, p: &Point) -> bool {
+        self.parts.iter().any(|part| match part {
+            Part::Mesh { mesh, pose } => mesh.encloses(&pose.inverse_transform_point(p)),
+            _ => false,
+        })
+    }
+
+    /// True if a mesh has an inside.
+    pub fn has_closed_mesh(&self) -> bool {
+        self.meshes.iter().any(|mesh| !mesh.solid().surfaces().is_empty())
+    }
+
+    /// All triangles, without other shapes.
+    pub fn surface_only(&self) -> &CollisionBody {
+        self.surface.as_ref().unwrap_or(&self.whole)
     }
 
     /// Balls inside the body that together fill much of it; found at the first use.
@@ -210,8 +242,15 @@ impl Union {
     }
 }
 
+fn mesh_of((_, shape): (&Pose, &Shape)) -> Option<Arc<TriangleMesh>> {
+    match shape {
+        Shape::Mesh(mesh) => Some(Arc::clone(mesh)),
+        _ => None,
+    }
+}
+
 /// Distance (m) of a point from a body.
-fn distance_of_point(body: &CollisionBody, p: &Point, scratch: &mut Scratch) -> Option<Separation> {
+pub(super) fn distance_of_point(body: &CollisionBody, p: &Point, scratch: &mut Scratch) -> Option<Separation> {
     static POINT: LazyLock<CollisionBody> = LazyLock::new(|| {
         let point = Shape::Primitive(Primitive::Sphere { radius: 0.0 });
         CollisionBody::new([(&Pose::identity(), &point)]).expect("a body with a shape")

@@ -1,0 +1,121 @@
+//! Contacts of points and voxels, each a body of its own.
+
+use std::collections::BTreeMap;
+
+use clearance_geometry::math::{Extremes, MatrixPose, Point, Vector};
+
+use super::candidate::{Candidate, Local};
+use super::touching_elements::for_touching;
+use crate::body::{CollisionBody, CubeSet};
+use crate::bounding_volume::Obb;
+use crate::bvh::TreePair;
+use crate::elements::{CoreShape, RoundedShape};
+use crate::narrow_phase::separation_within;
+use crate::penetration_depth::{Exit, Union};
+use crate::search::Scratch;
+
+/// Most points or voxels of one set whose centres are tested for being inside a closed mesh.
+const MOST_INSIDE: usize = 512;
+
+/// The points and voxels of one body, and the other body.
+pub(super) struct CubeContacts<'s> {
+    pub cubes: &'s [CubeSet<Obb>],
+    pub pose_cubes: &'s MatrixPose,
+    pub cubes_are_a: bool,
+    pub other: &'s CollisionBody,
+    pub union: &'s Union,
+    pub pose_other: &'s MatrixPose,
+    pub margin: f64,
+}
+
+impl CubeContacts<'_> {
+    /// Each point or voxel that touches the other body, as a patch of its own.
+    pub fn candidates(&self, scratch: &mut Scratch, into: &mut Vec<Candidate>) {
+        for (cubes, set) in self.cubes.iter().zip(0..) {
+            let mut touching = self.touching(cubes, scratch);
+            self.add_inside(cubes, scratch, &mut touching);
+            let patch = into.iter().map(|candidate| candidate.patch + 1).max().unwrap_or(0);
+            into.extend(touching.iter().map(|(index, position)| Candidate {
+                position: *position,
+                normal: Vector::z(),
+                patch,
+                local: Local::Cube { set, index: *index },
+            }));
+        }
+    }
+
+    /// Indices of cubes that touch the surface, the solids or the planes of the other body, with a common point of each.
+    fn touching(&self, cubes: &CubeSet<Obb>, scratch: &mut Scratch) -> BTreeMap<u32, Point> {
+        let mut found = BTreeMap::new();
+        let pose = self.pose_other.relative(&self.pose_cubes.compose(cubes.pose_bs()));
+        if let Some(surface) = self.other.surface() {
+            let relative = &surface.tree().relative(cubes.tree(), &pose);
+            let trees = TreePair { a: surface.tree(), b: cubes.tree(), relative };
+            for_touching(trees, self.margin, cubes.radius(), scratch, |triangle, cube| {
+                self.add_touching(&surface.shape(triangle), cubes, cube, &mut found)
+            });
+        }
+        if let Some(solids) = self.other.solids() {
+            let relative = &solids.relative(cubes.tree(), &pose);
+            let trees = TreePair { a: solids, b: cubes.tree(), relative };
+            for_touching(trees, self.margin, cubes.radius(), scratch, |solid, cube| {
+                self.add_touching(&solids.leaves()[solid as usize].content.shape, cubes, cube, &mut found)
+            });
+        }
+        found
+    }
+
+    /// Whether a cube comes within the margin of an element; its first common point counts.
+    fn add_touching(
+        &self,
+        element: &RoundedShape,
+        cubes: &CubeSet<Obb>,
+        cube: u32,
+        found: &mut BTreeMap<u32, Point>,
+    ) -> bool {
+        if found.contains_key(&cube) {
+            return false;
+        }
+        let pose = self.pose_other.relative(self.pose_cubes);
+        let separation = separation_within(element, &cubes.shape(cube), &pose, self.margin);
+        let Some(separation) = separation.filter(|found| found.distance <= self.margin) else { return false };
+        let [p, q] = separation.witness_points;
+        found.insert(cube, self.pose_other * nalgebra::center(&p, &q));
+        true
+    }
+
+    /// Adds cubes whose centres are inside, where surfaces do not touch.
+    #[allow(clippy::cast_possible_truncation)] // cube count fits 31 bits
+    fn add_inside(&self, cubes: &CubeSet<Obb>, scratch: &mut Scratch, found: &mut BTreeMap<u32, Point>) {
+        let bound = self.union.bounding_sphere();
+        if !self.union.has_closed_mesh() {
+            return;
+        }
+        let in_other = |cube: u32| {
+            let pose = self.pose_other.relative(self.pose_cubes);
+            &pose * cubes.centre(cube)
+        };
+        let near = |cube: &u32| nalgebra::distance(&in_other(*cube), &bound.centre) <= bound.radius;
+        let near: Vec<u32> = (0..cubes.count() as u32).filter(near).collect();
+        for cube in near.iter().step_by(near.len().div_ceil(MOST_INSIDE).max(1)) {
+            if self.union.inner_radius(&in_other(*cube), scratch).is_some() {
+                found.entry(*cube).or_insert(self.pose_other * in_other(*cube));
+            }
+        }
+    }
+
+    /// The normal, and how deep (m, margin included) a cube is in the other body.
+    pub fn measured(&self, set: u32, index: u32, scratch: &mut Scratch) -> Option<(Vector, f64)> {
+        let shape = self.cubes[set as usize].shape(index);
+        let pose = self.pose_other.relative(self.pose_cubes).compose(&shape.pose);
+        let Exit { direction, depth } = self.union.exit(&Point::from(pose.translation), scratch)?;
+        let in_cube = pose.rotation.tr_mul(&direction);
+        let reach = match shape.core {
+            CoreShape::Cuboid(half) => half.dot(&in_cube.abs()),
+            _ => 0.0,
+        };
+        let out = self.pose_other.rotation * direction;
+        let towards = if self.cubes_are_a { -out } else { out };
+        Some((towards, (depth + reach + shape.radius + self.margin).greater(0.0)))
+    }
+}
