@@ -7,6 +7,7 @@
 //! | how far are they apart? | [`distance`] | least distance and witness points, up to a limit |
 //! | the same with tolerances or a deadline | [`distance_bounds`], [`margin_bounds`] | lower and upper bounds |
 //! | how deep are two bodies in each other? | [`penetration_depth`] | bounds on the translation that separates them |
+//! | where do they touch? | [`contact_points`] | points with normal and local depth, spread over the contact |
 //! | how far, or how deep, are two primitives? | [`signed_distance`] | distance, negative where they overlap |
 //!
 //! Bodies are made of triangles, convex primitives, planes, points with a radius and cubes, in any mixture.
@@ -24,6 +25,7 @@ pub mod bounding_volume;
 pub mod bvh;
 
 mod body;
+mod contacts;
 mod elements;
 mod front;
 mod narrow_phase;
@@ -32,6 +34,7 @@ mod queries;
 mod search;
 
 pub use body::{BodyPair, BodyVolume, BoundingSphere, CollisionBody, Piece, PieceVolume};
+pub use contacts::{ContactPoint, ContactQuery, DeepestContact, contact_points};
 pub use elements::{Element, ElementPair};
 pub use front::{Front, FrontLimits};
 pub use narrow_phase::{Separation, element_contact, element_separation};

@@ -26,8 +26,8 @@ pub(super) enum Local {
     OnCurve(u32),
     /// Inside the curve of a patch of two surfaces: searched if it is chosen.
     InsideCurve(u32),
-    /// A point or voxel, by set and index: measured if it is chosen.
-    Cube { set: u32, index: u32 },
+    /// A point or voxel, by body, set and index: measured if it is chosen.
+    Cube { side: usize, set: u32, index: u32 },
 }
 
 /// The contact that is already known.

@@ -103,7 +103,8 @@ impl RoundedShape {
         match self.core {
             CoreShape::Point => ball(0.0),
             CoreShape::Segment(half_length) => {
-                let side = round_side(&own, self.radius, slack).and_then(|c| c.common(slab(&own, half_length, slack)?));
+                let side = round_side(&own, self.radius, slack)
+                    .and_then(|c| c.common(slab(&own, half_length, slack)?));
                 [ball(-half_length), side, ball(half_length)].into_iter().flatten().reduce(Chord::around)
             }
             CoreShape::Cuboid(half) => (0..3).try_fold(Chord::WHOLE, |chord, i| {
@@ -191,7 +192,8 @@ mod tests {
         let mut hit = 0;
         for solid in solids(&mut random) {
             for _ in 0..200 {
-                let line = Line { origin: random.vector(0.6).into(), direction: random.direction().into_inner() };
+                let line =
+                    Line { origin: random.vector(0.6).into(), direction: random.direction().into_inner() };
                 let chord = solid.chord(&line);
                 hit += usize::from(chord.is_some());
                 for _ in 0..20 {
@@ -201,7 +203,11 @@ mod tests {
                     match chord {
                         Some(Chord { from, to }) if near(from) || near(to) => {}
                         Some(Chord { from, to }) => {
-                            assert_eq!((from..=to).contains(&t), is_inside, "{solid:?} {line:?} {chord:?} {t}");
+                            assert_eq!(
+                                (from..=to).contains(&t),
+                                is_inside,
+                                "{solid:?} {line:?} {chord:?} {t}"
+                            );
                         }
                         None => assert!(!is_inside, "{solid:?} {line:?} {t}"),
                     }
@@ -218,12 +224,18 @@ mod tests {
     /// A line in a face or along an edge is inside up to rounding.
     #[test]
     fn a_line_in_a_face_touches() {
-        let cuboid = ConvexSolid::primitive(Primitive::Box { half_extents: [0.1, 0.2, 0.3] }, clearance_geometry::math::Pose::identity());
+        let cuboid = ConvexSolid::primitive(
+            Primitive::Box { half_extents: [0.1, 0.2, 0.3] },
+            clearance_geometry::math::Pose::identity(),
+        );
         for x in [0.1, -0.1, 0.1 + 1e-14] {
             let line = Line { origin: Point::new(x, 0.2, 5.0), direction: Vector::z() };
             let Chord { from, to } = cuboid.chord(&line).unwrap();
             assert!((from + 5.3).abs() < 1e-12 && (to + 4.7).abs() < 1e-12);
         }
-        assert_eq!(cuboid.chord(&Line { origin: Point::new(0.1 + 1e-9, 0.2, 5.0), direction: Vector::z() }), None);
+        assert_eq!(
+            cuboid.chord(&Line { origin: Point::new(0.1 + 1e-9, 0.2, 5.0), direction: Vector::z() }),
+            None
+        );
     }
 }

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::{Extremes, MatrixPose, Point, Vector};
 
 use super::candidate::{Candidate, Local};
@@ -39,7 +40,7 @@ impl CubeContacts<'_> {
                 position: *position,
                 normal: Vector::z(),
                 patch,
-                local: Local::Cube { set, index: *index },
+                local: Local::Cube { side: usize::from(!self.cubes_are_a), set, index: *index },
             }));
         }
     }
@@ -62,7 +63,25 @@ impl CubeContacts<'_> {
                 self.add_touching(&solids.leaves()[solid as usize].content.shape, cubes, cube, &mut found)
             });
         }
+        self.add_in_planes(cubes, &mut found);
         found
+    }
+
+    /// Adds cubes in planes of the other body, with the point of the plane at their centre.
+    #[allow(clippy::cast_possible_truncation)] // cube count fits 31 bits
+    fn add_in_planes(&self, cubes: &CubeSet<Obb>, found: &mut BTreeMap<u32, Point>) {
+        for plane in self.other.planes() {
+            let plane = plane.placed(&self.pose_cubes.relative(self.pose_other));
+            for cube in 0..cubes.count() as u32 {
+                let shape = cubes.shape(cube);
+                let centre = Point::from(shape.pose.translation);
+                let height = plane.height(&centre);
+                if height.abs() <= reach_along(&shape, &plane.normal) + self.margin {
+                    let foot = centre - plane.normal.into_inner() * height;
+                    found.entry(cube).or_insert(self.pose_cubes * foot);
+                }
+            }
+        }
     }
 
     /// Whether a cube comes within the margin of an element; its first common point counts.
@@ -77,8 +96,9 @@ impl CubeContacts<'_> {
             return false;
         }
         let pose = self.pose_other.relative(self.pose_cubes);
-        let separation = separation_within(element, &cubes.shape(cube), &pose, self.margin);
-        let Some(separation) = separation.filter(|found| found.distance <= self.margin) else { return false };
+        let limit = self.margin.greater(CONTACT_DISTANCE);
+        let separation = separation_within(element, &cubes.shape(cube), &pose, limit);
+        let Some(separation) = separation.filter(|found| found.distance <= limit) else { return false };
         let [p, q] = separation.witness_points;
         found.insert(cube, self.pose_other * nalgebra::center(&p, &q));
         true
@@ -109,13 +129,18 @@ impl CubeContacts<'_> {
         let shape = self.cubes[set as usize].shape(index);
         let pose = self.pose_other.relative(self.pose_cubes).compose(&shape.pose);
         let Exit { direction, depth } = self.union.exit(&Point::from(pose.translation), scratch)?;
-        let in_cube = pose.rotation.tr_mul(&direction);
-        let reach = match shape.core {
-            CoreShape::Cuboid(half) => half.dot(&in_cube.abs()),
-            _ => 0.0,
-        };
+        let reach = reach_along(&RoundedShape { pose, ..shape }, &direction);
         let out = self.pose_other.rotation * direction;
         let towards = if self.cubes_are_a { -out } else { out };
-        Some((towards, (depth + reach + shape.radius + self.margin).greater(0.0)))
+        Some((towards, (depth + reach + self.margin).greater(0.0)))
     }
+}
+
+/// How far (m) a ball or cube extends from its centre along a direction.
+fn reach_along(shape: &RoundedShape, direction: &Vector) -> f64 {
+    let of_core = match shape.core {
+        CoreShape::Cuboid(half) => half.dot(&shape.pose.rotation.tr_mul(direction).abs()),
+        _ => 0.0,
+    };
+    of_core + shape.radius
 }

@@ -1,9 +1,9 @@
 //! Contact manifold of two convex shapes: the faces that look at each other are clipped against each other, as in the ODE (Smith 2001) and
 //! Box2D (Catto 2006); the depth at each corner is measured along the normal.
 
+use clearance_geometry::Triangle;
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::{Extremes, MatrixPose, Point, Vector};
-use clearance_geometry::Triangle;
 
 use super::chord::{Chord, Line};
 use super::polygon::{self, Flat};
@@ -81,7 +81,8 @@ impl<A: ConvexShape, B: ConvexShape> ConvexContact<'_, A, B> {
         let faces = [self.a.support_face(&self.normal), self.b.support_face(&-self.normal)];
         let Some(origin) = faces[0].first().copied() else { return Manifold::default() };
         let plane = AcrossNormal::new(origin, &self.normal);
-        let [ours, theirs] = faces.map(|face| polygon::convex_hull(face.iter().map(|p| plane.flat(p)).collect()));
+        let [ours, theirs] =
+            faces.map(|face| polygon::convex_hull(face.iter().map(|p| plane.flat(p)).collect()));
         let common = polygon::overlap(&ours, &theirs);
         if common.is_empty() {
             return Manifold::default();

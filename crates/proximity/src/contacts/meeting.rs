@@ -95,9 +95,14 @@ impl Patches {
 
     /// The meetings that matter, with the numbers of their patches.
     pub fn relevant<'m>(&self, meetings: &'m [Meeting]) -> impl Iterator<Item = (u32, &'m Meeting)> {
-        let is_relevant =
-            |patch: u32, meeting: &Meeting| !self.crosses[patch as usize] || !matches!(meeting.common, Common::Point);
-        self.of_meeting.iter().copied().zip(meetings).filter(move |(patch, meeting)| is_relevant(*patch, meeting))
+        let is_relevant = |patch: u32, meeting: &Meeting| {
+            !self.crosses[patch as usize] || !matches!(meeting.common, Common::Point)
+        };
+        self.of_meeting
+            .iter()
+            .copied()
+            .zip(meetings)
+            .filter(move |(patch, meeting)| is_relevant(*patch, meeting))
     }
 }
 

@@ -88,11 +88,12 @@ impl PlaneContact<'_> {
                 if height > self.margin {
                     continue;
                 }
-                let number = *number_at.entry([p.x, p.y, p.z].map(|c| (c + 0.0).to_bits())).or_insert_with(|| {
-                    points.push(Low { position, height, patch: 0 });
-                    parent.push(points.len() - 1);
-                    points.len() - 1
-                });
+                let number =
+                    *number_at.entry([p.x, p.y, p.z].map(|c| (c + 0.0).to_bits())).or_insert_with(|| {
+                        points.push(Low { position, height, patch: 0 });
+                        parent.push(points.len() - 1);
+                        points.len() - 1
+                    });
                 let (a, b) = (root(&mut parent, before.unwrap_or(number)), root(&mut parent, number));
                 parent[a.max(b)] = a.min(b);
                 before = Some(number);
@@ -128,9 +129,9 @@ fn lowest_of_solid(shape: &RoundedShape, pose: &MatrixPose, out: &Vector) -> Vec
             points.extend(placed.support_face(&-out));
             points
         }
-        CoreShape::Segment(half_length) => CoreShape::segment(half_length)
-            .map(|end| pose * (&shape.pose * end) - out * shape.radius)
-            .into(),
+        CoreShape::Segment(half_length) => {
+            CoreShape::segment(half_length).map(|end| pose * (&shape.pose * end) - out * shape.radius).into()
+        }
         CoreShape::Point | CoreShape::Triangle(_) => placed.support_face(&-out),
     }
 }

@@ -115,9 +115,11 @@ impl<'s> SurfacePair<'s> {
             }
         }
         let known = self.patches.has_outside.iter();
-        (0..).zip(sums).zip(known).filter(|((_, (_, weight)), has_outside)| **has_outside && *weight > 0.0).map(
-            |((patch, (sum, weight)), _)| (patch, Point::from(sum / weight)),
-        )
+        (0..)
+            .zip(sums)
+            .zip(known)
+            .filter(|((_, (_, weight)), has_outside)| **has_outside && *weight > 0.0)
+            .map(|((patch, (sum, weight)), _)| (patch, Point::from(sum / weight)))
     }
 
     /// How deep (m) the bodies overlap along the normal of a patch, beside a point of its curve; `None` if this is not known.

@@ -85,11 +85,8 @@ impl SurfaceAndSolids<'_> {
         names: &mut CornerNames,
     ) -> Option<Meeting> {
         let (shape, triangle) = (self.solid(solid), self.surface.triangle(index));
-        let face = RoundedShape {
-            core: CoreShape::Triangle(triangle),
-            pose: MatrixPose::identity(),
-            radius: 0.0,
-        };
+        let face =
+            RoundedShape { core: CoreShape::Triangle(triangle), pose: MatrixPose::identity(), radius: 0.0 };
         let (first, second) = if self.surface_is_a { (&face, &shape) } else { (&shape, &face) };
         let limit = self.margin.greater(CONTACT_DISTANCE);
         let found = separation_within(first, second, &MatrixPose::identity(), limit)?;
@@ -101,18 +98,23 @@ impl SurfaceAndSolids<'_> {
         let towards = if self.surface_is_a { normal } else { -normal };
         let is_turned = !has_outside && fallback.is_some_and(|fallback| fallback.dot(&towards) < 0.0);
         let towards = if is_turned { -towards } else { towards };
-        let common = if found.distance > 0.0 { Manifold::default() } else { self.manifold(&shape, &triangle, towards) };
+        let common = if found.distance > 0.0 {
+            Manifold::default()
+        } else {
+            self.manifold(&shape, &triangle, towards)
+        };
         let points: Vec<MeetingPoint> = if common.corners.is_empty() {
             let between = MeetingPoint::between(found.witness_points, self.margin);
             vec![MeetingPoint { depth: between.depth.filter(|_| found.distance > 0.0), ..between }]
         } else {
             let corners = common.corners.iter();
-            corners.map(|corner| MeetingPoint { position: corner.position, normal: None, depth: None }).collect()
+            corners
+                .map(|corner| MeetingPoint { position: corner.position, normal: None, depth: None })
+                .collect()
         };
         let of_triangle = names.of(triangle.corners());
         let corners = if self.surface_is_a { [of_triangle, [solid; 3]] } else { [[solid; 3], of_triangle] };
-        let common =
-            if common.corners.is_empty() { Common::Point } else { Common::Area(common.area) };
+        let common = if common.corners.is_empty() { Common::Point } else { Common::Area(common.area) };
         Some(Meeting { corners, points, normals: [towards, -towards], has_outside, common })
     }
 
@@ -135,7 +137,8 @@ impl SurfaceAndSolids<'_> {
     /// How far (m, margin included) a solid reaches behind a point of the surface.
     fn depth(&self, shape: &RoundedShape, point: &MeetingPoint, normal: &Vector) -> Option<f64> {
         let line = Line { origin: point.position, direction: *normal };
-        let chord = PlacedSolid { solid: &ConvexSolid::Primitive(*shape), pose: &MatrixPose::identity() }.chord(&line);
+        let chord = PlacedSolid { solid: &ConvexSolid::Primitive(*shape), pose: &MatrixPose::identity() }
+            .chord(&line);
         let depth = chord.map_or(0.0, |chord| if self.surface_is_a { -chord.from } else { chord.to });
         Some(depth.greater(0.0) + self.margin)
     }

@@ -23,15 +23,17 @@ mod separating_translation;
 mod signed_distance;
 mod solid_body;
 mod solid_set;
-mod winding;
 #[cfg(test)]
 mod tests;
+mod winding;
 
 pub use signed_distance::signed_distance;
 pub use solid_body::SolidBody;
 
 pub(crate) use convex_solid::{ConvexSolid, HalfSpace, Hull, SupportMap};
-pub(crate) pub(crate) use winding::Winding;
+pub(crate) use exit::Exit;
+pub(crate) use solid_body::{Part, Union};
+pub(crate) use winding::Winding;
 
 use clearance_geometry::PointPair;
 use clearance_geometry::constants::CONTACT_DISTANCE;

@@ -204,7 +204,8 @@ impl Union {
         if !self.is_in_mesh(p) {
             return radius;
         }
-        let to_surface = distance_of_point(self.surface_only(), p, scratch).map_or(0.0, |found| found.distance);
+        let to_surface =
+            distance_of_point(self.surface_only(), p, scratch).map_or(0.0, |found| found.distance);
         let to_surface = (to_surface - ROUNDING * p.coords.amax()).greater(0.0);
         Some(radius.map_or(to_surface, |radius| radius.greater(to_surface)))
     }
@@ -228,7 +229,7 @@ impl Union {
     }
 
     /// Balls inside the body that together fill much of it; found at the first use.
-    pub fn balls(&self, scratch: &mut Scratch) -> &[Ball] {
+    pub(super) fn balls(&self, scratch: &mut Scratch) -> &[Ball] {
         self.balls.get_or_init(|| inner_balls(self, scratch))
     }
 
@@ -250,7 +251,11 @@ fn mesh_of((_, shape): (&Pose, &Shape)) -> Option<Arc<TriangleMesh>> {
 }
 
 /// Distance (m) of a point from a body.
-pub(super) fn distance_of_point(body: &CollisionBody, p: &Point, scratch: &mut Scratch) -> Option<Separation> {
+pub(super) fn distance_of_point(
+    body: &CollisionBody,
+    p: &Point,
+    scratch: &mut Scratch,
+) -> Option<Separation> {
     static POINT: LazyLock<CollisionBody> = LazyLock::new(|| {
         let point = Shape::Primitive(Primitive::Sphere { radius: 0.0 });
         CollisionBody::new([(&Pose::identity(), &point)]).expect("a body with a shape")

@@ -128,7 +128,8 @@ mod tests {
                     TriangleMesh::new(plain.vertices().to_vec(), faces).unwrap()
                 } else {
                     let corners = faces.iter().flatten().map(|v| plain.vertices()[*v as usize]).collect();
-                    TriangleMesh::new(corners, (0..12).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect()).unwrap()
+                    TriangleMesh::new(corners, (0..12).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect())
+                        .unwrap()
                 };
                 let (first, centre) = (cube(0.0), Point::new(0.5, 0.5, 0.5));
                 let winding = Winding::new([&first, &mesh].into_iter());
