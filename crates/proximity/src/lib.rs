@@ -34,7 +34,7 @@ mod queries;
 mod search;
 
 pub use body::{BodyPair, BodyVolume, BoundingSphere, CollisionBody, Piece, PieceVolume};
-pub use contacts::{ContactPoint, ContactQuery, DeepestContact, contact_points};
+pub use contacts::{ContactPoint, ContactPoints, ContactQuery, DeepestContact, contact_points};
 pub use elements::{Element, ElementPair};
 pub use front::{Front, FrontLimits};
 pub use narrow_phase::{Separation, element_contact, element_separation};

@@ -1,6 +1,11 @@
 //! Candidates for contacts, and the choice of some that are spread over the contact.
 
+use std::collections::HashSet;
+
 use clearance_geometry::math::{Extremes, Point, Vector};
+
+use super::manifold::AcrossNormal;
+use super::polygon::{self, Flat};
 
 /// Distance below which two contacts count as one, relative to the size of the smaller body.
 const DISTINCT: f64 = 1e-6;
@@ -48,8 +53,9 @@ impl KnownContact {
     }
 }
 
-/// Chooses candidates far from each other and from a known contact: at first one of every patch, its inside if there is one; then always
-/// the one farthest from all that are chosen (Gonzalez 1985, *Clustering to minimize the maximum intercluster distance*).
+/// Chooses candidates far from each other and from a known contact: at first one of every patch, its inside if there is one; then corners
+/// of the patches, then others. Among these it is always the one farthest from all that are chosen (Gonzalez 1985, *Clustering to minimize
+/// the maximum intercluster distance*).
 #[derive(Debug)]
 pub(super) struct Spread<'c> {
     candidates: &'c [Candidate],
@@ -57,6 +63,7 @@ pub(super) struct Spread<'c> {
     distances: Vec<f64>,
     /// Patches of which no candidate is chosen.
     open: Vec<bool>,
+    is_corner: Vec<bool>,
     least: f64,
 }
 
@@ -77,7 +84,7 @@ impl<'c> Spread<'c> {
                 }
             }
         }
-        Self { candidates, distances, open, least: DISTINCT * size }
+        Self { candidates, distances, open, is_corner: corners(candidates, patches), least: DISTINCT * size }
     }
 
     /// The next candidate; `None` when all that are left are at the place of one that was chosen.
@@ -86,7 +93,7 @@ impl<'c> Spread<'c> {
             let candidate = &self.candidates[*index];
             let is_open = self.open[candidate.patch as usize];
             let is_inside = matches!(candidate.local, Local::InsideCurve(_));
-            (is_open, is_open && is_inside)
+            (is_open, is_open && is_inside, self.is_corner[*index])
         };
         let order = |i: &usize, j: &usize| {
             let by_distance = self.distances[*i].total_cmp(&self.distances[*j]);
@@ -108,6 +115,26 @@ impl<'c> Spread<'c> {
     }
 }
 
+/// Which candidates are corners of the convex hulls of their patches, seen along the normal.
+fn corners(candidates: &[Candidate], patches: usize) -> Vec<bool> {
+    let mut members: Vec<Vec<usize>> = vec![Vec::new(); patches];
+    for (index, candidate) in candidates.iter().enumerate() {
+        members[candidate.patch as usize].push(index);
+    }
+    let mut is_corner = vec![false; candidates.len()];
+    for members in members.iter().filter(|members| !members.is_empty()) {
+        let Candidate { position, normal, .. } = candidates[members[0]];
+        let plane = AcrossNormal::new(position, &normal);
+        let flat: Vec<Flat> = members.iter().map(|index| plane.flat(&candidates[*index].position)).collect();
+        let bits = |p: &Flat| [p.x, p.y].map(f64::to_bits);
+        let hull: HashSet<[u64; 2]> = polygon::convex_hull(flat.clone()).iter().map(bits).collect();
+        for (index, p) in members.iter().zip(&flat) {
+            is_corner[*index] = hull.contains(&bits(p));
+        }
+    }
+    is_corner
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -126,8 +153,9 @@ mod tests {
     #[test]
     fn every_patch_has_its_turn_and_then_the_farthest() {
         let all = [(0.0, 0), (1.0, 0), (0.5, 0), (2.0, 1), (2.1, 1), (9.0, 2)].map(|(x, p)| candidate(x, p));
-        assert_eq!(chosen(&all, 0.0), [9.0, 2.1, 1.0, 0.5, 2.0]);
-        assert_eq!(chosen(&all, 2.0), [9.0, 0.0, 1.0, 0.5, 2.1]);
+        // 0.5 is between corners
+        assert_eq!(chosen(&all, 0.0), [9.0, 2.1, 1.0, 2.0, 0.5]);
+        assert_eq!(chosen(&all, 2.0), [9.0, 0.0, 1.0, 2.1, 0.5]);
         assert_eq!(chosen(&[], 0.0), [0.0; 0]);
     }
 

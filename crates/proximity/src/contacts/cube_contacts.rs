@@ -30,11 +30,12 @@ pub(super) struct CubeContacts<'s> {
 }
 
 impl CubeContacts<'_> {
-    /// Each point or voxel that touches the other body, as a patch of its own.
-    pub fn candidates(&self, scratch: &mut Scratch, into: &mut Vec<Candidate>) {
+    /// Each point or voxel that touches the other body, except the one on which the point `known` lies.
+    pub fn candidates(&self, known: &Point, scratch: &mut Scratch, into: &mut Vec<Candidate>) {
         for (cubes, set) in self.cubes.iter().zip(0..) {
             let mut touching = self.touching(cubes, scratch);
             self.add_inside(cubes, scratch, &mut touching);
+            self.remove_cube_at(known, cubes, &mut touching);
             let patch = into.iter().map(|candidate| candidate.patch + 1).max().unwrap_or(0);
             into.extend(touching.iter().map(|(index, position)| Candidate {
                 position: *position,
@@ -42,6 +43,22 @@ impl CubeContacts<'_> {
                 patch,
                 local: Local::Cube { side: usize::from(!self.cubes_are_a), set, index: *index },
             }));
+        }
+    }
+
+    /// Removes the cube that holds a point, the one with the nearest centre if there are several.
+    fn remove_cube_at(&self, known: &Point, cubes: &CubeSet<Obb>, touching: &mut BTreeMap<u32, Point>) {
+        let from_centre = |cube: &u32| known - self.pose_cubes * cubes.centre(*cube);
+        let holds = |cube: &&u32| {
+            let shape = cubes.shape(**cube);
+            let pose = self.pose_cubes.compose(&shape.pose);
+            let from = from_centre(cube);
+            let beyond = from.norm() - reach_along(&RoundedShape { pose, ..shape }, &from.normalize());
+            from.norm() <= CONTACT_DISTANCE || beyond <= self.margin + CONTACT_DISTANCE
+        };
+        let nearer = |a: &&u32, b: &&u32| from_centre(a).norm().total_cmp(&from_centre(b).norm());
+        if let Some(cube) = touching.keys().filter(holds).min_by(nearer).copied() {
+            touching.remove(&cube);
         }
     }
 

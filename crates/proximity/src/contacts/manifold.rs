@@ -112,18 +112,18 @@ impl<A: ConvexShape, B: ConvexShape> ConvexContact<'_, A, B> {
 }
 
 /// Coordinates in a plane across a normal.
-struct AcrossNormal {
+pub(super) struct AcrossNormal {
     origin: Point,
     axes: [Vector; 2],
 }
 
 impl AcrossNormal {
-    fn new(origin: Point, normal: &Vector) -> Self {
+    pub fn new(origin: Point, normal: &Vector) -> Self {
         let first = normal.cross(&Vector::ith(normal.iamin(), 1.0)).normalize();
         Self { origin, axes: [first, normal.cross(&first)] }
     }
 
-    fn flat(&self, p: &Point) -> Flat {
+    pub fn flat(&self, p: &Point) -> Flat {
         let from = p - self.origin;
         Flat::new(from.dot(&self.axes[0]), from.dot(&self.axes[1]))
     }

@@ -28,14 +28,15 @@ mod surface_solid;
 mod tests;
 mod touching_elements;
 
+use clearance_geometry::PointPair;
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::{Extremes, MatrixPose, Point, Vector};
 
-use crate::body::BodyPair;
+use crate::body::{BodyPair, CollisionBody};
 use crate::bvh::TreePair;
 use crate::elements::RoundedShape;
 use crate::narrow_phase::separation_within;
-use crate::penetration_depth::{ConvexSolid, SolidBody, Union, depth_of_convex};
+use crate::penetration_depth::{ConvexSolid, SolidBody, Union, depth_of_convex, distance_of_point};
 use crate::search::Scratch;
 use candidate::{Candidate, KnownContact, Local, Spread};
 use cube_contacts::CubeContacts;
@@ -45,6 +46,9 @@ use surface_pair::{PlacedSurface, SurfacePair};
 use surface_solid::SurfaceAndSolids;
 use touching_elements::for_touching;
 
+/// Distance (m) from a body up to which a point counts as in it.
+const IN_BODY: f64 = 1e-8;
+
 /// A point where two bodies touch, in the frame of the first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactPoint {
@@ -52,16 +56,16 @@ pub struct ContactPoint {
     pub position: Point,
     /// Unit vector towards the second body: along it, the second body leaves the first one here by the shortest way.
     pub normal: Vector,
-    /// Overlap (m, margin included) of the bodies on the line along the normal through the position. It says nothing on other places: the
-    /// translation that separates the whole bodies may be longer. `None` where an open mesh has no inside.
+    /// Overlap (m, margin included) of the two shapes that meet here, on the line along the normal through the position. It says nothing
+    /// on other places: the translation that separates the whole bodies may be longer. `None` where an open mesh has no inside.
     pub depth: Option<f64>,
 }
 
 /// The contact of two bodies that is known already: [`penetration_depth`](crate::penetration_depth()) finds the deepest one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DeepestContact {
-    /// Its position, in the frame of the first body.
-    pub position: Point,
+    /// A point of each body, in the frame of the first: those that come apart last, or the nearest ones of bodies that are apart.
+    pub witness_points: PointPair,
     /// Unit vector towards the second body, if it is known.
     pub normal: Option<Vector>,
     /// Depth (m, margin included); 0 if it is not known.
@@ -81,7 +85,16 @@ pub struct ContactQuery<'b> {
     pub deepest: DeepestContact,
 }
 
-/// Contact points of two bodies besides the deepest, at most `most`; the first ones are farthest apart.
+/// All contact points of two bodies.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContactPoints {
+    /// Position of the deepest contact: half way between its witness points, unless this is outside of one of the bodies.
+    pub deepest: Point,
+    /// Others, the first ones farthest apart.
+    pub others: Vec<ContactPoint>,
+}
+
+/// Contact points of two bodies, at most `most` besides the deepest.
 ///
 /// Each separate patch of the contact gets a point, as far as there may be so many, and the others are spread. A patch has one normal: the
 /// direction in which the common volume shrinks fastest. Between two convex solids the points are the corners of the region in which the
@@ -92,12 +105,39 @@ pub struct ContactQuery<'b> {
 /// half-space behind them. The work is bounded: of more than about 4000 touching pairs of elements a part is used, spread over the second
 /// body. Points and voxels of both bodies are not compared. The result depends on the input only.
 #[must_use]
-pub fn contact_points(query: &ContactQuery, most: usize, scratch: &mut Scratch) -> Vec<ContactPoint> {
-    if most == 0 {
-        return Vec::new();
+pub fn contact_points(query: &ContactQuery, most: usize, scratch: &mut Scratch) -> ContactPoints {
+    let common = query.deepest_position(scratch);
+    if most == 0
+        && let Some(deepest) = common
+    {
+        return ContactPoints { deepest, others: Vec::new() };
     }
     let search = ContactSearch::new(query, scratch);
-    search.spread(most, scratch)
+    let deepest = common.unwrap_or_else(|| search.nearest_to_deepest());
+    ContactPoints { deepest, others: search.spread(&deepest, most, scratch) }
+}
+
+impl ContactQuery<'_> {
+    /// The position of the deepest contact; `None` if it is not one of its own points.
+    fn deepest_position(&self, scratch: &mut Scratch) -> Option<Point> {
+        let DeepestContact { witness_points: [p, q], normal, .. } = self.deepest;
+        let middle = nalgebra::center(&p, &q);
+        if normal.is_some_and(|normal| (q - p).dot(&normal) > CONTACT_DISTANCE) {
+            return Some(middle);
+        }
+        let pose_ba = self.bodies.pose_ab.inverse();
+        [middle, q, p].into_iter().find(|point| {
+            is_in(self.bodies.a, self.solids[0], point, scratch)
+                && is_in(self.bodies.b, self.solids[1], &(&pose_ba * *point), scratch)
+        })
+    }
+}
+
+/// Whether a point of the body's frame is in a body; closed meshes are solids.
+fn is_in(body: &CollisionBody, solid: &SolidBody, p: &Point, scratch: &mut Scratch) -> bool {
+    let mut is_near =
+        |body| distance_of_point(body, p, scratch).is_some_and(|found| found.distance <= IN_BODY);
+    solid.union.as_ref().is_some_and(|union| is_near(&union.whole)) || is_near(body)
 }
 
 /// All candidates for the contact points of two bodies.
@@ -225,15 +265,24 @@ impl<'q> ContactSearch<'q> {
                 pose_other: poses[other],
                 margin: self.query.margin,
             };
-            contacts.candidates(scratch, &mut self.candidates);
+            contacts.candidates(&self.query.deepest.witness_points[side], scratch, &mut self.candidates);
             self.cubes[side] = Some(contacts);
         }
     }
 
-    /// The chosen candidates, measured.
-    fn spread(&self, most: usize, scratch: &mut Scratch) -> Vec<ContactPoint> {
-        let DeepestContact { position, depth, .. } = self.query.deepest;
-        let mut spread = Spread::new(&self.candidates, &KnownContact { position, depth }, self.size());
+    /// The candidate nearest to the deepest contact; without candidates, its point of the second body.
+    fn nearest_to_deepest(&self) -> Point {
+        let [p, q] = self.query.deepest.witness_points;
+        let middle = nalgebra::center(&p, &q);
+        let positions = self.candidates.iter().map(|candidate| candidate.position);
+        let distance = |position: &Point| nalgebra::distance(position, &middle);
+        positions.min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(q)
+    }
+
+    /// The chosen candidates, measured; `deepest` is the position of the deepest contact.
+    fn spread(&self, deepest: &Point, most: usize, scratch: &mut Scratch) -> Vec<ContactPoint> {
+        let known = KnownContact { position: *deepest, depth: self.query.deepest.depth };
+        let mut spread = Spread::new(&self.candidates, &known, self.size());
         let mut found = Vec::with_capacity(most.min(self.candidates.len()));
         while found.len() < most {
             let Some(candidate) = spread.next() else { break };

@@ -18,8 +18,9 @@ pub(super) fn convex_hull(mut points: Vec<Flat>) -> Vec<Flat> {
     let size = size_of_points(&points);
     let lower = chain(points.iter(), size);
     let upper = chain(points.iter().rev(), size);
-    // the last corner of each chain is the first of the other
-    let mut corners: Vec<Flat> = lower.iter().chain(&upper[1..upper.len().max(2) - 1]).copied().collect();
+    // the ends of both chains are the same
+    let inner = upper.get(1..upper.len().saturating_sub(1)).unwrap_or(&[]);
+    let mut corners: Vec<Flat> = lower.iter().chain(inner).copied().collect();
     if corners.len() == 2 && nalgebra::distance(&corners[0], &corners[1]) <= STRAIGHT * size {
         corners.pop();
     }

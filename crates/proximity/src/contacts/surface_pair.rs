@@ -136,8 +136,8 @@ impl<'s> SurfacePair<'s> {
         let aside = (inward - normal * inward.dot(&normal)).try_normalize(1e-6).unwrap_or_else(Vector::zeros);
         let reach = ASIDE * self.extent;
         let line = Line { origin: position + aside * reach, direction: normal };
-        let (low, high) = self.overlap(&line, 2.0 * reach, scratch)?;
-        Some((high - low).greater(0.0) + self.margin)
+        let overlap = self.overlap(&line, 2.0 * reach, scratch)?;
+        Some(overlap.depth().greater(0.0) + self.margin)
     }
 
     /// The deepest point inside the curve of a patch, of some, and how deep it is (m).
@@ -150,9 +150,10 @@ impl<'s> SurfacePair<'s> {
         let mut deepest: Option<(Point, f64)> = None;
         for origin in std::iter::once(*middle).chain(halfway) {
             let line = Line { origin, direction: normal };
-            let Some((low, high)) = self.overlap(&line, 0.0, scratch) else { continue };
-            if deepest.is_none_or(|(_, depth)| high - low + self.margin > depth) {
-                deepest = Some((line.at(0.5 * (low + high)), high - low + self.margin));
+            let Some(overlap) = self.overlap(&line, 0.0, scratch) else { continue };
+            let depth = overlap.depth() + self.margin;
+            if deepest.is_none_or(|(_, best)| depth > best) {
+                deepest = Some((line.at(overlap.middle()), depth));
             }
         }
         deepest
@@ -162,16 +163,56 @@ impl<'s> SurfacePair<'s> {
         self.patches.relevant(&self.meetings).filter(move |(of, _)| *of == patch).map(|(_, meeting)| meeting)
     }
 
-    /// Where a line near its origin, within `slack` (m), enters the second body and leaves the first one.
-    fn overlap(&self, line: &Line, slack: f64, scratch: &mut Scratch) -> Option<(f64, f64)> {
-        let after = |hit: &&SurfaceHit| hit.at >= -slack - CONTACT_DISTANCE;
-        let leaves = hits(&self.a, line, scratch);
-        let leaves = leaves.iter().filter(after).min_by(|a, b| a.at.total_cmp(&b.at))?;
-        let before = |hit: &&SurfaceHit| hit.at <= slack + CONTACT_DISTANCE;
-        let enters = hits(&self.b, line, scratch);
-        let enters = enters.iter().filter(before).max_by(|a, b| a.at.total_cmp(&b.at))?;
-        let is_overlap = leaves.slope > 0.0 && enters.slope < 0.0 && leaves.at >= enters.at - 2.0 * slack;
-        is_overlap.then_some((enters.at, leaves.at))
+    /// The overlap of the bodies on a line around its origin, which may be up to `slack` (m) outside of either.
+    fn overlap(&self, line: &Line, slack: f64, scratch: &mut Scratch) -> Option<Overlap> {
+        let of_a = Around::origin(&hits(&self.a, line, scratch), slack);
+        let of_b = Around::origin(&hits(&self.b, line, scratch), slack);
+        let (leaves, enters) =
+            (of_a.after.filter(|hit| hit.slope > 0.0)?, of_b.before.filter(|hit| hit.slope < 0.0)?);
+        let lowest = of_a.before.map_or(f64::NEG_INFINITY, |hit| hit.at);
+        let highest = of_b.after.map_or(f64::INFINITY, |hit| hit.at);
+        let overlap = Overlap {
+            enters_b: enters.at,
+            leaves_a: leaves.at,
+            common: [enters.at.greater(lowest), leaves.at.lesser(highest)],
+        };
+        (overlap.depth() >= -2.0 * slack).then_some(overlap)
+    }
+}
+
+/// The hits next to the origin of a line on either side.
+#[derive(Clone, Copy)]
+struct Around {
+    before: Option<SurfaceHit>,
+    after: Option<SurfaceHit>,
+}
+
+impl Around {
+    /// Hits within `slack` (m) of the origin count on both sides.
+    fn origin(hits: &[SurfaceHit], slack: f64) -> Self {
+        let reach = slack + CONTACT_DISTANCE;
+        let before = hits.iter().filter(|hit| hit.at <= reach).max_by(|a, b| a.at.total_cmp(&b.at));
+        let after = hits.iter().filter(|hit| hit.at >= -reach).min_by(|a, b| a.at.total_cmp(&b.at));
+        Self { before: before.copied(), after: after.copied() }
+    }
+}
+
+/// Overlap of two bodies on a line: parameters (m) of the line.
+#[derive(Clone, Copy, Debug)]
+struct Overlap {
+    enters_b: f64,
+    leaves_a: f64,
+    /// The part that is in both bodies, around the origin of the line.
+    common: [f64; 2],
+}
+
+impl Overlap {
+    fn depth(&self) -> f64 {
+        self.leaves_a - self.enters_b
+    }
+
+    fn middle(&self) -> f64 {
+        0.5 * (self.common[0] + self.common[1])
     }
 }
 

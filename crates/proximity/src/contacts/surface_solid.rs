@@ -18,6 +18,10 @@ use crate::narrow_phase::separation_within;
 use crate::penetration_depth::ConvexSolid;
 use crate::search::Scratch;
 
+/// Cosine between the normals of a triangle and of its patch, relative to the largest of the patch, below which the solid is beside the
+/// triangle, not on it.
+const FACING: f64 = 0.5;
+
 /// A surface of one body and the solids of the other.
 pub(super) struct SurfaceAndSolids<'s> {
     pub surface: PlacedSurface<'s>,
@@ -35,13 +39,16 @@ impl SurfaceAndSolids<'_> {
         let (meetings, solids) = self.meetings(fallback, scratch);
         let patches = Patches::new(&meetings, fallback);
         let first = into.iter().map(|candidate| candidate.patch + 1).max().unwrap_or(0);
-        let solid_of: Vec<u32> = solids;
-        for (number, (patch, meeting)) in patches.of_meeting.iter().copied().zip(&meetings).enumerate() {
+        let facing = facing(&meetings, &patches);
+        for ((patch, meeting), solid) in patches.of_meeting.iter().copied().zip(&meetings).zip(solids) {
             if patches.crosses[patch as usize] && matches!(meeting.common, Common::Point) {
                 continue;
             }
             let normal = patches.normals[patch as usize];
-            let solid = self.solid(solid_of[number]);
+            if meeting.normals[0].dot(&normal) < FACING * facing[patch as usize] {
+                continue;
+            }
+            let solid = self.solid(solid);
             into.extend(meeting.points.iter().map(|point| {
                 let known = point.depth.filter(|_| point.normal.is_some());
                 let measured = || self.depth(&solid, point, &normal).filter(|_| meeting.has_outside);
@@ -142,4 +149,14 @@ impl SurfaceAndSolids<'_> {
         let depth = chord.map_or(0.0, |chord| if self.surface_is_a { -chord.from } else { chord.to });
         Some(depth.greater(0.0) + self.margin)
     }
+}
+
+/// For each patch, the largest cosine between its normal and that of a triangle in it.
+fn facing(meetings: &[Meeting], patches: &Patches) -> Vec<f64> {
+    let mut largest = vec![0.0_f64; patches.normals.len()];
+    for (meeting, patch) in meetings.iter().zip(&patches.of_meeting) {
+        let of_patch = &mut largest[*patch as usize];
+        *of_patch = of_patch.greater(meeting.normals[0].dot(&patches.normals[*patch as usize]));
+    }
+    largest
 }

@@ -32,7 +32,7 @@ pub use solid_body::SolidBody;
 
 pub(crate) use convex_solid::{ConvexSolid, HalfSpace, Hull, SupportMap};
 pub(crate) use exit::Exit;
-pub(crate) use solid_body::{Part, Union};
+pub(crate) use solid_body::{Part, Union, distance_of_point};
 pub(crate) use winding::Winding;
 
 use clearance_geometry::PointPair;

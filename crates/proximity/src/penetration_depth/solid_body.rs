@@ -251,7 +251,7 @@ fn mesh_of((_, shape): (&Pose, &Shape)) -> Option<Arc<TriangleMesh>> {
 }
 
 /// Distance (m) of a point from a body.
-pub(super) fn distance_of_point(
+pub(crate) fn distance_of_point(
     body: &CollisionBody,
     p: &Point,
     scratch: &mut Scratch,

@@ -32,6 +32,20 @@ impl Body {
     }
 }
 
+/// Kinds and sizes of the shapes.
+impl std::fmt::Display for Body {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        for (_, shape) in &self.shapes {
+            match shape {
+                Shape::Primitive(primitive) => write!(f, "{primitive:?} ")?,
+                Shape::Mesh(mesh) => write!(f, "mesh of {} ", mesh.triangles().len())?,
+                other => write!(f, "{} ", other.kind())?,
+            }
+        }
+        Ok(())
+    }
+}
+
 fn holds(shape: &Shape, p: &Point, slack: f64) -> bool {
     match shape {
         Shape::Primitive(primitive) => distance(primitive, p) <= slack,
