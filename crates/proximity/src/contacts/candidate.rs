@@ -31,8 +31,15 @@ pub(super) enum Local {
     OnCurve(u32),
     /// Inside the curve of a patch of two surfaces: searched if it is chosen.
     InsideCurve(u32),
+    /// On a face of the surface of one body, in a solid of the other: measured if it is chosen.
+    OnFace { surface_is_a: bool, solid: u32 },
     /// A point or voxel, by body, set and index: measured if it is chosen.
     Cube { side: usize, set: u32, index: u32 },
+}
+
+/// The number of the next patch.
+pub(super) fn next_patch(candidates: &[Candidate]) -> u32 {
+    candidates.iter().map(|candidate| candidate.patch + 1).max().unwrap_or(0)
 }
 
 /// The contact that is already known.

@@ -40,11 +40,16 @@ impl Line {
 }
 
 impl Chord {
-    const WHOLE: Self = Self { from: f64::NEG_INFINITY, to: f64::INFINITY };
+    pub const WHOLE: Self = Self { from: f64::NEG_INFINITY, to: f64::INFINITY };
 
-    fn common(self, other: Self) -> Option<Self> {
+    pub fn common(self, other: Self) -> Option<Self> {
         let both = Self { from: self.from.greater(other.from), to: self.to.lesser(other.to) };
         (both.from <= both.to).then_some(both)
+    }
+
+    /// The longer one of two.
+    pub fn longer(self, other: Self) -> Self {
+        if other.to - other.from > self.to - self.from { other } else { self }
     }
 
     /// The shortest chord that contains both.
@@ -53,7 +58,7 @@ impl Chord {
     }
 
     /// Where `height + t * slope` is at most zero.
-    fn below(height: f64, slope: f64, slack: f64) -> Option<Self> {
+    pub fn below(height: f64, slope: f64, slack: f64) -> Option<Self> {
         if slope.abs() <= PARALLEL {
             (height <= slack).then_some(Self::WHOLE)
         } else if slope > 0.0 {

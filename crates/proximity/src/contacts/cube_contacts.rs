@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::{Extremes, MatrixPose, Point, Vector};
 
-use super::candidate::{Candidate, Local};
+use super::candidate::{Candidate, Local, next_patch};
 use super::touching_elements::for_touching;
 use crate::body::{CollisionBody, CubeSet};
 use crate::bounding_volume::Obb;
@@ -36,7 +36,7 @@ impl CubeContacts<'_> {
             let mut touching = self.touching(cubes, scratch);
             self.add_inside(cubes, scratch, &mut touching);
             self.remove_cube_at(known, cubes, &mut touching);
-            let patch = into.iter().map(|candidate| candidate.patch + 1).max().unwrap_or(0);
+            let patch = next_patch(into);
             into.extend(touching.iter().map(|(index, position)| Candidate {
                 position: *position,
                 normal: Vector::z(),

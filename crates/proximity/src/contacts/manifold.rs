@@ -62,11 +62,10 @@ pub(super) struct ConvexContact<'s, A, B> {
     pub margin: f64,
 }
 
-/// The corners of the region in which two shapes touch, and its area (m²) across the normal.
+/// The corners of the region in which two shapes touch.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Manifold {
     pub corners: Vec<ManifoldPoint>,
-    pub area: f64,
 }
 
 /// A point in both shapes, or between them, and how deep the shapes overlap there along the normal (m, margin included).
@@ -89,7 +88,7 @@ impl<A: ConvexShape, B: ConvexShape> ConvexContact<'_, A, B> {
         }
         let middle = polygon::middle(&common);
         let corners = common.iter().filter_map(|corner| self.point_at(&plane, corner, &middle));
-        Manifold { corners: corners.collect(), area: polygon::area(&common) }
+        Manifold { corners: corners.collect() }
     }
 
     /// The contact on the line along the normal through a corner of a polygon around `middle`; `None` if the shapes are apart there.
@@ -128,7 +127,12 @@ impl AcrossNormal {
         Flat::new(from.dot(&self.axes[0]), from.dot(&self.axes[1]))
     }
 
-    fn point(&self, flat: &Flat) -> Point {
+    /// A unit vector in the plane.
+    pub fn direction(&self, turn: f64) -> Vector {
+        self.axes[0] * turn.cos() + self.axes[1] * turn.sin()
+    }
+
+    pub fn point(&self, flat: &Flat) -> Point {
         self.origin + self.axes[0] * flat.x + self.axes[1] * flat.y
     }
 }

@@ -74,7 +74,7 @@ pub(super) struct Patches {
 impl Patches {
     /// Links meetings whose elements have a common corner on both bodies. `fallback` is the normal of patches without a direction, and
     /// decides between the two directions of patches without an outside.
-    pub fn new(meetings: &[Meeting], fallback: Option<&Vector>) -> Self {
+    pub fn new(meetings: &[&Meeting], fallback: Option<&Vector>) -> Self {
         let of_meeting = linked(meetings);
         let count = of_meeting.iter().max().map_or(0, |last| *last as usize + 1);
         let mut sums = vec![PatchSums::default(); count];
@@ -107,7 +107,7 @@ impl Patches {
 }
 
 /// Numbers of patches by meeting, in the order of the first meetings.
-fn linked(meetings: &[Meeting]) -> Vec<u32> {
+fn linked(meetings: &[&Meeting]) -> Vec<u32> {
     let mut keys: Vec<(u32, u32, usize)> = Vec::with_capacity(9 * meetings.len());
     for (number, meeting) in meetings.iter().enumerate() {
         let [of_a, of_b] = &meeting.corners;

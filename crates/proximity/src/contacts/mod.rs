@@ -10,7 +10,7 @@
 //! | `cube_contacts` | points and voxels |
 //! | `meeting` | patches: connected parts of a contact, each with a normal |
 //! | `touching_elements` | enumeration of what touches, with bounded work |
-//! | `surface_hits` | where a line passes through a surface |
+//! | `surface_chords` | the parts of a line inside closed surfaces |
 //! | `candidate` | choice of contacts that are far from each other |
 
 mod candidate;
@@ -21,7 +21,7 @@ mod meeting;
 mod plane_contacts;
 mod polygon;
 mod support_face;
-mod surface_hits;
+mod surface_chords;
 mod surface_pair;
 mod surface_solid;
 #[cfg(test)]
@@ -38,7 +38,7 @@ use crate::elements::RoundedShape;
 use crate::narrow_phase::separation_within;
 use crate::penetration_depth::{ConvexSolid, SolidBody, Union, depth_of_convex, distance_of_point};
 use crate::search::Scratch;
-use candidate::{Candidate, KnownContact, Local, Spread};
+use candidate::{Candidate, KnownContact, Local, Spread, next_patch};
 use cube_contacts::CubeContacts;
 use manifold::{ConvexContact, PlacedSolid};
 use plane_contacts::PlaneContact;
@@ -135,9 +135,8 @@ impl ContactQuery<'_> {
 
 /// Whether a point of the body's frame is in a body; closed meshes are solids.
 fn is_in(body: &CollisionBody, solid: &SolidBody, p: &Point, scratch: &mut Scratch) -> bool {
-    let mut is_near =
-        |body| distance_of_point(body, p, scratch).is_some_and(|found| found.distance <= IN_BODY);
-    solid.union.as_ref().is_some_and(|union| is_near(&union.whole)) || is_near(body)
+    let is_in_union = solid.union.as_ref().is_some_and(|union| union.depth_of_point(p, scratch) >= -IN_BODY);
+    is_in_union || distance_of_point(body, p, scratch).is_some_and(|found| found.distance <= IN_BODY)
 }
 
 /// All candidates for the contact points of two bodies.
@@ -145,6 +144,8 @@ struct ContactSearch<'q> {
     query: &'q ContactQuery<'q>,
     candidates: Vec<Candidate>,
     surfaces: Option<SurfacePair<'q>>,
+    /// The surface of either body, and the solids of the other one.
+    faces: [Option<SurfaceAndSolids<'q>>; 2],
     /// Points and voxels of either body; candidates name them by the place in this list.
     cubes: [Option<CubeContacts<'q>>; 2],
 }
@@ -153,7 +154,8 @@ static IDENTITY: std::sync::LazyLock<MatrixPose> = std::sync::LazyLock::new(Matr
 
 impl<'q> ContactSearch<'q> {
     fn new(query: &'q ContactQuery<'q>, scratch: &mut Scratch) -> Self {
-        let mut search = Self { query, candidates: Vec::new(), surfaces: None, cubes: [None, None] };
+        let mut search =
+            Self { query, candidates: Vec::new(), surfaces: None, faces: [None, None], cubes: [None, None] };
         match query.solids.map(|solid| solid.union.as_ref().and_then(Union::only_convex)) {
             [Some(a), Some(b)] => search.add_convex([a, b]),
             _ => search.add_shapes(scratch),
@@ -164,10 +166,6 @@ impl<'q> ContactSearch<'q> {
 
     fn poses(&self) -> [&'q MatrixPose; 2] {
         [&IDENTITY, self.query.bodies.pose_ab]
-    }
-
-    fn next_patch(&self) -> u32 {
-        self.candidates.iter().map(|candidate| candidate.patch + 1).max().unwrap_or(0)
     }
 
     /// Two bodies of one convex solid each: the deepest contact has their normal.
@@ -185,7 +183,7 @@ impl<'q> ContactSearch<'q> {
     ) {
         let (a, b) = (&PlacedSolid { solid: a, pose: pose_a }, &PlacedSolid { solid: b, pose: pose_b });
         let manifold = ConvexContact { a, b, normal, margin: self.query.margin }.manifold();
-        let patch = self.next_patch();
+        let patch = next_patch(&self.candidates);
         self.candidates.extend(manifold.corners.iter().map(|corner| Candidate {
             position: corner.position,
             normal,
@@ -208,11 +206,9 @@ impl<'q> ContactSearch<'q> {
         for (side, other) in [(0, 1), (1, 0)] {
             if let (Some(surface), Some(solids)) = (placed[side], [a, b][other].solids()) {
                 let (pose_solids, surface_is_a) = (poses[other], side == 0);
-                SurfaceAndSolids { surface, solids, pose_solids, surface_is_a, margin }.candidates(
-                    fallback.as_ref(),
-                    scratch,
-                    &mut self.candidates,
-                );
+                let faces = SurfaceAndSolids { surface, solids, pose_solids, surface_is_a, margin };
+                faces.candidates(fallback.as_ref(), scratch, &mut self.candidates);
+                self.faces[side] = Some(faces);
             }
             for plane in [a, b][side].planes() {
                 let (other, pose_other) = ([a, b][other], poses[other]);
@@ -313,6 +309,11 @@ impl<'q> ContactSearch<'q> {
             Local::InsideCurve(patch) => {
                 let (position, depth) = surfaces?.deepest_inside(patch, &position, scratch)?;
                 Some(ContactPoint { position, normal, depth: Some(depth) })
+            }
+            Local::OnFace { surface_is_a, solid } => {
+                let faces = self.faces[usize::from(!surface_is_a)].as_ref()?;
+                let depth = faces.depth(solid, &position, &normal, scratch);
+                Some(ContactPoint { position, normal, depth })
             }
             Local::Cube { side, set, index } => {
                 let measured = self.cubes[side].as_ref()?.measured(set, index, scratch);

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use clearance_geometry::Plane;
 use clearance_geometry::math::{Extremes, MatrixPose, Point, Vector};
 
-use super::candidate::{Candidate, Local};
+use super::candidate::{Candidate, Local, next_patch};
 use super::manifold::{ConvexShape, PlacedSolid};
 use crate::body::{CollisionBody, Surface};
 use crate::bounding_volume::Obb;
@@ -39,7 +39,7 @@ impl PlaneContact<'_> {
         let along = fallback.map_or(0.0, |fallback| fallback.dot(&normal)) * towards;
         let side = if along.abs() > 0.99 { along.signum() } else { self.nearer_side() };
         let out = normal * side;
-        let first = into.iter().map(|candidate| candidate.patch + 1).max().unwrap_or(0);
+        let first = next_patch(into);
         let low = self.low_points(&out, side);
         into.extend(low.iter().map(|point| Candidate {
             position: point.position,

@@ -54,16 +54,25 @@ fn side([a, b]: [Flat; 2], p: &Flat) -> f64 {
     (b - a).perp(&(p - a))
 }
 
-/// Corners of what two convex polygons have in common; corners are counter-clockwise. A segment and a point have the point in common, and
-/// parallel segments the part of the first that is beside the second, since these are exact only up to rounding.
+/// Corners of what two convex polygons have in common; corners are counter-clockwise. A segment or point and a point have the second point
+/// in common, and parallel segments the part of the first that is beside the second, since these are exact only up to rounding.
 pub(super) fn overlap(ours: &[Flat], theirs: &[Flat]) -> Vec<Flat> {
     match (ours, theirs) {
         ([], _) | (_, []) => Vec::new(),
-        ([p], _) | (_, [p]) => vec![*p],
+        ([p], other) | (other, [p]) if holds(other, p) => vec![*p],
+        ([_], _) | (_, [_]) => Vec::new(),
         ([a, b], [c, d]) => common_of_segments([*a, *b], [*c, *d]),
         (_, [_, _]) => clipped(theirs, ours),
         _ => clipped(ours, theirs),
     }
+}
+
+/// Whether a polygon holds a point, up to rounding; points and segments hold every point.
+fn holds(polygon: &[Flat], p: &Flat) -> bool {
+    let slack = STRAIGHT * size_of_points(polygon);
+    let edges = polygon.iter().zip(polygon.iter().cycle().skip(1));
+    polygon.len() < 3
+        || edges.into_iter().all(|(a, b)| side([*a, *b], p) >= -slack * nalgebra::distance(a, b))
 }
 
 fn common_of_segments([a, b]: [Flat; 2], [c, d]: [Flat; 2]) -> Vec<Flat> {
@@ -126,7 +135,7 @@ mod tests {
         convex_hull((0..count).map(|_| flat([x + random.within(1.0), y + random.within(1.0)])).collect())
     }
 
-    fn holds(polygon: &[Flat], p: &Flat, slack: f64) -> bool {
+    fn is_inside(polygon: &[Flat], p: &Flat, slack: f64) -> bool {
         (0..polygon.len()).all(|i| side([polygon[i], polygon[(i + 1) % polygon.len()]], p) >= -slack)
     }
 
@@ -137,7 +146,10 @@ mod tests {
             let points: Vec<Flat> =
                 (0..count).map(|_| flat([random.within(1.0), random.within(1.0)])).collect();
             let hull = convex_hull(points.clone());
-            assert!(points.iter().all(|p| holds(&hull, p, 1e-8)) && area(&hull) > 0.0, "{points:?} {hull:?}");
+            assert!(
+                points.iter().all(|p| is_inside(&hull, p, 1e-8)) && area(&hull) > 0.0,
+                "{points:?} {hull:?}"
+            );
             assert!(hull.iter().all(|corner| points.contains(corner)));
         }
         let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.5, 0.0], [1.0, 0.5], [0.5, 0.5]];
@@ -154,10 +166,10 @@ mod tests {
         for _ in 0..200 {
             let [a, b] = [random_hull(&mut random, 7), random_hull(&mut random, 5)];
             let common = overlap(&a, &b);
-            assert!(common.iter().all(|p| holds(&a, p, 1e-12) && holds(&b, p, 1e-12)), "{a:?} {b:?}");
+            assert!(common.iter().all(|p| is_inside(&a, p, 1e-12) && is_inside(&b, p, 1e-12)), "{a:?} {b:?}");
             let count = 4000;
             let samples = (0..count).map(|_| flat([random.within(2.0), random.within(2.0)]));
-            let inside = samples.filter(|p| holds(&a, p, 0.0) && holds(&b, p, 0.0)).count();
+            let inside = samples.filter(|p| is_inside(&a, p, 0.0) && is_inside(&b, p, 0.0)).count();
             #[allow(clippy::cast_precision_loss)] // small numbers
             let sampled = 16.0 * inside as f64 / f64::from(count);
             assert!((area(&common) - sampled).abs() < 0.25, "{} {sampled}", area(&common));
@@ -177,5 +189,6 @@ mod tests {
         assert_eq!(overlap(&across, &crossing), [flat([1.0, 1.0])]);
         assert_eq!(overlap(&across, &[[9.0, 0.0], [9.0, 4.0]].map(flat)), []);
         assert_eq!(overlap(&square, &[flat([1.0, 1.0])]), [flat([1.0, 1.0])]);
+        assert_eq!(overlap(&[flat([3.0, 1.0])], &square), []);
     }
 }

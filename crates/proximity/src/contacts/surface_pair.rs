@@ -4,10 +4,10 @@ use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::{Extremes, MatrixPose, Point, Vector};
 use clearance_geometry::{PointPair, Triangle};
 
-use super::candidate::{Candidate, Local};
+use super::candidate::{Candidate, Local, next_patch};
 use super::chord::Line;
 use super::meeting::{Common, CornerNames, Meeting, MeetingPoint, Patches, extent};
-use super::surface_hits::{SurfaceHit, hits};
+use super::surface_chords::chord_at;
 use super::touching_elements::for_touching;
 use crate::body::Surface;
 use crate::bounding_volume::Obb;
@@ -76,14 +76,14 @@ impl<'s> SurfacePair<'s> {
             meetings.extend(found);
             meets
         });
-        let patches = Patches::new(&meetings, fallback);
+        let patches = Patches::new(&meetings.iter().collect::<Vec<_>>(), fallback);
         let extent = extent(&meetings);
         Self { a, b, margin, meetings, patches, extent }
     }
 
     /// The points of the contact; for each patch with a curve, also its inside.
     pub fn candidates(&self, into: &mut Vec<Candidate>) {
-        let first = into.iter().map(|candidate| candidate.patch + 1).max().unwrap_or(0);
+        let first = next_patch(into);
         for (patch, meeting) in self.patches.relevant(&self.meetings) {
             let of_point = |point: &MeetingPoint| Candidate {
                 position: point.position,
@@ -137,7 +137,7 @@ impl<'s> SurfacePair<'s> {
         let reach = ASIDE * self.extent;
         let line = Line { origin: position + aside * reach, direction: normal };
         let overlap = self.overlap(&line, 2.0 * reach, scratch)?;
-        Some(overlap.depth().greater(0.0) + self.margin)
+        Some(overlap.depth.greater(0.0) + self.margin)
     }
 
     /// The deepest point inside the curve of a patch, of some, and how deep it is (m).
@@ -151,9 +151,9 @@ impl<'s> SurfacePair<'s> {
         for origin in std::iter::once(*middle).chain(halfway) {
             let line = Line { origin, direction: normal };
             let Some(overlap) = self.overlap(&line, 0.0, scratch) else { continue };
-            let depth = overlap.depth() + self.margin;
+            let depth = overlap.depth + self.margin;
             if deepest.is_none_or(|(_, best)| depth > best) {
-                deepest = Some((line.at(overlap.middle()), depth));
+                deepest = Some((line.at(overlap.middle), depth));
             }
         }
         deepest
@@ -165,55 +165,21 @@ impl<'s> SurfacePair<'s> {
 
     /// The overlap of the bodies on a line around its origin, which may be up to `slack` (m) outside of either.
     fn overlap(&self, line: &Line, slack: f64, scratch: &mut Scratch) -> Option<Overlap> {
-        let of_a = Around::origin(&hits(&self.a, line, scratch), slack);
-        let of_b = Around::origin(&hits(&self.b, line, scratch), slack);
-        let (leaves, enters) =
-            (of_a.after.filter(|hit| hit.slope > 0.0)?, of_b.before.filter(|hit| hit.slope < 0.0)?);
-        let lowest = of_a.before.map_or(f64::NEG_INFINITY, |hit| hit.at);
-        let highest = of_b.after.map_or(f64::INFINITY, |hit| hit.at);
-        let overlap = Overlap {
-            enters_b: enters.at,
-            leaves_a: leaves.at,
-            common: [enters.at.greater(lowest), leaves.at.lesser(highest)],
-        };
-        (overlap.depth() >= -2.0 * slack).then_some(overlap)
-    }
-}
-
-/// The hits next to the origin of a line on either side.
-#[derive(Clone, Copy)]
-struct Around {
-    before: Option<SurfaceHit>,
-    after: Option<SurfaceHit>,
-}
-
-impl Around {
-    /// Hits within `slack` (m) of the origin count on both sides.
-    fn origin(hits: &[SurfaceHit], slack: f64) -> Self {
         let reach = slack + CONTACT_DISTANCE;
-        let before = hits.iter().filter(|hit| hit.at <= reach).max_by(|a, b| a.at.total_cmp(&b.at));
-        let after = hits.iter().filter(|hit| hit.at >= -reach).min_by(|a, b| a.at.total_cmp(&b.at));
-        Self { before: before.copied(), after: after.copied() }
+        let of_a = chord_at(&self.a, line, reach, scratch)?;
+        let of_b = chord_at(&self.b, line, reach, scratch)?;
+        let common = [of_a.from.greater(of_b.from), of_a.to.lesser(of_b.to)];
+        let overlap = Overlap { depth: of_a.to - of_b.from, middle: 0.5 * (common[0] + common[1]) };
+        (common[1] - common[0] >= -2.0 * slack).then_some(overlap)
     }
 }
 
-/// Overlap of two bodies on a line: parameters (m) of the line.
+/// Overlap of two bodies on a line (m).
 #[derive(Clone, Copy, Debug)]
 struct Overlap {
-    enters_b: f64,
-    leaves_a: f64,
-    /// The part that is in both bodies, around the origin of the line.
-    common: [f64; 2],
-}
-
-impl Overlap {
-    fn depth(&self) -> f64 {
-        self.leaves_a - self.enters_b
-    }
-
-    fn middle(&self) -> f64 {
-        0.5 * (self.common[0] + self.common[1])
-    }
+    depth: f64,
+    /// Parameter of the middle of what is in both bodies.
+    middle: f64,
 }
 
 /// Where two triangles meet, if they come within the margin (m).

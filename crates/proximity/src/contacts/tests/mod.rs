@@ -126,28 +126,35 @@ fn positions_are_within_the_margin() {
 #[test]
 fn depths_are_the_overlap_on_the_line_along_the_normal() {
     let mut measured = 0;
+    let step = 1e-3;
     for_touching_bodies(400, (3, 0.0), |a, b, pose, _, found| {
-        for ContactPoint { position, normal, depth } in found {
-            let step = 1e-3;
-            if a.shapes.len() > 1 || b.shapes.len() > 1 {
-                continue;
-            }
-            let in_a = |t: f64| a.holds(&(position + normal * t), 0.0);
-            let in_b = |t: f64| b.holds(&pose.inverse_transform_point(&(position + normal * t)), 0.0);
-            // on the surface rounding decides what is inside
-            if ![-step, 0.0, step].iter().all(|t| in_a(*t) && in_b(*t)) {
-                continue;
-            }
-            let steps = |holds: &dyn Fn(f64) -> bool, along: f64| {
-                (1..4000).map(|i| f64::from(i) * step * along).find(|t| !holds(*t)).unwrap()
-            };
-            let overlap = steps(&in_a, 1.0) - steps(&in_b, -1.0);
-            let depth = depth.unwrap();
+        // depths are those of two shapes
+        for ContactPoint { position, normal, depth } in
+            found.iter().filter(|_| a.shapes.len() + b.shapes.len() == 2)
+        {
+            // on a wall along the normal, rounding decides what is inside: one of the lines beside it is
+            let across = normal.cross(&Vector::ith(normal.iamin(), 1.0)).normalize();
+            let beside = (0..8_u8)
+                .map(|i| f64::from(i) * std::f64::consts::FRAC_PI_4)
+                .map(|turn| (across * turn.cos() + normal.cross(&across) * turn.sin()) * 1e-6);
+            let overlaps: Vec<f64> = beside
+                .filter_map(|aside| {
+                    let at = |t: f64| position + aside + normal * t;
+                    let in_a = |t: f64| a.holds(&at(t), 0.0);
+                    let in_b = |t: f64| b.holds(&pose.inverse_transform_point(&at(t)), 0.0);
+                    let is_inside = [-step, 0.0, step].iter().all(|t| in_a(*t) && in_b(*t));
+                    let length = |holds: &dyn Fn(f64) -> bool, along: f64| {
+                        (1..4000).map(|i| f64::from(i) * step * along).find(|t| !holds(*t)).unwrap()
+                    };
+                    is_inside.then(|| length(&in_a, 1.0) - length(&in_b, -1.0))
+                })
+                .collect();
+            let is_near = |overlap: &f64| (depth.unwrap() - overlap).abs() <= 2.0 * step;
             assert!(
-                (depth - overlap).abs() <= 2.0 * step,
-                "{a} {b} {depth} {overlap} {position:?} {normal:?} {pose:?}"
+                overlaps.is_empty() || overlaps.iter().any(is_near),
+                "{a} {b} {depth:?} {overlaps:?} {position:?} {normal:?} {pose:?}"
             );
-            measured += 1;
+            measured += usize::from(!overlaps.is_empty());
         }
     });
     assert!(measured > 200, "{measured}");
@@ -196,10 +203,16 @@ fn swapped_bodies_have_the_same_contacts() {
                 && depths < 1e-5
         };
         let is_known = |contact: &&ContactPoint| theirs.iter().any(|other| is_same(contact, other));
+        for c in ours.iter().filter(|c| !is_known(c)).take(2) {
+            let near = theirs
+                .iter()
+                .min_by(|x, y| (x.position - c.position).norm().total_cmp(&(y.position - c.position).norm()));
+            println!("unknown {a} {b} {} {} {c:?} {near:?}", ours.len(), theirs.len());
+        }
         all += ours.len() + theirs.len();
         same += 2 * ours.iter().filter(is_known).count();
     });
-    assert!(all > 5_000 && same * 100 >= all * 97, "{same} of {all}");
+    assert!(all > 5_000 && same * 100 >= all * 98, "{same} of {all}");
 }
 
 /// Results depend on nothing but the input; a shorter list is the beginning of a longer one.
