@@ -31,8 +31,8 @@ pub(super) enum Local {
     OnCurve(u32),
     /// Inside the curve of a patch of two surfaces: searched if it is chosen.
     InsideCurve(u32),
-    /// On a face of the surface of one body, in a solid of the other: measured if it is chosen.
-    OnFace { surface_is_a: bool, solid: u32 },
+    /// On a face of the surface of one body, in a solid of the other: measured if it is chosen, on a line beside the position.
+    OnFace { surface_is_a: bool, solid: u32, beside: Point },
     /// A point or voxel, by body, set and index: measured if it is chosen.
     Cube { side: usize, set: u32, index: u32 },
 }

@@ -310,9 +310,9 @@ impl<'q> ContactSearch<'q> {
                 let (position, depth) = surfaces?.deepest_inside(patch, &position, scratch)?;
                 Some(ContactPoint { position, normal, depth: Some(depth) })
             }
-            Local::OnFace { surface_is_a, solid } => {
+            Local::OnFace { surface_is_a, solid, beside } => {
                 let faces = self.faces[usize::from(!surface_is_a)].as_ref()?;
-                let depth = faces.depth(solid, &position, &normal, scratch);
+                let depth = faces.depth(solid, &beside, &normal, scratch);
                 Some(ContactPoint { position, normal, depth })
             }
             Local::Cube { side, set, index } => {

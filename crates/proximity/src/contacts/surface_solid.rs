@@ -30,6 +30,9 @@ const DIRECTIONS: u32 = 8;
 /// Part of the distance from the middle of a triangle's inside by which its points are drawn back: rounding must not put them outside.
 const INWARD: f64 = 1e-9;
 
+/// How far from a point of the outline its depth is measured, relative to the face.
+const BESIDE: f64 = 1e-7;
+
 /// A surface of one body and the solids of the other.
 pub(super) struct SurfaceAndSolids<'s> {
     pub surface: PlacedSurface<'s>,
@@ -47,6 +50,15 @@ struct Face {
     solid: u32,
     /// Whether its points are corners of the solid or of the triangle: others are dropped where a patch has such.
     has_corners: bool,
+    /// A point of the triangle inside the solid, between its points.
+    middle: Point,
+}
+
+impl Face {
+    /// A point next to a point of the outline, inside: along the outline, a line could miss the body.
+    fn beside(&self, point: &Point) -> Point {
+        point + (self.middle - point) * BESIDE
+    }
 }
 
 impl SurfaceAndSolids<'_> {
@@ -62,23 +74,24 @@ impl SurfaceAndSolids<'_> {
             if !used.uses(face, patch, &normal) {
                 continue;
             }
-            let local = if face.meeting.has_outside {
-                Local::OnFace { surface_is_a: self.surface_is_a, solid: face.solid }
-            } else {
-                Local::Known(None)
+            let (surface_is_a, solid) = (self.surface_is_a, face.solid);
+            let local = |point: &MeetingPoint| match point.normal {
+                Some(_) => Local::Known(point.depth),
+                None if !face.meeting.has_outside => Local::Known(None),
+                None => Local::OnFace { surface_is_a, solid, beside: face.beside(&point.position) },
             };
             into.extend(face.meeting.points.iter().map(|point| Candidate {
                 position: point.position,
                 normal: point.normal.unwrap_or(normal),
                 patch: first + patch,
-                local: point.normal.map_or(local, |_| Local::Known(point.depth)),
+                local: local(point),
             }));
         }
     }
 
-    /// The overlap (m, margin included) of the surface and a solid on the line along a normal through a common point.
-    pub fn depth(&self, solid: u32, position: &Point, normal: &Vector, scratch: &mut Scratch) -> Option<f64> {
-        let line = Line { origin: *position, direction: *normal };
+    /// The overlap (m, margin included) of the surface and a solid on the line along a normal through a point.
+    pub fn depth(&self, solid: u32, point: &Point, normal: &Vector, scratch: &mut Scratch) -> Option<f64> {
+        let line = Line { origin: *point, direction: *normal };
         let shape = ConvexSolid::Primitive(self.solid(solid));
         let of_solid = PlacedSolid { solid: &shape, pose: &MatrixPose::identity() }.chord(&line)?;
         let of_surface = chord_at(&self.surface, &line, CONTACT_DISTANCE, scratch)?;
@@ -133,7 +146,8 @@ impl SurfaceAndSolids<'_> {
             |points, common| Meeting { corners, points, normals: [towards, -towards], has_outside, common };
         if found.distance > 0.0 {
             let points = vec![self.between(found.witness_points)];
-            return Some(Face { meeting: meeting(points, Common::Point), solid, has_corners: true });
+            let middle = points[0].position;
+            return Some(Face { meeting: meeting(points, Common::Point), solid, has_corners: true, middle });
         }
         let section = Section::new(&triangle, &shape, &found.witness_points[0]);
         let corners = self.manifold(&shape, &triangle, towards).corners;
@@ -144,7 +158,8 @@ impl SurfaceAndSolids<'_> {
         } else {
             section.points.iter().copied().map(on_face).collect()
         };
-        Some(Face { meeting: meeting(points, Common::Area(section.area)), solid, has_corners })
+        let middle = section.middle;
+        Some(Face { meeting: meeting(points, Common::Area(section.area)), solid, has_corners, middle })
     }
 
     fn between(&self, [on_surface, on_solid]: PointPair) -> MeetingPoint {
@@ -208,15 +223,17 @@ struct Section {
     points: Vec<Point>,
     /// Area (m²) of their convex hull.
     area: f64,
+    /// A point inside the hull.
+    middle: Point,
 }
 
 impl Section {
     /// `common` is a point of both.
     fn new(triangle: &Triangle, shape: &RoundedShape, common: &Point) -> Self {
-        let plane = AcrossNormal::new(triangle.a, &triangle.normal());
         if triangle.normal() == Vector::zeros() {
-            return Self { points: vec![*common], area: 0.0 };
+            return Self { points: vec![*common], area: 0.0, middle: *common };
         }
+        let plane = AcrossNormal::new(triangle.a, &triangle.normal());
         let solid = ConvexSolid::Primitive(*shape);
         let of_edges = triangle.edges().into_iter().filter_map(|edge| ends_in(&solid, edge)).flatten();
         let mut points: Vec<Point> = of_edges.collect();
@@ -232,11 +249,11 @@ impl Section {
         let flat: Vec<polygon::Flat> = points.iter().map(|p| plane.flat(p)).collect();
         let hull = polygon::convex_hull(flat);
         if hull.is_empty() {
-            return Self { points: vec![*common], area: 0.0 };
+            return Self { points: vec![*common], area: 0.0, middle: *common };
         }
         let middle = polygon::middle(&hull);
         let drawn_back = hull.iter().map(|p| plane.point(&(p + (middle - p) * INWARD)));
-        Self { points: drawn_back.collect(), area: polygon::area(&hull) }
+        Self { points: drawn_back.collect(), area: polygon::area(&hull), middle: plane.point(&middle) }
     }
 }
 
