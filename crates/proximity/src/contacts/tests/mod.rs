@@ -203,12 +203,6 @@ fn swapped_bodies_have_the_same_contacts() {
                 && depths < 0.1
         };
         let is_known = |contact: &&ContactPoint| theirs.iter().any(|other| is_same(contact, other));
-        for c in ours.iter().filter(|c| !is_known(c)).take(2) {
-            let near = theirs
-                .iter()
-                .min_by(|x, y| (x.position - c.position).norm().total_cmp(&(y.position - c.position).norm()));
-            println!("unknown {a} {b} {} {} {c:?} {near:?}", ours.len(), theirs.len());
-        }
         all += ours.len() + theirs.len();
         same += 2 * ours.iter().filter(is_known).count();
     });
