@@ -113,7 +113,7 @@ pub fn contact_points(query: &ContactQuery, most: usize, scratch: &mut Scratch) 
         return ContactPoints { deepest, others: Vec::new() };
     }
     let search = ContactSearch::new(query, scratch);
-    let deepest = common.unwrap_or_else(|| search.nearest_to_deepest());
+    let deepest = common.unwrap_or_else(|| search.nearest_to_deepest(scratch));
     ContactPoints { deepest, others: search.spread(&deepest, most, scratch) }
 }
 
@@ -266,13 +266,16 @@ impl<'q> ContactSearch<'q> {
         }
     }
 
-    /// The candidate nearest to the deepest contact; without candidates, its point of the second body.
-    fn nearest_to_deepest(&self) -> Point {
+    /// The candidate nearest to the deepest contact; without candidates, any common point.
+    fn nearest_to_deepest(&self, scratch: &mut Scratch) -> Point {
         let [p, q] = self.query.deepest.witness_points;
         let middle = nalgebra::center(&p, &q);
         let positions = self.candidates.iter().map(|candidate| candidate.position);
         let distance = |position: &Point| nalgebra::distance(position, &middle);
-        positions.min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(q)
+        positions.min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or_else(|| {
+            let BodyPair { a, b, pose_ab } = self.query.bodies;
+            crate::collide(a, b, pose_ab, scratch).unwrap_or(q)
+        })
     }
 
     /// The chosen candidates, measured; `deepest` is the position of the deepest contact.
