@@ -6,6 +6,7 @@
 //! | which pairs collide, how far apart are the others? | [`CollisionChecker::check`] |
 //! | the same for many states | [`CollisionChecker::are_free`], [`CollisionChecker::check_states`] |
 //! | how deep do two bodies overlap? | [`CollisionChecker::contact`] |
+//! | where do two bodies touch? | [`CollisionChecker::contacts`] |
 //! | is a motion free? | [`CollisionChecker::check_motion`], [`CollisionChecker::check_trajectory`] |
 //! | the same, with a certificate | [`CollisionChecker::certify_motion`], [`CollisionChecker::certify_trajectory`] |
 //! | for how long can nothing touch? | [`CollisionChecker::look_ahead`] |
@@ -36,5 +37,5 @@ pub use motion::{
 pub use remarks::{ConstantContacts, SolidMeshRemark, solid_mesh_remarks};
 pub use robot::LinkVolume;
 pub use settings_error::SettingsError;
-pub use state::Contact;
+pub use state::{Contact, LocalContact, PairContacts};
 pub use workspace::Workspace;

@@ -30,7 +30,9 @@ mod winding;
 pub use signed_distance::signed_distance;
 pub use solid_body::SolidBody;
 
-pub(crate) use convex_solid::{ConvexSolid, HalfSpace, Hull, SupportMap};
+#[cfg(test)]
+pub(crate) use convex_solid::SupportMap;
+pub(crate) use convex_solid::{ConvexSolid, HalfSpace, Hull};
 pub(crate) use exit::Exit;
 pub(crate) use solid_body::{Part, Union, distance_of_point};
 pub(crate) use winding::Winding;
@@ -80,6 +82,18 @@ pub enum UnknownDepth {
     Inseparable,
     /// Only points or voxels of the one body touch points or voxels of the other: for these no depth is computed.
     BothAreSets,
+}
+
+impl UnknownDepth {
+    /// Stable name for reports.
+    #[must_use]
+    pub fn code(self) -> &'static str {
+        match self {
+            Self::OpenMesh => "open_mesh",
+            Self::Inseparable => "inseparable",
+            Self::BothAreSets => "points_or_voxels",
+        }
+    }
 }
 
 impl PenetrationDepth {
