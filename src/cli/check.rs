@@ -12,6 +12,7 @@ use clearance_files::readable_text::on_one_line;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::check_contacts::{ContactArgs, ContactResult};
 use super::failure::Failure;
 use super::model_args::{ModelArgs, WorldArgs};
 use super::progress::Progress;
@@ -33,9 +34,12 @@ pub struct CheckArgs {
     #[command(flatten)]
     input: StateArgs,
 
-    /// Query on each state
-    #[arg(long, value_enum, default_value_t = Query::Free)]
-    query: Query,
+    /// Query on each state [default: free, or pairs with --contacts]
+    #[arg(long, value_enum)]
+    query: Option<Query>,
+
+    #[command(flatten)]
+    contacts: ContactArgs,
 
     /// Largest distance in metres that is reported [default: no limit]
     #[arg(
@@ -101,6 +105,8 @@ struct StateResult {
     distance: Option<DistanceResult>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pair_distances: Option<Vec<(String, String, f64)>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    contacts: Option<Vec<ContactResult>>,
 }
 
 #[derive(Serialize)]
@@ -114,6 +120,10 @@ struct DistanceResult {
 pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
     if args.limit.is_nan() || args.limit < 0.0 {
         return Err(Failure::Input("--limit must be zero or more metres".to_owned()));
+    }
+    if args.contacts.contacts.is_some() && args.query() != Query::Pairs {
+        let why = "--contacts needs all colliding pairs: leave --query out, or give --query pairs";
+        return Err(Failure::Input(why.to_owned()));
     }
     let start = Instant::now();
     let checker = args.run.pairs.checker(&args.model, &args.world)?;
@@ -135,6 +145,7 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
     if let Some(remark) = constant_contacts(&checker, &states, &reports, args)? {
         log::warn!("{remark}");
     }
+    let contacts = args.contacts.of_states(&checker, &states, &reports, &args.run)?;
     let timing = time_passes(&checker, &states, question, args.run.repeat);
     let output = CheckOutput {
         robot: robot.name().to_owned(),
@@ -142,7 +153,7 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
         pairs_checked: checker.pairs().len(),
         load_seconds,
         stats: Stats::total(reports.iter().map(|report| report.work)),
-        results: (reports.iter()).map(|r| StateResult::new(args.query, r, &checker)).collect(),
+        results: results(&reports, contacts, args.query(), &checker),
         timing,
     };
     match args.run.format {
@@ -153,10 +164,29 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
     Ok(ExitCode::from(u8::from(!all_free)))
 }
 
+fn results(
+    reports: &[CollisionReport],
+    contacts: Option<Vec<Vec<ContactResult>>>,
+    query: Query,
+    checker: &CollisionChecker,
+) -> Vec<StateResult> {
+    let mut results: Vec<StateResult> =
+        reports.iter().map(|report| StateResult::new(query, report, checker)).collect();
+    for (result, contacts) in results.iter_mut().zip(contacts.into_iter().flatten()) {
+        result.contacts = Some(contacts);
+    }
+    results
+}
+
 impl CheckArgs {
+    fn query(&self) -> Query {
+        let default = if self.contacts.contacts.is_some() { Query::Pairs } else { Query::Free };
+        self.query.unwrap_or(default)
+    }
+
     fn question(&self) -> Question {
         let limit = self.limit;
-        match self.query {
+        match self.query() {
             Query::Free => Question::Free,
             Query::Pairs => Question::Pairs,
             Query::Distance => Question::Distance { limit },
@@ -203,7 +233,7 @@ fn constant_contacts(
     for (states, reports) in states.chunks(STATES_AT_ONCE).zip(reports.chunks(STATES_AT_ONCE)) {
         // other queries do not report all pairs
         let pairs = |workspace: &mut Workspace, q: &Configuration, report: &CollisionReport| {
-            if args.query == Query::Pairs {
+            if args.query() == Query::Pairs {
                 return report.colliding_pairs.clone();
             }
             checker.check(q, Question::Pairs, workspace).colliding_pairs
@@ -263,6 +293,7 @@ impl StateResult {
             pairs: (query == Query::Pairs).then(sorted_pairs),
             distance: (query == Query::Distance).then(|| DistanceResult::new(report, checker)),
             pair_distances: (query == Query::PairDistances).then(distances),
+            contacts: None,
         }
     }
 }
@@ -326,8 +357,10 @@ fn state_lines(index: usize, result: &StateResult) -> Vec<String> {
     let first = format!("state {index}: {verdict}{distance}");
     let pairs = result.pairs.iter().flatten();
     let distances = result.pair_distances.iter().flatten();
+    let contacts = result.contacts.iter().flatten();
     (std::iter::once(first))
         .chain(pairs.map(|[a, b]| format!("  {a} – {b}")))
         .chain(distances.map(|(a, b, m)| format!("  {m:.6} m: {a} – {b}")))
+        .chain(contacts.map(ContactResult::line))
         .collect()
 }
