@@ -130,7 +130,7 @@ fn verify_contacts(checker: &CollisionChecker, states: u32, seed: u64) -> usize 
     let mut poses = LinkPoses::new(&robot);
     let mut number = 0;
     for _ in 0..states {
-        let q = robot.random_configuration(|from, to| random.within(from, to));
+        let q = robot.random_configuration(&mut random);
         robot.forward_kinematics(&q, &mut poses);
         let report = checker.check(&q, Question::Pairs, &mut workspace);
         for &(a, b) in report.colliding_pairs.iter().take(20) {

@@ -1,5 +1,7 @@
 //! A rigid body for proximity queries.
 
+use std::sync::Arc;
+
 use clearance_geometry::math::{Extremes, MatrixPose, Point, Pose};
 use clearance_geometry::{Plane, Shape};
 
@@ -18,8 +20,8 @@ use crate::elements::{ElementId, RoundedShape};
 /// voxels. Immutable; threads share it.
 #[derive(Clone, Debug)]
 pub struct CollisionBody<B: BoundingVolume = Obb> {
-    /// All triangles.
-    surface: Option<Surface<B>>,
+    /// All triangles; shared with copies of the body.
+    surface: Option<Arc<Surface<B>>>,
     /// All primitives.
     solids: Option<Tree<B, SolidLeaf>>,
     /// In the frame of the body.
@@ -52,6 +54,12 @@ impl CollisionBody {
         Some(body)
     }
 
+    /// The same body as [`Self::with_solid_meshes`] makes of these shapes, from which this one was built; their hierarchies are shared.
+    #[must_use]
+    pub(crate) fn with_interior<'a>(&self, shapes: impl Iterator<Item = (&'a Pose, &'a Shape)>) -> Self {
+        Self { interior: Some(Interior::new(shapes)), ..self.clone() }
+    }
+
     /// Splits the body into not many more than `most` pieces, so that a broad phase can find those that are near. Empty if it cannot be
     /// split: planes are infinite, and solid meshes have an inside.
     #[must_use]
@@ -62,7 +70,7 @@ impl CollisionBody {
         }
         let mut pieces = Vec::new();
         pieces.extend(self.solids.iter().flat_map(solid_pieces));
-        pieces.extend(self.surface.iter().flat_map(|surface| surface_pieces(surface, most)));
+        pieces.extend(self.surface().into_iter().flat_map(|surface| surface_pieces(surface, most)));
         pieces.extend(self.cube_sets.iter().flat_map(|cubes| cube_pieces(cubes, most)));
         pieces
     }
@@ -72,7 +80,8 @@ impl CollisionBody {
     #[must_use]
     #[inline]
     pub fn volumes(&self, level: usize) -> Vec<BodyVolume> {
-        let surface = self.surface.iter().flat_map(|surface| BodyVolume::of_tree(surface.tree(), level));
+        let surface =
+            self.surface().into_iter().flat_map(|surface| BodyVolume::of_tree(surface.tree(), level));
         let solids = self.solids.iter().flat_map(|tree| BodyVolume::of_tree(tree, level));
         let cubes = self.cube_sets.iter().flat_map(|cubes| {
             let (pose_bs, radius) = (Pose::from(cubes.pose_bs()), cubes.radius());
@@ -116,7 +125,7 @@ impl<B: BoundingVolume> CollisionBody<B> {
             return None;
         }
         let solids = (!solids.is_empty()).then(|| Tree::build(&solids).0);
-        let surface = Surface::new(vertices, &faces);
+        let surface = Surface::new(vertices, &faces).map(Arc::new);
         Some(Self { surface, solids, planes, cube_sets, interior: None, bounded })
     }
 
@@ -164,7 +173,7 @@ impl<B: BoundingVolume> CollisionBody<B> {
     /// The triangles.
     #[inline]
     pub(crate) fn surface(&self) -> Option<&Surface<B>> {
-        self.surface.as_ref()
+        self.surface.as_deref()
     }
 
     /// The solid primitives.
@@ -221,7 +230,7 @@ impl<B: BoundingVolume> CollisionBody<B> {
     #[must_use]
     #[inline]
     pub fn triangle_count(&self) -> usize {
-        self.surface.as_ref().map_or(0, Surface::triangle_count)
+        self.surface().map_or(0, Surface::triangle_count)
     }
 
     /// Number of points in clouds and of voxels.
@@ -236,7 +245,7 @@ impl<B: BoundingVolume> CollisionBody<B> {
     #[inline]
     pub fn bytes(&self) -> usize {
         let cubes: usize = self.cube_sets.iter().map(CubeSet::bytes).sum();
-        self.surface.as_ref().map_or(0, Surface::bytes) + self.solids.as_ref().map_or(0, Tree::bytes) + cubes
+        self.surface().map_or(0, Surface::bytes) + self.solids.as_ref().map_or(0, Tree::bytes) + cubes
     }
 }
 
@@ -247,8 +256,6 @@ fn next_index<B: BoundingVolume>(sets: &[CubeSet<B>]) -> u32 {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use super::*;
     use clearance_geometry::testing::Random;
     use clearance_geometry::{PointCloud, Primitive, TriangleMesh};

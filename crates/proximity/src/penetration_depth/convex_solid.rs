@@ -116,8 +116,8 @@ impl Hull {
         }
         let mut seen = HashSet::new();
         let corners = surface.triangles().iter().flatten().map(|&v| mesh.vertices()[v as usize]);
-        let vertices: Vec<Point> =
-            corners.filter(|p| seen.insert(p.coords.data.0[0].map(f64::to_bits))).map(|p| pose * p).collect();
+        let distinct = corners.filter(|p| seen.insert(p.coords.data.0[0].map(f64::to_bits)));
+        let vertices: Vec<Point> = distinct.take(MOST_VERTICES + 1).map(|p| pose * p).collect();
         if vertices.len() > MOST_VERTICES {
             return None;
         }
@@ -126,8 +126,15 @@ impl Hull {
         let faces: Vec<HalfSpace> = planes.filter_map(HalfSpace::below).collect();
         let beyond =
             |face: &HalfSpace| face.normal.dot(&farthest_along(&vertices, &face.normal).coords) - face.offset;
-        let excess = faces.iter().map(beyond).fold(0.0, f64::greater);
-        (excess <= CONVEX_TOLERANCE * size.norm()).then_some(Self { vertices, faces, excess })
+        let tolerance = CONVEX_TOLERANCE * size.norm();
+        let mut excess = 0.0_f64;
+        for face in &faces {
+            excess = excess.greater(beyond(face));
+            if excess > tolerance {
+                return None;
+            }
+        }
+        Some(Self { vertices, faces, excess })
     }
 }
 

@@ -67,6 +67,22 @@ impl SolidBody {
     /// A body of shapes, each at its pose in the frame of the body.
     #[must_use]
     pub fn new<'a>(shapes: impl IntoIterator<Item = (&'a Pose, &'a Shape)>) -> Self {
+        Self::with_hierarchies(shapes, None)
+    }
+
+    /// As [`Self::new`], for shapes from which `body` was built: its hierarchies are used, which saves most of the time and memory.
+    #[must_use]
+    pub fn of_body<'a>(
+        body: &CollisionBody,
+        shapes: impl IntoIterator<Item = (&'a Pose, &'a Shape)>,
+    ) -> Self {
+        Self::with_hierarchies(shapes, Some(body))
+    }
+
+    fn with_hierarchies<'a>(
+        shapes: impl IntoIterator<Item = (&'a Pose, &'a Shape)>,
+        body: Option<&CollisionBody>,
+    ) -> Self {
         let (mut of_union, mut sets) = (Vec::new(), Vec::new());
         for (pose, shape) in shapes {
             match shape {
@@ -77,7 +93,9 @@ impl SolidBody {
                 Shape::Primitive(_) | Shape::Mesh(_) | Shape::Plane(_) => of_union.push((pose, shape)),
             }
         }
-        Self { union: Union::new(&of_union), sets, all_sets: OnceLock::new() }
+        // points and voxels are not part of the union
+        let body = body.filter(|_| sets.is_empty());
+        Self { union: Union::new(&of_union, body), sets, all_sets: OnceLock::new() }
     }
 
     /// All points and voxels as one body; `None` if there are none.
@@ -107,15 +125,36 @@ impl Part {
     pub fn farthest(&self, n: &Vector) -> Option<Point> {
         match self {
             Self::Convex(solid) => Some(solid.support(n) + n * solid.radius()),
-            Self::Mesh { mesh, pose } => {
-                let local = pose.inverse_transform_vector(n);
-                let corners = mesh.triangles().iter().flatten().map(|&v| mesh.vertices()[v as usize]);
-                let farthest = corners.max_by(|p, q| p.coords.dot(&local).total_cmp(&q.coords.dot(&local)));
-                farthest.map(|p| pose * p)
-            }
+            Self::Mesh { mesh, pose } => farthest_corner(mesh, pose, n, &used_vertices(mesh)),
             Self::Plane(_) => None,
         }
     }
+
+    /// The points farthest along some directions.
+    fn farthest_along_each(&self, directions: &[UnitVector]) -> Vec<Point> {
+        if let Self::Mesh { mesh, pose } = self {
+            let used = used_vertices(mesh);
+            return directions.iter().filter_map(|n| farthest_corner(mesh, pose, n, &used)).collect();
+        }
+        directions.iter().filter_map(|n| self.farthest(n)).collect()
+    }
+}
+
+/// The last of the corners farthest along a direction.
+fn farthest_corner(mesh: &TriangleMesh, pose: &Pose, n: &Vector, used: &[u32]) -> Option<Point> {
+    let local = pose.inverse_transform_vector(n);
+    let corners = used.iter().map(|&v| mesh.vertices()[v as usize]);
+    let farthest = corners.max_by(|p, q| p.coords.dot(&local).total_cmp(&q.coords.dot(&local)));
+    farthest.map(|p| pose * p)
+}
+
+/// The vertices that faces use, each once, in the order of their last faces.
+fn used_vertices(mesh: &TriangleMesh) -> Vec<u32> {
+    let mut is_new = vec![true; mesh.vertices().len()];
+    let corners = mesh.triangles().iter().flatten().rev().copied();
+    let mut used: Vec<u32> = corners.filter(|&v| std::mem::take(&mut is_new[v as usize])).collect();
+    used.reverse();
+    used
 }
 
 impl SupportMap for Union {
@@ -130,14 +169,18 @@ impl SupportMap for Union {
 }
 
 impl Union {
-    fn new(shapes: &[(&Pose, &Shape)]) -> Option<Self> {
+    /// `body` is built from the same shapes.
+    fn new(shapes: &[(&Pose, &Shape)], body: Option<&CollisionBody>) -> Option<Self> {
         let shapes = || shapes.iter().copied();
-        let whole = CollisionBody::with_solid_meshes(shapes())?;
+        let whole = match body {
+            Some(body) => body.with_interior(shapes()),
+            None => CollisionBody::with_solid_meshes(shapes())?,
+        };
         let meshes = || shapes().filter(|(_, shape)| matches!(shape, Shape::Mesh(_)));
         let is_open = |shape: &Shape| matches!(shape, Shape::Mesh(mesh) if mesh.solid().remarks().is_open());
         let parts: Vec<Part> = shapes().filter_map(|(pose, shape)| Part::new(shape, pose)).collect();
         let directions = spread_directions(DIRECTIONS);
-        let outermost = parts.iter().flat_map(|part| directions.iter().filter_map(|n| part.farthest(n)));
+        let outermost = parts.iter().flat_map(|part| part.farthest_along_each(&directions));
         Some(Self {
             whole,
             surface: CollisionBody::new(meshes()).filter(|_| meshes().count() < shapes().count()),
@@ -165,7 +208,7 @@ impl Union {
 
     /// A union of one convex solid.
     pub fn of_convex(primitive: Primitive, pose: &Pose) -> Option<Self> {
-        Self::new(&[(pose, &Shape::Primitive(primitive))])
+        Self::new(&[(pose, &Shape::Primitive(primitive))], None)
     }
 
     pub fn bounding_sphere(&self) -> BoundingSphere {
