@@ -37,7 +37,9 @@ pub use body::{BodyPair, BodyVolume, BoundingSphere, CollisionBody, Piece, Piece
 pub use elements::{Element, ElementPair};
 pub use front::{Front, FrontLimits};
 pub use narrow_phase::{Separation, element_contact, element_separation};
-pub use penetration_depth::{PenetrationDepth, SolidBody, UnknownDepth, penetration_depth, signed_distance};
+pub use penetration_depth::{
+    PenetrationDepth, SolidBody, UnknownDepth, depth_witnesses, penetration_depth, signed_distance,
+};
 pub use queries::{
     DistanceBounds, DistanceCandidate, collide, distance, distance_bounds, distance_bounds_below,
     distance_candidates, distance_with_witnesses, margin_bounds, pieces_within_margin, within_margin,

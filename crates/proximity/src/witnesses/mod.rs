@@ -17,8 +17,12 @@ mod element_witnesses;
 mod facing_sets;
 mod refinement;
 mod support_set;
+#[cfg(test)]
+mod tests;
 mod witness_pairs;
 
 pub use witness_pairs::{WitnessOptions, WitnessPair, WitnessPairs};
 
 pub(crate) use element_witnesses::collect_witnesses;
+pub(crate) use facing_sets::FacingSets;
+pub(crate) use support_set::SupportSet;
