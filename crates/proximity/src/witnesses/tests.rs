@@ -77,18 +77,32 @@ fn least(rates: impl Iterator<Item = f64>) -> f64 {
     rates.fold(f64::INFINITY, f64::min)
 }
 
-/// Random directions of motion: the least rate of all pairs equals the one-sided directional derivative of `value`, which is the distance,
-/// or minus the depth. Returns the largest error.
+/// Derivative of a distance along a motion.
+fn of_distance(pairs: &[WitnessPair], linear: &Vector, angular: &Vector) -> f64 {
+    least(pairs.iter().map(|pair| rate(pair, linear, angular)))
+}
+
+/// Derivative of minus a depth along a motion: for each normal the least over its points; of these the largest, for the bodies separate
+/// in the direction that is best.
+fn of_depth(pairs: &[WitnessPair], linear: &Vector, angular: &Vector) -> f64 {
+    let along = |normal: &Vector| {
+        let alike = pairs.iter().filter(|pair| (pair.normal - normal).norm() < 1e-6);
+        least(alike.map(|pair| rate(pair, linear, angular)))
+    };
+    pairs.iter().map(|pair| along(&pair.normal)).fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// Largest difference between a derivative by witness pairs and the one-sided directional derivative of `value`, in random directions.
 fn largest_error(
     scene: &Scene,
-    pairs: &[WitnessPair],
+    derivative: impl Fn(&Vector, &Vector) -> f64,
     random: &mut Random,
     value: impl Fn(&Scene) -> f64,
 ) -> f64 {
     let start = value(scene);
     let errors = (0..12).map(|_| {
         let (linear, angular) = (random.vector(0.3), random.vector(1.0));
-        let danskin = least(pairs.iter().map(|pair| rate(pair, &linear, &angular)));
+        let danskin = derivative(&linear, &angular);
         let [near, far] = [STEP, 2.0 * STEP]
             .map(|step| (value(&scene.moved(linear * step, angular * step)) - start) / step);
         // without the second derivative
