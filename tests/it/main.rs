@@ -11,6 +11,7 @@ mod continuous_joints;
 mod default_collisions;
 mod documentation;
 mod effort;
+mod gradients;
 mod held_planes;
 mod hostile;
 mod hostile_requests;

@@ -117,6 +117,13 @@ impl CollisionChecker {
         self.pairs.world().pair_list()
     }
 
+    /// Begins a query: adapts the workspace to this checker.
+    pub(crate) fn begin(&self, workspace: &mut Workspace) -> &CheckedPairs {
+        workspace.adapt(self.identity, &self.pairs);
+        workspace.reset_work();
+        &self.pairs
+    }
+
     #[cfg(test)]
     pub(crate) fn checked_pairs(&self) -> &CheckedPairs {
         &self.pairs

@@ -5,6 +5,8 @@
 //! | is this state free? (first hit) | [`CollisionChecker::is_free`] |
 //! | which pairs collide, how far apart are the others? | [`CollisionChecker::check`] |
 //! | the same for many states | [`CollisionChecker::are_free`], [`CollisionChecker::check_states`] |
+//! | how do signed distances change with the joints? | [`CollisionChecker::clearance`] |
+//! | the same for many states | [`CollisionChecker::clearances`] |
 //! | how deep do two bodies overlap? | [`CollisionChecker::contact`] |
 //! | is a motion free? | [`CollisionChecker::check_motion`], [`CollisionChecker::check_trajectory`] |
 //! | the same, with a certificate | [`CollisionChecker::certify_motion`], [`CollisionChecker::certify_trajectory`] |
@@ -15,6 +17,7 @@
 #![deny(missing_docs)]
 
 mod capsules;
+mod clearance;
 mod collision_checker;
 mod collision_report;
 mod motion;
@@ -27,6 +30,7 @@ mod state;
 mod workspace;
 mod world;
 
+pub use clearance::{Clearance, ClearanceCandidate, ClearanceOptions, PairClearance, WitnessCount};
 pub use collision_checker::CollisionChecker;
 pub use collision_report::{CollisionReport, PairDistance, Question, UndecidedPair};
 pub use motion::{
