@@ -71,10 +71,10 @@ fn random_states(checker: &CollisionChecker, random: &mut Random) -> Vec<Configu
         let mut positions = robot.default_configuration().positions().to_vec();
         for joint in robot.joint_ids() {
             let Some(first) = robot.first_position(joint) else { continue };
-            positions[first] = robot.joint(joint).limits.map_or_else(
-                || random.within(-3.0, 3.0),
-                |limits| random.within(limits.lower, limits.upper),
-            );
+            positions[first] = robot
+                .joint(joint)
+                .limits
+                .map_or_else(|| random.within(-3.0, 3.0), |limits| random.within(limits.lower, limits.upper));
         }
         robot.configuration(&positions).expect("within limits")
     };
@@ -100,7 +100,10 @@ fn costs(name: &str, kind: &str, checker: &CollisionChecker, states: &[Configura
         return println!("{name:10} {kind:12} no states");
     }
     let question = Question::PairDistances { limit: INFLUENCE };
-    let (flag, all) = (ClearanceOptions::new(INFLUENCE), ClearanceOptions { most_candidates: 64, ..ClearanceOptions::new(INFLUENCE) });
+    let (flag, all) = (
+        ClearanceOptions::new(INFLUENCE),
+        ClearanceOptions { most_candidates: 64, ..ClearanceOptions::new(INFLUENCE) },
+    );
     let [mut one, mut two, mut three, mut four] = [(); 4].map(|()| checker.workspace());
     let mut reused = Clearance::default();
     let pairs: usize = states.iter().map(|q| checker.clearance(q, INFLUENCE, &mut one).pairs.len()).sum();
@@ -109,7 +112,11 @@ fn costs(name: &str, kind: &str, checker: &CollisionChecker, states: &[Configura
         [
             &mut || states.iter().for_each(|q| drop(black_box(checker.check(q, question, &mut one)))),
             &mut || states.iter().for_each(|q| drop(black_box(checker.clearance(q, INFLUENCE, &mut two)))),
-            &mut || states.iter().for_each(|q| checker.clearance_into(q, &flag, &mut three, black_box(&mut reused))),
+            &mut || {
+                states
+                    .iter()
+                    .for_each(|q| checker.clearance_into(q, &flag, &mut three, black_box(&mut reused)))
+            },
             &mut || states.iter().for_each(|q| drop(black_box(checker.clearance_with(q, &all, &mut four)))),
         ],
     );
@@ -130,10 +137,12 @@ fn main() {
     for robot in robots() {
         let mut random = Random::new(7);
         let world = surroundings(&mut random);
-        let checker = CollisionChecker::new(Arc::clone(&robot), &world, Settings::default()).expect("valid settings");
+        let checker =
+            CollisionChecker::new(Arc::clone(&robot), &world, Settings::default()).expect("valid settings");
         let states = random_states(&checker, &mut random);
         let mut workspace = checker.workspace();
-        let (free, hit): (Vec<_>, Vec<_>) = states.iter().cloned().partition(|q| checker.is_free(q, &mut workspace));
+        let (free, hit): (Vec<_>, Vec<_>) =
+            states.iter().cloned().partition(|q| checker.is_free(q, &mut workspace));
         costs(robot.name(), "free", &checker, &free);
         costs(robot.name(), "overlapping", &checker, &hit);
         let several = states.iter().flat_map(|q| checker.clearance(q, INFLUENCE, &mut workspace).pairs);

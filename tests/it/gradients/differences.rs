@@ -60,7 +60,8 @@ impl Comparison {
         workspace: &mut Workspace,
     ) -> Self {
         let found = checker.clearance(q, influence_distance, workspace);
-        let smooth: Vec<usize> = (0..found.pairs.len()).filter(|i| compared.includes(&found.pairs[*i])).collect();
+        let smooth: Vec<usize> =
+            (0..found.pairs.len()).filter(|i| compared.includes(&found.pairs[*i])).collect();
         let far = influence_distance + FARTHER;
         let mut state = State { checker, q, far, compared, workspace, known: HashMap::new() };
         let mut comparison = Self::default();
@@ -119,7 +120,8 @@ impl State<'_> {
     /// `None` if differences do not converge.
     fn derivative(&mut self, column: usize, pair: (BodyId, BodyId), scale: f64) -> Option<f64> {
         STEPS.iter().find_map(|&step| {
-            let [fine, middle, coarse] = [1.0, 2.0, 4.0].map(|factor| self.difference(column, pair, factor * step));
+            let [fine, middle, coarse] =
+                [1.0, 2.0, 4.0].map(|factor| self.difference(column, pair, factor * step));
             let [fine, coarse] = [(4.0 * fine? - middle?) / 3.0, (4.0 * middle? - coarse?) / 3.0];
             ((fine - coarse).abs() <= CONVERGED * scale).then_some(fine)
         })
@@ -153,7 +155,7 @@ impl State<'_> {
 
 /// The signed distance up to rounding, plus the padding where bodies are apart. The reported one has an error of up to 1e-10 m for curved
 /// primitives, and an allowance for depths.
-fn exact(pair: &PairClearance) -> f64 {
+pub fn exact(pair: &PairClearance) -> f64 {
     let [p, q] = pair.witness_points;
     match pair.normal {
         Some(normal) if normal.dot(&(q - p)) > 0.0 => nalgebra::distance(&p, &q),
@@ -166,7 +168,8 @@ pub fn moved(robot: &RobotModel, q: &Configuration, column: usize, step: f64) ->
     let mut positions = q.positions().to_vec();
     positions[column] += step;
     for joint in robot.joint_ids() {
-        let (JointKind::Floating, Some(first)) = (&robot.joint(joint).kind, robot.first_position(joint)) else {
+        let (JointKind::Floating, Some(first)) = (&robot.joint(joint).kind, robot.first_position(joint))
+        else {
             continue;
         };
         let turn = &mut positions[first + 3..first + 7];

@@ -1,22 +1,21 @@
 //! Signed distances and their derivatives: against differences, against other queries, and their laws.
 
+mod candidates;
 mod differences;
+mod laws;
 mod random_robot;
 
-use std::path::Path;
 use std::sync::Arc;
 
-use clearance::checker::{Clearance, ClearanceOptions, CollisionChecker, PairClearance, WitnessCount};
-use clearance::geometry::math::{Pose, Vector};
-use clearance::geometry::{Primitive, Shape};
-use clearance::robot::{Configuration, MeshFiles, RobotModel};
-use clearance::scene::{MeshModel, Obstacle, Settings, World};
-use clearance::{Contact, Question};
+use clearance::checker::CollisionChecker;
+use clearance::geometry::Shape;
+use clearance::robot::RobotModel;
+use clearance::scene::{Obstacle, Settings, World};
 
 use crate::random::Random;
 use crate::tally::{json, shared_folder};
-use differences::{Compared, Comparison, bodies};
-use random_robot::{Shapes, checker, configuration, random_box_mesh};
+use differences::{Compared, Comparison};
+use random_robot::{Shapes, checker, configuration};
 
 /// Least distance (m) that is compared: nearer bodies need shorter steps than the noise of their distances allows.
 const APART: f64 = 0.03;
@@ -30,7 +29,13 @@ fn rows_equal_differences_for_random_robots() {
         let checker = checker(&mut random, Shapes::All);
         for _ in 0..2 {
             let q = configuration(checker.robot(), &mut random);
-            total.add(&Comparison::of_state(&checker, &q, 1.0, Compared::Apart(APART), &mut checker.workspace()));
+            total.add(&Comparison::of_state(
+                &checker,
+                &q,
+                1.0,
+                Compared::Apart(APART),
+                &mut checker.workspace(),
+            ));
         }
     }
     println!("{total:?}");
@@ -46,7 +51,13 @@ fn rows_of_exact_depths_equal_differences() {
         let checker = checker(&mut random, Shapes::Boxes);
         for _ in 0..3 {
             let q = configuration(checker.robot(), &mut random);
-            total.add(&Comparison::of_state(&checker, &q, 0.0, Compared::Overlapping, &mut checker.workspace()));
+            total.add(&Comparison::of_state(
+                &checker,
+                &q,
+                0.0,
+                Compared::Overlapping,
+                &mut checker.workspace(),
+            ));
         }
     }
     println!("{total:?}");
@@ -73,7 +84,13 @@ fn rows_equal_differences_for_real_robots() {
                 break;
             }
             let q = configuration(checker.robot(), &mut random);
-            total.add(&Comparison::of_state(&checker, &q, 0.2, Compared::Free(APART), &mut checker.workspace()));
+            total.add(&Comparison::of_state(
+                &checker,
+                &q,
+                0.2,
+                Compared::Free(APART),
+                &mut checker.workspace(),
+            ));
         }
         println!("{}: {total:?}", entry["name"]);
         assert!(total.pairs > 0 && total.worst < 1e-6, "{}: {total:?}", entry["name"]);

@@ -7,7 +7,7 @@ use clearance::checker::CollisionChecker;
 use clearance::geometry::math::Pose;
 use clearance::geometry::{Shape, TriangleMesh};
 use clearance::robot::{Configuration, JointKind, MeshFiles, RobotModel};
-use clearance::scene::{AttachedObject, Obstacle, ObstacleShape, Settings, World};
+use clearance::scene::{AttachedObject, MeshModel, Obstacle, ObstacleShape, Settings, World};
 
 use crate::random::Random;
 
@@ -76,7 +76,8 @@ fn joint(random: &mut Random, child: u32) -> String {
         3 => ("floating", String::new()),
         4 => ("fixed", String::new()),
         5 | 6 => {
-            let (kind, factor) = (["revolute", "prismatic"][random.below(2) as usize], random.within(-1.5, 1.5));
+            let (kind, factor) =
+                (["revolute", "prismatic"][random.below(2) as usize], random.within(-1.5, 1.5));
             let limit = "<limit lower='-9' upper='9' effort='1' velocity='1'/>";
             (kind, format!("{limit}<mimic joint='j1' multiplier='{factor}' offset='0.2'/>"))
         }
@@ -103,12 +104,17 @@ fn robot(random: &mut Random, shapes: Shapes) -> RobotModel {
         let (xyz, rpy) = (numbers(random, 0.1), numbers(random, 3.0));
         let origin = format!("<origin xyz='{xyz}' rpy='{rpy}'/>");
         let geometry = geometry(random, shapes);
-        write!(urdf, "<link name='l{link}'><collision>{origin}<geometry>{geometry}</geometry></collision></link>").unwrap();
+        write!(
+            urdf,
+            "<link name='l{link}'><collision>{origin}<geometry>{geometry}</geometry></collision></link>"
+        )
+        .unwrap();
     }
     for child in 1..links {
         urdf += &joint(random, child);
     }
-    RobotModel::from_urdf(&(urdf + "</robot>"), &MeshFiles::embedded(&*MESHES)).unwrap_or_else(|e| panic!("{e}"))
+    RobotModel::from_urdf(&(urdf + "</robot>"), &MeshFiles::embedded(&*MESHES))
+        .unwrap_or_else(|e| panic!("{e}"))
 }
 
 fn shape(random: &mut Random, shapes: Shapes) -> Shape {
@@ -140,9 +146,13 @@ fn world(random: &mut Random, robot: &RobotModel, shapes: Shapes) -> World {
 
 /// A random robot in a random world, with paddings and scales.
 pub fn checker(random: &mut Random, shapes: Shapes) -> CollisionChecker {
+    checker_with(random, shapes, MeshModel::Surface)
+}
+
+pub fn checker_with(random: &mut Random, shapes: Shapes, mesh_model: MeshModel) -> CollisionChecker {
     let robot = robot(random, shapes);
     let world = world(random, &robot, shapes);
-    let mut settings = Settings::default();
+    let mut settings = Settings { mesh_model, ..Settings::default() };
     if random.below(2) == 0 {
         settings.padding = random.within(0.0, 0.05);
         settings.pad_self = random.below(2) == 0;

@@ -195,9 +195,13 @@ impl Union {
         Some(radius.map_or(to_surface, |radius| radius.greater(to_surface)))
     }
 
-    /// Balls inside the body that together fill much of it; found at the first use.
+    /// Balls inside the body that together fill much of it; found at the first use. This is not counted as work, which would then depend
+    /// on earlier queries.
     pub fn balls(&self, scratch: &mut Scratch) -> &[Ball] {
-        self.balls.get_or_init(|| inner_balls(self, scratch))
+        let work = scratch.work;
+        let balls = self.balls.get_or_init(|| inner_balls(self, scratch));
+        scratch.work = work;
+        balls
     }
 
     /// Length (m) by which convex meshes may be smaller than their support points show.
