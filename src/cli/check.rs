@@ -12,6 +12,7 @@ use clearance_files::readable_text::on_one_line;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::check_gradient::{self, GradientResult};
 use super::failure::Failure;
 use super::model_args::{ModelArgs, WorldArgs};
 use super::progress::Progress;
@@ -46,6 +47,11 @@ pub struct CheckArgs {
         allow_negative_numbers = true
     )]
     limit: f64,
+
+    /// With --query pair-distances: also signed distances, normals and witness points of the pairs, and derivatives with respect to each
+    /// joint
+    #[arg(long)]
+    gradient: bool,
 
     #[command(flatten)]
     run: RunArgs,
@@ -101,6 +107,8 @@ struct StateResult {
     distance: Option<DistanceResult>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pair_distances: Option<Vec<(String, String, f64)>>,
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    gradient: Option<GradientResult>,
 }
 
 #[derive(Serialize)]
@@ -114,6 +122,9 @@ struct DistanceResult {
 pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
     if args.limit.is_nan() || args.limit < 0.0 {
         return Err(Failure::Input("--limit must be zero or more metres".to_owned()));
+    }
+    if args.gradient && args.query != Query::PairDistances {
+        return Err(Failure::Input("--gradient needs --query pair-distances".to_owned()));
     }
     let start = Instant::now();
     let checker = args.run.pairs.checker(&args.model, &args.world)?;
@@ -135,14 +146,20 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
     if let Some(remark) = constant_contacts(&checker, &states, &reports, args)? {
         log::warn!("{remark}");
     }
-    let timing = time_passes(&checker, &states, question, args.run.repeat);
+    let gradients = args.gradients(&checker, &states)?;
+    let timing = time_passes(&checker, &states, args);
     let output = CheckOutput {
         robot: robot.name().to_owned(),
         joints: robot.position_names().to_vec(),
         pairs_checked: checker.pairs().len(),
         load_seconds,
         stats: Stats::total(reports.iter().map(|report| report.work)),
-        results: (reports.iter()).map(|r| StateResult::new(args.query, r, &checker)).collect(),
+        results: (reports.iter().zip(gradients))
+            .map(|(report, gradient)| StateResult {
+                gradient,
+                ..StateResult::new(args.query, report, &checker)
+            })
+            .collect(),
         timing,
     };
     match args.run.format {
@@ -162,6 +179,19 @@ impl CheckArgs {
             Query::Distance => Question::Distance { limit },
             Query::PairDistances => Question::PairDistances { limit },
         }
+    }
+
+    /// The derivatives of each state, if they are requested.
+    fn gradients(
+        &self,
+        checker: &CollisionChecker,
+        states: &[Configuration],
+    ) -> Result<Vec<Option<GradientResult>>, Failure> {
+        if !self.gradient {
+            return Ok(states.iter().map(|_| None).collect());
+        }
+        let found = check_gradient::clearances(checker, states, self.limit, &self.run)?;
+        Ok(found.iter().map(|clearance| Some(GradientResult::new(clearance, checker))).collect())
     }
 }
 
@@ -221,16 +251,13 @@ fn constant_contacts(
     Ok(contacts.remark(&format!("all {} states", states.len()), checker))
 }
 
-fn time_passes(
-    checker: &CollisionChecker,
-    states: &[Configuration],
-    question: Question,
-    passes: u32,
-) -> Option<Timing> {
-    let mut workspace = checker.workspace();
-    timing::measure(passes, states.len(), || {
+fn time_passes(checker: &CollisionChecker, states: &[Configuration], args: &CheckArgs) -> Option<Timing> {
+    let (question, mut workspace) = (args.question(), checker.workspace());
+    timing::measure(args.run.repeat, states.len(), || {
         for q in states {
-            if question == Question::Free {
+            if args.gradient {
+                std::hint::black_box(checker.clearance(q, args.limit, &mut workspace));
+            } else if question == Question::Free {
                 std::hint::black_box(checker.is_free(q, &mut workspace));
             } else {
                 std::hint::black_box(checker.check(q, question, &mut workspace));
@@ -263,6 +290,7 @@ impl StateResult {
             pairs: (query == Query::Pairs).then(sorted_pairs),
             distance: (query == Query::Distance).then(|| DistanceResult::new(report, checker)),
             pair_distances: (query == Query::PairDistances).then(distances),
+            gradient: None,
         }
     }
 }
@@ -328,6 +356,9 @@ fn state_lines(index: usize, result: &StateResult) -> Vec<String> {
     let distances = result.pair_distances.iter().flatten();
     (std::iter::once(first))
         .chain(pairs.map(|[a, b]| format!("  {a} – {b}")))
-        .chain(distances.map(|(a, b, m)| format!("  {m:.6} m: {a} – {b}")))
+        .chain(distances.enumerate().map(|(i, (a, b, m))| {
+            let gradient = result.gradient.as_ref().map(|gradient| format!(", {}", gradient.words(i)));
+            format!("  {m:.6} m: {a} – {b}{}", gradient.unwrap_or_default())
+        }))
         .collect()
 }
