@@ -5,26 +5,38 @@
 //! derivatives of smooth pairs against differences of distances; `-- --pairs N` sets their number for each robot.
 
 #[allow(dead_code)]
+#[path = "../tests/it/gradients/differences.rs"]
+mod differences;
+#[allow(dead_code)]
 #[path = "../tests/it/random.rs"]
 mod random;
 
+use std::collections::HashMap;
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clearance::checker::{Clearance, ClearanceOptions, WitnessCount};
+use clearance::geometry::math::Vector;
+use clearance::scene::BodyId;
 use clearance::{
-    CollisionChecker, Configuration, Obstacle, Primitive, Question, RobotModel, Settings, Shape, World,
+    AllowedCollisionMatrix, CollisionChecker, Configuration, Obstacle, Primitive, Question, RobotModel,
+    Settings, Shape, World,
 };
 use cpu_time::ThreadTime;
+use rayon::prelude::*;
 
+use differences::{Compared, Comparison};
 use random::Random;
 
-const ROUNDS: usize = 15;
-const STATES: usize = 200;
+const ROUNDS: usize = 9;
+const STATES: usize = 400;
 
 /// Distance (m) up to which pairs are reported.
 const INFLUENCE: f64 = 0.1;
+
+/// Distance (m) from which rows are compared with differences: nearer bodies need shorter steps than the noise of their distances allows.
+const NEAREST: f64 = 0.03;
 
 /// Robots of the folder `../shared` with their packages' folder.
 const SHARED: [(&str, &str); 3] = [
@@ -48,21 +60,43 @@ fn load(urdf: &Path, srdf: &Path, packages: PathBuf) -> Arc<RobotModel> {
     Arc::new(RobotModel::load(&urdf, Some(&srdf), &[packages]).expect("the robot loads"))
 }
 
-/// Boxes, balls and cylinders around a robot.
+/// Boxes, balls and cylinders around a robot, not at its root.
 fn surroundings(random: &mut Random) -> World {
     let mut world = World::default();
-    for i in 0..12 {
+    for i in 0..8 {
         let shape = match i % 3 {
-            0 => Primitive::cuboid([0.1, 0.2, 0.3]),
-            1 => Primitive::sphere(0.1),
-            _ => Primitive::cylinder(0.06, 0.3),
+            0 => Primitive::cuboid([0.1, 0.15, 0.2]),
+            1 => Primitive::sphere(0.08),
+            _ => Primitive::cylinder(0.06, 0.2),
         };
-        let mut pose = random.pose(0.9);
-        pose.translation.z = pose.translation.z.abs();
         let shape = Shape::Primitive(shape.expect("valid sizes"));
+        let mut pose = random.pose(1.0);
+        let (sin, cos) = (f64::from(i) * 0.8).sin_cos();
+        pose.translation.vector = Vector::new(0.8 * cos, 0.8 * sin, random.within(0.0, 1.2));
         world.add(Obstacle::of_shape(format!("obstacle {i}"), pose, shape)).expect("names differ");
     }
     world
+}
+
+/// As a setup assistant does: pairs of links that collide in most states are allowed to.
+fn checker(robot: &Arc<RobotModel>, world: &World, random: &mut Random) -> CollisionChecker {
+    let build = |matrix: Option<&AllowedCollisionMatrix>| {
+        CollisionChecker::with_matrix(Arc::clone(robot), world, Settings::default(), matrix)
+            .expect("valid settings")
+    };
+    let checker = build(None);
+    let mut counts: HashMap<(BodyId, BodyId), usize> = HashMap::new();
+    let states = random_states(&checker, random);
+    for report in checker.check_states(&states, Question::Pairs) {
+        report.colliding_pairs.iter().for_each(|pair| *counts.entry(*pair).or_default() += 1);
+    }
+    let mut matrix = AllowedCollisionMatrix::from_srdf(robot);
+    for ((a, b), count) in counts {
+        if 10 * count > states.len() && matches!(b, BodyId::Link(_)) {
+            matrix.set(checker.body_name(a), checker.body_name(b), true);
+        }
+    }
+    build(Some(&matrix))
 }
 
 fn random_states(checker: &CollisionChecker, random: &mut Random) -> Vec<Configuration> {
@@ -71,10 +105,9 @@ fn random_states(checker: &CollisionChecker, random: &mut Random) -> Vec<Configu
         let mut positions = robot.default_configuration().positions().to_vec();
         for joint in robot.joint_ids() {
             let Some(first) = robot.first_position(joint) else { continue };
-            positions[first] = robot
-                .joint(joint)
-                .limits
-                .map_or_else(|| random.within(-3.0, 3.0), |limits| random.within(limits.lower, limits.upper));
+            let (low, high) =
+                robot.joint(joint).limits.map_or((-3.0, 3.0), |limits| (limits.lower, limits.upper));
+            positions[first] = random.within(low, high);
         }
         robot.configuration(&positions).expect("within limits")
     };
@@ -133,27 +166,57 @@ fn costs(name: &str, kind: &str, checker: &CollisionChecker, states: &[Configura
     );
 }
 
+/// Compares rows with differences for this number of smooth pairs that do not overlap.
+fn errors(checker: &CollisionChecker, pairs: usize, random: &mut Random) {
+    let mut total = Comparison::default();
+    while total.pairs < pairs {
+        let states = random_states(checker, random);
+        let each = states.par_iter().map_init(
+            || checker.workspace(),
+            |workspace, q| Comparison::of_state(checker, q, INFLUENCE, Compared::Free(NEAREST), workspace),
+        );
+        total = each.reduce(
+            || total,
+            |mut sum, other| {
+                sum.add(&other);
+                sum
+            },
+        );
+    }
+    println!("{:10} {total:?}", checker.robot().name());
+}
+
+fn witness_counts(checker: &CollisionChecker, states: &[Configuration]) {
+    let mut workspace = checker.workspace();
+    let (mut one, mut several, mut unknown) = (0, 0, 0);
+    for pair in states.iter().flat_map(|q| checker.clearance(q, INFLUENCE, &mut workspace).pairs) {
+        match pair.witnesses {
+            WitnessCount::One => one += 1,
+            WitnessCount::Several => several += 1,
+            WitnessCount::Unknown => unknown += 1,
+        }
+    }
+    println!("{:10} witness pairs: one {one}, several {several}, unknown {unknown}", checker.robot().name());
+}
+
 fn main() {
+    let arguments: Vec<String> = std::env::args().collect();
+    let pairs = arguments.iter().skip_while(|argument| *argument != "--pairs").nth(1);
+    let pairs: Option<usize> = pairs.map(|count| count.parse().expect("--pairs takes a number"));
     for robot in robots() {
         let mut random = Random::new(7);
         let world = surroundings(&mut random);
-        let checker =
-            CollisionChecker::new(Arc::clone(&robot), &world, Settings::default()).expect("valid settings");
+        let checker = checker(&robot, &world, &mut random);
+        if let Some(pairs) = pairs {
+            errors(&checker, pairs, &mut random);
+            continue;
+        }
         let states = random_states(&checker, &mut random);
         let mut workspace = checker.workspace();
         let (free, hit): (Vec<_>, Vec<_>) =
             states.iter().cloned().partition(|q| checker.is_free(q, &mut workspace));
         costs(robot.name(), "free", &checker, &free);
         costs(robot.name(), "overlapping", &checker, &hit);
-        let several = states.iter().flat_map(|q| checker.clearance(q, INFLUENCE, &mut workspace).pairs);
-        let (mut one, mut more, mut unknown) = (0, 0, 0);
-        for pair in several {
-            match pair.witnesses {
-                WitnessCount::One => one += 1,
-                WitnessCount::Several => more += 1,
-                WitnessCount::Unknown => unknown += 1,
-            }
-        }
-        println!("{:10} witness pairs: one {one}, several {more}, unknown {unknown}", robot.name());
+        witness_counts(&checker, &states);
     }
 }

@@ -73,14 +73,20 @@ pub fn main() -> Result<(), Box<dyn Error>> {
         let clearance = checker.clearance(&q, INFLUENCE, &mut workspace);
         let nearest = clearance.pairs.iter().min_by(|a, b| a.distance.total_cmp(&b.distance));
         if k % 10 == 0 {
-            println!("{k}: {:?} {:?}", nearest.map(|n| (checker.body_name(n.a), checker.body_name(n.b), n.distance)), q.positions());
+            println!(
+                "{k}: {:?} {:?}",
+                nearest.map(|n| (checker.body_name(n.a), checker.body_name(n.b), n.distance)),
+                q.positions()
+            );
         }
         let step = step(&clearance, &q, &home);
         let moved: Vec<f64> = q.positions().iter().zip(&step).map(|(q, s)| q + s).collect();
         let next = robot.configuration(&moved)?;
         if nearest.is_none_or(|nearest| nearest.distance > 0.0) {
             let verdict = checker.check_motion(&q, &next, &mut workspace).verdict;
-            if verdict != MotionVerdict::Free { println!("step {k}: {verdict:?}"); }
+            if verdict != MotionVerdict::Free {
+                println!("step {k}: {verdict:?}");
+            }
         }
         q = next;
     }
