@@ -1,4 +1,4 @@
-//! Least distance of all pairs of a state.
+//! Least distance of a state: of all pairs, of self pairs, or of world pairs.
 
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::Extremes;
@@ -8,29 +8,35 @@ use super::nearest_search::{DistanceScratch, NearestSearch};
 use super::nearest_to_fixed::nearest_to_fixed;
 use super::pair_evaluation::PairEvaluation;
 use crate::collision_report::PairDistance;
+use crate::pair_kind::{PairKind, SearchedPairs};
 use crate::pairs::NearestToFixed;
 
-/// The least distance of all pairs, unless it exceeds `limit` (m). The nearest candidates are searched first, and each
-/// pair only up to the least distance so far.
+/// The least distance of some of the pairs, unless it exceeds `limit` (m). The nearest candidates are searched first,
+/// and each pair only up to the least distance so far.
 pub fn least_distance(
     evaluation: &mut PairEvaluation,
     scratch: &mut DistanceScratch,
+    pairs: SearchedPairs,
     limit: f64,
 ) -> Option<PairDistance> {
     let limit = limit.greater(CONTACT_DISTANCE);
     let mut search = NearestSearch::new(evaluation, scratch, limit);
-    add_all_pairs(&mut search, limit);
+    add_pairs(&mut search, pairs, limit);
     search.run();
     search.nearest()
 }
 
-fn add_all_pairs(search: &mut NearestSearch, limit: f64) {
-    let pairs = search.evaluation().state.pairs;
-    if !search.evaluation().state.queue_self_candidates(limit) {
+fn add_pairs(search: &mut NearestSearch, searched: SearchedPairs, limit: f64) {
+    let state = &mut search.evaluation().state;
+    let pairs = state.pairs;
+    if !state.place_unless_beyond(limit) {
         return;
     }
-    search.add_self_pairs();
-    if pairs.world().is_empty() {
+    if searched.include(PairKind::SelfPair) {
+        state.queue_self_candidates(limit);
+        search.add_self_pairs();
+    }
+    if pairs.world().is_empty() || !searched.include(PairKind::WorldPair) {
         return;
     }
     search.place_capsules();

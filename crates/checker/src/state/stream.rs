@@ -89,8 +89,10 @@ impl Stream {
         self.revision == revision
     }
 
-    /// Adds the travel to the next state.
+    /// Adds the travel to the next state. Also called before each further search in one state.
     pub fn advance(&mut self, rates: &DisplacementRates, positions: &[f64]) {
+        // a part with an obstacle near it is beyond no limit
+        self.apply_bounds_of_near_obstacles();
         self.travelled += if self.positions.len() == positions.len() {
             rates.between(&self.positions, positions)
         } else {
@@ -198,11 +200,15 @@ impl Stream {
         }
     }
 
-    /// Applies the recorded bounds.
-    pub fn apply_bounds(&mut self) {
+    fn apply_bounds_of_near_obstacles(&mut self) {
         for NearObstacle { part, horizon, .. } in self.near_obstacles.drain(..) {
             self.world_horizons[part] = self.world_horizons[part].lesser(horizon);
         }
+    }
+
+    /// Applies the recorded bounds.
+    pub fn apply_bounds(&mut self) {
+        self.apply_bounds_of_near_obstacles();
         let all = self.horizons.iter().chain(&self.world_horizons);
         self.nearest_horizon = all.copied().fold(f64::INFINITY, f64::lesser);
     }
