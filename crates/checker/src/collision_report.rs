@@ -102,20 +102,19 @@ pub struct CollisionReport {
     pub colliding_pairs: Vec<(BodyId, BodyId)>,
     /// The least distance, if the query includes distances and something is within its limit.
     pub nearest: Option<PairDistance>,
-    /// The least distance between two bodies of the robot, if some are within the limit. Not part of
-    /// [`Question::Distance`].
+    /// The least distance between two bodies of the robot, if some are within the limit and the deadline did not leave it
+    /// open ([`Self::is_nearest_certain`]). Not part of [`Question::Distance`].
     pub nearest_self: Option<PairDistance>,
-    /// The least distance between a body of the robot and an obstacle, if some are within the limit. Not part of
-    /// [`Question::Distance`].
+    /// The same between a body of the robot and an obstacle.
     pub nearest_world: Option<PairDistance>,
     /// For [`Question::PairDistances`] and [`Question::Survey`]: every pair within the limit, in the order of the pair
     /// list.
     pub pair_distances: Vec<PairDistance>,
     /// Pairs left undecided at the deadline; one pair may occur twice. Empty without a deadline.
     pub undecided: Vec<UndecidedPair>,
-    /// For [`Question::Survey`] with a deadline: pairs beyond the influence distance, of which one may be nearer than
-    /// `nearest_self` or `nearest_world`. They make neither the state nor `nearest` uncertain.
-    pub undecided_beyond: Vec<UndecidedPair>,
+    /// For [`Question::Survey`] with a deadline: the kind of pairs whose least distance beyond the influence distance the
+    /// deadline left open. This makes neither the state nor `nearest` uncertain.
+    pub unfinished: Option<PairKind>,
     /// Volume tests and primitive tests that the query took.
     pub work: Work,
 }
@@ -155,14 +154,14 @@ impl CollisionReport {
     /// False if the deadline left pairs of this kind undecided, of which one may be the nearest.
     #[must_use]
     pub fn is_nearest_certain(&self, kind: PairKind) -> bool {
-        self.undecided.iter().chain(&self.undecided_beyond).all(|pair| pair.kind() != kind)
+        self.unfinished != Some(kind) && self.undecided.iter().all(|pair| pair.kind() != kind)
     }
 
     /// Replaces the distance of every decided pair by its certain lower bound. Where tolerances left a gap, reported
     /// distances become smaller than those of the witness points, and are never larger than the true ones.
     pub fn use_lower_bounds(&mut self) {
-        let open = || self.undecided.iter().chain(&self.undecided_beyond);
-        let is_open = |pair: &PairDistance| open().any(|open| (open.a, open.b) == (pair.a, pair.b));
+        let is_open =
+            |pair: &PairDistance| self.undecided.iter().any(|open| (open.a, open.b) == (pair.a, pair.b));
         let least = [&mut self.nearest, &mut self.nearest_self, &mut self.nearest_world];
         let pairs = self.pair_distances.iter_mut().chain(least.into_iter().flatten());
         for pair in pairs.filter(|pair| !is_open(pair)) {
@@ -179,11 +178,11 @@ impl CollisionReport {
         self.nearest = nearest.or(self.nearest);
     }
 
-    /// True if every distance is exact: no reported distance may be too large, and the deadline left nothing undecided.
+    /// True if every distance is exact: no reported distance may be too large, and the deadline left nothing open.
     #[must_use]
     pub fn is_exact(&self) -> bool {
         let is_exact = |pair: &PairDistance| pair.lower == pair.distance;
-        self.undecided.is_empty() && self.undecided_beyond.is_empty() && self.distances().all(is_exact)
+        self.undecided.is_empty() && self.unfinished.is_none() && self.distances().all(is_exact)
     }
 
     /// Lower bound (m) on the distances of all pairs within the query's limit; infinite if there are none.

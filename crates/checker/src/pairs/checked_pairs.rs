@@ -97,6 +97,14 @@ impl CheckedPairs {
         if self.is_self_pair(index) { PairKind::SelfPair } else { PairKind::WorldPair }
     }
 
+    /// True if pairs of this kind are checked.
+    pub fn include(&self, kind: PairKind) -> bool {
+        match kind {
+            PairKind::SelfPair => self.self_pairs.count() > 0,
+            PairKind::WorldPair => !self.world.is_empty(),
+        }
+    }
+
     /// The bodies of a pair.
     #[inline]
     pub fn bodies(&self, index: usize) -> PairBodies {

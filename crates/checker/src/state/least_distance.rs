@@ -27,21 +27,34 @@ pub fn least_distance(
 }
 
 fn add_pairs(search: &mut NearestSearch, searched: SearchedPairs, limit: f64) {
-    let state = &mut search.evaluation().state;
-    let pairs = state.pairs;
-    if !state.place_unless_beyond(limit) {
+    if !search.evaluation().state.place_unless_beyond(limit) {
         return;
     }
     if searched.include(PairKind::SelfPair) {
-        state.queue_self_candidates(limit);
-        search.add_self_pairs();
+        add_self_pairs(search, searched);
     }
-    if pairs.world().is_empty() || !searched.include(PairKind::WorldPair) {
-        return;
+    if searched.include(PairKind::WorldPair) && !search.evaluation().state.pairs.world().is_empty() {
+        add_world_pairs(search, searched);
     }
+}
+
+fn add_self_pairs(search: &mut NearestSearch, searched: SearchedPairs) {
+    if searched == SearchedPairs::Only(PairKind::SelfPair) {
+        search.start_from_last_state(PairKind::SelfPair);
+    }
+    let limit = search.bound();
+    search.evaluation().state.queue_self_candidates(limit);
+    search.add_self_pairs();
+}
+
+fn add_world_pairs(search: &mut NearestSearch, searched: SearchedPairs) {
     search.place_capsules();
     let is_fixed_known = start_from_fixed(search);
-    for part in pairs.robot().parts_on(|body| !is_fixed_known || body != Chain::ROOT) {
+    if searched == SearchedPairs::Only(PairKind::WorldPair) {
+        search.start_from_last_state(PairKind::WorldPair);
+    }
+    let robot = search.evaluation().state.pairs.robot();
+    for part in robot.parts_on(|body| !is_fixed_known || body != Chain::ROOT) {
         search.add_obstacles(part);
     }
 }

@@ -6,7 +6,7 @@ use clearance_geometry::math::Extremes;
 use super::least_distance::least_distance;
 use super::nearest_search::DistanceScratch;
 use super::pair_evaluation::PairEvaluation;
-use crate::collision_report::{PairDistance, Question};
+use crate::collision_report::{PairDistance, Question, UndecidedPair};
 use crate::pair_kind::{PairKind, SearchedPairs};
 
 /// One query on one state, with the results so far.
@@ -78,7 +78,12 @@ impl StateQuery<'_> {
         let is_nearest_known = report.nearest.is_some();
         let undecided = std::mem::take(&mut report.undecided);
         for kind in PairKind::ALL {
-            if self.evaluation.report.nearest_of(kind).is_some() {
+            let is_known = self.evaluation.report.nearest_of(kind).is_some();
+            if is_known || !self.evaluation.state.pairs.include(kind) {
+                continue;
+            }
+            if is_nearest_known && self.evaluation.effort.is_over() {
+                self.evaluation.report.unfinished = Some(kind);
                 continue;
             }
             let pairs = SearchedPairs::Only(kind);
@@ -88,12 +93,22 @@ impl StateQuery<'_> {
                 self.evaluation.report.raise_nearest_lower_bound(pairs, influence_distance);
             }
         }
-        let report = &mut *self.evaluation.report;
         if is_nearest_known {
-            report.undecided_beyond = std::mem::replace(&mut report.undecided, undecided);
+            self.set_apart_what_is_unfinished(undecided);
         } else {
-            report.set_nearest_of_both_kinds();
+            self.evaluation.report.set_nearest_of_both_kinds();
         }
+    }
+
+    /// Where the deadline interrupted the search for the farther kind of pairs, only its least distance is unknown:
+    /// restores the pairs that were undecided before.
+    fn set_apart_what_is_unfinished(&mut self, undecided: Vec<UndecidedPair>) {
+        let report = &mut *self.evaluation.report;
+        report.unfinished = report.unfinished.or(report.undecided.first().map(UndecidedPair::kind));
+        if let Some(kind) = report.unfinished {
+            *report.nearest_mut(SearchedPairs::Only(kind)) = None;
+        }
+        report.undecided = undecided;
     }
 
     /// Among some of the pairs: the first colliding pair of robot bodies, and the first of a robot body and an obstacle.

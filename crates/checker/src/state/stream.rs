@@ -12,6 +12,7 @@ use clearance_geometry::math::Extremes;
 use clearance_proximity::{Effort, Scratch};
 use clearance_robot::DisplacementRates;
 
+use crate::pair_kind::PairKind;
 use crate::pairs::{CheckedPairs, PairMemory, PlacedRobot, PosedPair, RememberedPair};
 use crate::revision::Revision;
 use crate::robot::CandidatePair;
@@ -45,6 +46,8 @@ pub struct Stream {
     self_memories: SelfPairMemories,
     /// SelfPairMemories of pairs with obstacles.
     world_memories: HashMap<usize, Option<PairMemory>>,
+    /// By kind: the nearest pair in the last state in which pairs of that kind were searched.
+    last_nearest: [Option<usize>; 2],
     /// Pairs of the last state that the next state will probably have to search, with the options of their search.
     due: Vec<Due>,
 }
@@ -80,6 +83,7 @@ impl Stream {
             nearest_horizon: f64::NEG_INFINITY,
             self_memories: SelfPairMemories::new(self_pairs),
             world_memories: HashMap::new(),
+            last_nearest: [None; 2],
             due: Vec::new(),
         }
     }
@@ -166,6 +170,16 @@ impl Stream {
         if let Some(lower) = memory.map(|memory| memory.lower_at(pair)) {
             self.record_bound(index, lower - pair.info.padding);
         }
+    }
+
+    /// The pair of this kind that was the nearest one last time.
+    pub fn last_nearest(&self, kind: PairKind) -> Option<usize> {
+        self.last_nearest[kind as usize]
+    }
+
+    /// Records the nearest pair of a kind.
+    pub fn record_nearest(&mut self, kind: PairKind, index: usize) {
+        self.last_nearest[kind as usize] = Some(index);
     }
 
     /// Records the search options of a pair whose bounds will probably not last.
