@@ -324,8 +324,7 @@ fn deadlines_leave_only_truth() {
                     assert!(truth.colliding_pairs.contains(pair), "{question:?}");
                 }
                 if matches!(question, Question::SelfAndWorldDistance { .. } | Question::Survey { .. }) {
-                    let limit =
-                        if matches!(question, Question::Survey { .. }) { 1.0 } else { f64::INFINITY };
+                    let limit = if matches!(question, Question::Survey { .. }) { 1.0 } else { f64::INFINITY };
                     for kind in PairKind::ALL.into_iter().filter(|kind| report.is_nearest_certain(*kind)) {
                         is_bound_of_kind((&report, &truth), kind, limit);
                         certain += 1;
