@@ -157,6 +157,25 @@ impl CollisionReport {
         self.unfinished != Some(kind) && self.undecided.iter().all(|pair| pair.kind() != kind)
     }
 
+    /// The least distance (m) of the pairs of one kind: 0 if some collide, infinite if none is within the limit, NaN if
+    /// the deadline left it open.
+    #[must_use]
+    pub fn distance_of(&self, kind: PairKind) -> f64 {
+        match self.known_nearest_of(kind) {
+            _ if self.has_collision(kind) => 0.0,
+            Some(nearest) => nearest.distance,
+            None if self.is_nearest_certain(kind) => f64::INFINITY,
+            None => f64::NAN,
+        }
+    }
+
+    /// As [`Self::nearest_of`], unless the deadline left open whether another pair is nearer.
+    #[must_use]
+    pub fn known_nearest_of(&self, kind: PairKind) -> Option<&PairDistance> {
+        let is_known = |nearest: &&PairDistance| nearest.distance == 0.0 || self.is_nearest_certain(kind);
+        self.nearest_of(kind).filter(is_known)
+    }
+
     /// Replaces the distance of every decided pair by its certain lower bound. Where tolerances left a gap, reported
     /// distances become smaller than those of the witness points, and are never larger than the true ones.
     pub fn use_lower_bounds(&mut self) {

@@ -108,6 +108,8 @@ pub enum LeftOut {
     Nothing,
     /// The time to contact was not computed.
     LookAhead,
+    /// The look-ahead, and the larger one of the least distances to itself and to the world, were not computed.
+    FartherDistance,
     /// Some pairs were not checked.
     Pairs,
 }
@@ -203,21 +205,13 @@ impl Evaluation {
     /// limit or checked.
     #[must_use]
     pub fn distance_of(&self, kind: PairKind) -> f64 {
-        let Some(checked_state) = &self.checked_state else { return f64::NAN };
-        let report = &checked_state.report;
-        match self.nearest_of(kind) {
-            Some(nearest) => nearest.distance,
-            None if report.is_nearest_certain(kind) => f64::INFINITY,
-            None => f64::NAN,
-        }
+        self.checked_state.as_ref().map_or(f64::NAN, |checked_state| checked_state.report.distance_of(kind))
     }
 
     /// The nearest pair of one kind, if it is known and within the distance limit.
     #[must_use]
     pub fn nearest_of(&self, kind: PairKind) -> Option<&PairDistance> {
-        let report = &self.checked_state.as_ref()?.report;
-        let is_known = report.has_collision(kind) || report.is_nearest_certain(kind);
-        report.nearest_of(kind).filter(|_| is_known)
+        self.checked_state.as_ref()?.report.known_nearest_of(kind)
     }
 
     /// Description of the nearest pair of one kind: its distance and its bodies.

@@ -11,6 +11,7 @@ mod mimic_joints;
 mod models;
 mod publishers;
 mod root_location;
+mod self_and_world;
 mod speed;
 mod transform_joints;
 mod unpositioned;

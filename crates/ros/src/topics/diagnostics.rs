@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use clearance_checker::PairKind;
 use clearance_geometry::math::Extremes;
 use clearance_monitor::{Evaluation, Reason, Status, Time};
 use ros2_interfaces_jazzy_serde::diagnostic_msgs::msg::{DiagnosticArray, DiagnosticStatus, KeyValue};
@@ -115,6 +116,8 @@ fn values(
         add("age of the joint state (s)", format!("{age:.3}"));
     }
     add("least distance (m)", format!("{:.4}", evaluation.distance()));
+    add("self distance (m)", format!("{:.4}", evaluation.distance_of(PairKind::SelfPair)));
+    add("world distance (m)", format!("{:.4}", evaluation.distance_of(PairKind::WorldPair)));
     if let Some(checked_state) = &evaluation.checked_state {
         add("distances", if checked_state.is_exact { "exact" } else { "lower bounds" }.to_owned());
     }

@@ -45,36 +45,37 @@ fn shape(random: &mut Random) -> Shape {
 /// A tree of links of boxes and balls.
 fn robot(random: &mut Random) -> RobotModel {
     let links = 1 + random.below(7);
-    let mut text = "<robot name='r'>".to_owned();
-    for link in 0..links {
-        let geometry = match random.below(5) {
-            0 => String::new(),
-            1 => "<collision><geometry><sphere radius='0.1'/></geometry></collision>".to_owned(),
-            _ => {
-                let [x, y, z] = [0; 3].map(|_| coordinate(random, 0.1));
-                let size = [0; 3].map(|_| [0.1, 0.2, 0.3][random.below(3)]);
-                format!(
-                    "<collision><origin xyz='{x} {y} {z}'/><geometry><box size='{} {} {}'/></geometry></collision>",
-                    size[0], size[1], size[2]
-                )
-            }
-        };
-        text += &format!("<link name='l{link}'>{geometry}</link>");
-        if link == 0 {
-            continue;
+    let elements: String = (0..links).map(|i| link(i, random)).collect();
+    let joints: String = (1..links).map(|i| joint(i, random)).collect();
+    RobotModel::from_urdf(&format!("<robot name='r'>{elements}{joints}</robot>"), &MeshFiles::default())
+        .unwrap()
+}
+
+fn link(index: usize, random: &mut Random) -> String {
+    let geometry = match random.below(5) {
+        0 => return format!("<link name='l{index}'/>"),
+        1 => "<sphere radius='0.1'/>".to_owned(),
+        _ => {
+            let [x, y, z] = [0; 3].map(|_| [0.1, 0.2, 0.3][random.below(3)]);
+            format!("<box size='{x} {y} {z}'/>")
         }
-        let (parent, kind) = (
-            random.below(link),
-            ["revolute", "continuous", "prismatic", "prismatic", "fixed"][random.below(5)],
-        );
-        let [x, y, z] = [0; 3].map(|_| coordinate(random, 0.4));
-        let axis = ["1 0 0", "0 1 0", "0 0 1"][random.below(3)];
-        text += &format!(
-            "<joint name='j{link}' type='{kind}'><parent link='l{parent}'/><child link='l{link}'/><origin xyz='{x} {y} {z}'/>
-             <axis xyz='{axis}'/><limit lower='-2' upper='2' effort='1' velocity='1'/></joint>"
-        );
-    }
-    RobotModel::from_urdf(&(text + "</robot>"), &MeshFiles::default()).unwrap()
+    };
+    let [x, y, z] = [0; 3].map(|_| coordinate(random, 0.1));
+    format!(
+        "<link name='l{index}'><collision><origin xyz='{x} {y} {z}'/><geometry>{geometry}</geometry></collision></link>"
+    )
+}
+
+/// The joint between a link and one of the links before it.
+fn joint(index: usize, random: &mut Random) -> String {
+    let parent = random.below(index);
+    let kind = ["revolute", "continuous", "prismatic", "prismatic", "fixed"][random.below(5)];
+    let [x, y, z] = [0; 3].map(|_| coordinate(random, 0.4));
+    let axis = ["1 0 0", "0 1 0", "0 0 1"][random.below(3)];
+    format!(
+        "<joint name='j{index}' type='{kind}'><parent link='l{parent}'/><child link='l{index}'/><origin xyz='{x} {y} {z}'/>
+         <axis xyz='{axis}'/><limit lower='-2' upper='2' effort='1' velocity='1'/></joint>"
+    )
 }
 
 fn world(random: &mut Random) -> World {
@@ -82,12 +83,11 @@ fn world(random: &mut Random) -> World {
     for obstacle in 0..[0, 1, 3, 8][random.below(4)] {
         let of = |random: &mut Random| ObstacleShape { pose_os: pose(random, 0.1), shape: shape(random) };
         let shapes: Vec<_> = (0..=random.below(2)).map(|_| of(random)).collect();
-        let placed =
-            Obstacle { pose_ro: pose(random, 0.9), ..Obstacle::new(&format!("o{obstacle}"), shapes) };
+        let placed = Obstacle { pose_ro: pose(random, 0.9), ..Obstacle::new(format!("o{obstacle}"), shapes) };
         world.add(placed).unwrap();
     }
     for attached in 0..[0, 0, 1, 2][random.below(4)] {
-        let object = Obstacle::of_shape(&format!("a{attached}"), pose(random, 0.3), shape(random));
+        let object = Obstacle::of_shape(format!("a{attached}"), pose(random, 0.3), shape(random));
         world.attach(AttachedObject::grasped(&object, "l0", &pose(random, 0.2), Vec::new())).unwrap();
     }
     world
