@@ -260,7 +260,9 @@ fn are_bounds(
         assert!(told.pair_distances.iter().any(|p| (p.a, p.b) == (pair.a, pair.b)), "{pair:?} is not told");
     }
     if !matches!(question, Question::Distance { .. }) {
-        PairKind::ALL.into_iter().for_each(|kind| is_bound_of_kind((told, truth), kind, least_within));
+        for kind in PairKind::ALL {
+            is_bound_of_kind((told, truth), kind, least_within);
+        }
     }
     let least = truth.nearest.unwrap().distance;
     let Some(nearest) = told.nearest else {

@@ -250,7 +250,7 @@ fn pairs_come_nearest_first() {
 }
 
 /// Names of a pair in a response to a batch; none if there is no pair.
-fn named<'a>(answer: &'a CheckStatesResponse, [a, b]: [i32; 2]) -> Vec<&'a str> {
+fn named(answer: &CheckStatesResponse, [a, b]: [i32; 2]) -> Vec<&str> {
     let indices = [a, b].map(usize::try_from);
     indices.into_iter().flatten().map(|index| answer.bodies[index].as_str()).collect()
 }
