@@ -27,6 +27,7 @@ mod random;
 mod reference;
 #[cfg(feature = "ros")]
 mod replays;
+mod requested_motions;
 mod robots;
 mod snapshots;
 mod solid_meshes;
