@@ -1,6 +1,7 @@
-"""The motion that `~/check_motion` checks is the requested one, for random robots with mimic, continuous and prismatic joints.
+"""The motion that `~/check_motion` checks is the requested one, for robots with mimic, continuous and prismatic joints.
 
-The robots come on `robot_description`, one after another; the kinematics of this file compute where the ball at the end of a robot is.
+Random robots come on `robot_description`, one after another. The kinematics of this file compute where the ball at the
+end of each robot is.
 """
 
 import os
@@ -49,7 +50,8 @@ def random_joints(rng):
         length = sqrt(sum(a * a for a in axis))
         mimic = ()
         if number and rng.random() < 0.5:
-            mimic = rng.randrange(number), rng.choice((0.0, 1.0, -0.5, 2.0, rng.uniform(-2, 2))), rng.choice((0.0, rng.uniform(-1, 1)))
+            multiplier = rng.choice((0.0, 1.0, -0.5, 2.0, rng.uniform(-2, 2)))
+            mimic = rng.randrange(number), multiplier, rng.choice((0.0, rng.uniform(-1, 1)))
         joints.append(
             Joint(
                 rng.choice(("revolute", "continuous", "prismatic")),
