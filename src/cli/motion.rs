@@ -194,7 +194,7 @@ impl MotionArgs {
     fn options(&self) -> Result<MotionOptions, Failure> {
         self.deadline.map(|s| positive("--deadline", s)).transpose()?;
         if self.swept_volumes.is_some() && self.run.format == Format::Text {
-            return Err(Failure::Input("--swept-volumes are told with --format json only".to_owned()));
+            return Err(Failure::Input("--swept-volumes needs --format json".to_owned()));
         }
         Ok(MotionOptions {
             tolerance: positive("--tolerance", self.tolerance)?,

@@ -16,7 +16,7 @@ from rows import Row, markdown
 
 ROBOT = robots.Robot("arm", "base", (), {})
 QUICK = {"latency: p99 (ms)": 0.2} | {f"latency since start: {part} (ms)": 0.2 for part in ("median", "p99", "max")}
-NOTHING = dict.fromkeys(latency.COUNTS, 0.0) | {"joint states heard": 0.0}
+NOTHING = dict.fromkeys(latency.COUNTS, 0.0) | {"joint states received": 0.0}
 
 
 def told(at, **changed):

@@ -115,7 +115,7 @@ fn a_detour_is_not_the_straight_way() {
     let way = case.trajectory(0, DETOUR);
     let certificate = case.certify(&["--trajectory", &way]);
     let told = case.accepted(&certificate, &[]);
-    for word in ["polynomials of degree 3", "e=0.0 d=0.0", "e=0.0 d=1.0", "not told which motion is expected"]
+    for word in ["polynomials of degree 3", "e=0.0 d=0.0", "e=0.0 d=1.0", "no expected motion was given"]
     {
         assert!(told.contains(word), "{told}");
     }
@@ -192,7 +192,7 @@ fn obstacles_start_where_the_world_has_them() {
     let told = case.accepted(&certificate, &["--moving-obstacles"]);
     assert!(told.contains("'cart' in segment 0: shifts by [0.0, -1.0, 0.0] m"), "{told}");
     let told = case.accepted(&certificate, &[&SHORT[..], &["--moving-obstacles"]].concat());
-    assert!(told.contains("how obstacles are expected to move was not told"), "{told}");
+    assert!(told.contains("how obstacles are expected to move was not given"), "{told}");
     // the wall stands in the way, unless one believes that it is elsewhere
     let forged = case.forge(&certificate, |c| {
         let mover = &mut c.segments[0].motion.obstacles[0];
