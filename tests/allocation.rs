@@ -53,6 +53,9 @@ fn warm_checks_allocate_nothing() {
                 let distance = allocations(|| {
                     hits = checker.check(q, least, &mut workspace).colliding_pairs.len();
                 });
+                let least = Question::SelfAndWorldDistance { limit: f64::INFINITY };
+                let both = allocations(|| drop(checker.check(q, least, &mut workspace)));
+                assert!(!count || hits > 0 || both == 0, "{name}: distances allocated {both} times");
                 assert!(!count || free == 0, "{name}: is_free allocated {free} times");
                 assert!(!count || hits > 0 || distance == 0, "{name}: distance allocated {distance} times");
             }
