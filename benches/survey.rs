@@ -30,8 +30,13 @@ const INFLUENCE: f64 = 0.1;
 const LIMIT: f64 = 1.0;
 
 /// As the node sets it at 1 kHz.
-const BUDGET: Effort =
-    Effort { relative_tolerance: 0.1, absolute_tolerance: 0.001, exact_within: 0.0, exact_cost: 2000, deadline: None };
+const BUDGET: Effort = Effort {
+    relative_tolerance: 0.1,
+    absolute_tolerance: 0.001,
+    exact_within: 0.0,
+    exact_cost: 2000,
+    deadline: None,
+};
 
 fn own(name: &str) -> Option<RobotModel> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("urdf").join(name);
@@ -76,7 +81,8 @@ fn swing(robot: &RobotModel, random: &mut Random) -> Vec<Configuration> {
     let joints: Vec<_> = (robot.joint_ids())
         .filter(|joint| robot.first_position(*joint).is_some())
         .map(|joint| {
-            let range = robot.joint(joint).limits.map_or([-1.5, 1.5], |l| [l.lower.max(-3.0), l.upper.min(3.0)]);
+            let range =
+                robot.joint(joint).limits.map_or([-1.5, 1.5], |l| [l.lower.max(-3.0), l.upper.min(3.0)]);
             (range, random.within(0.1, 0.5), random.within(0.0, 6.0))
         })
         .collect();

@@ -260,7 +260,9 @@ fn are_bounds(
         assert!(told.pair_distances.iter().any(|p| (p.a, p.b) == (pair.a, pair.b)), "{pair:?} is not told");
     }
     if !matches!(question, Question::Distance { .. }) {
-        PairKind::ALL.into_iter().for_each(|kind| is_bound_of_kind((told, truth), kind, least_within));
+        for kind in PairKind::ALL {
+            is_bound_of_kind((told, truth), kind, least_within);
+        }
     }
     let least = truth.nearest.unwrap().distance;
     let Some(nearest) = told.nearest else {
@@ -324,8 +326,7 @@ fn deadlines_leave_only_truth() {
                     assert!(truth.colliding_pairs.contains(pair), "{question:?}");
                 }
                 if matches!(question, Question::SelfAndWorldDistance { .. } | Question::Survey { .. }) {
-                    let limit =
-                        if matches!(question, Question::Survey { .. }) { 1.0 } else { f64::INFINITY };
+                    let limit = if matches!(question, Question::Survey { .. }) { 1.0 } else { f64::INFINITY };
                     for kind in PairKind::ALL.into_iter().filter(|kind| report.is_nearest_certain(*kind)) {
                         is_bound_of_kind((&report, &truth), kind, limit);
                         certain += 1;

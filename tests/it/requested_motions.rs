@@ -182,7 +182,7 @@ impl Request {
     /// `j0=0.5 j3=1`, for one end.
     fn words(&self, end: usize) -> String {
         let named = self.named.iter().zip(&self.ends[end]);
-        named.map(|(j, value)| format!("j{j}={value:?} ")).collect()
+        named.map(|(j, value)| format!("j{j}={value:?}")).collect::<Vec<_>>().join(" ")
     }
 
     fn distance(&self, robot: &ChainRobot, t: f64) -> f64 {
@@ -316,9 +316,9 @@ fn the_command_line_checks_the_requested_motion() {
         let (names, [from, to]) = (request.names(), &request.ends);
         let given = ["motion", "--urdf", "r.urdf", "--world", "w.yaml", "--format", "json"];
         let output = match i % 3 {
-            0 => folder.run(
-                &[&given[..], &["--from", request.words(0).trim(), "--to", request.words(1).trim()]].concat(),
-            ),
+            0 => {
+                folder.run(&[&given[..], &["--from", &request.words(0), "--to", &request.words(1)]].concat())
+            }
             1 => {
                 folder.write(
                     "e.json",

@@ -115,8 +115,7 @@ fn a_detour_is_not_the_straight_way() {
     let way = case.trajectory(0, DETOUR);
     let certificate = case.certify(&["--trajectory", &way]);
     let told = case.accepted(&certificate, &[]);
-    for word in ["polynomials of degree 3", "e=0.0 d=0.0", "e=0.0 d=1.0", "no expected motion was given"]
-    {
+    for word in ["polynomials of degree 3", "e=0.0 d=0.0", "e=0.0 d=1.0", "no expected motion was given"] {
         assert!(told.contains(word), "{told}");
     }
     let told = case.accepted(&certificate, &["--trajectory", &way]);

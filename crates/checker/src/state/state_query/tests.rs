@@ -37,9 +37,7 @@ fn shape(random: &mut Random) -> Shape {
             let faces = (0..6).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
             Shape::Mesh(Arc::new(TriangleMesh::new(corners, faces).unwrap()))
         }
-        4 if random.below(8) == 0 => {
-            Shape::Plane(Plane::from_coefficients([0.0, 0.1, 1.0, 0.7]).unwrap())
-        }
+        4 if random.below(8) == 0 => Shape::Plane(Plane::from_coefficients([0.0, 0.1, 1.0, 0.7]).unwrap()),
         _ => Shape::Primitive(Primitive::Box { half_extents: [0; 3].map(|_| size(random)) }),
     }
 }
@@ -65,8 +63,10 @@ fn robot(random: &mut Random) -> RobotModel {
         if link == 0 {
             continue;
         }
-        let (parent, kind) =
-            (random.below(link), ["revolute", "continuous", "prismatic", "prismatic", "fixed"][random.below(5)]);
+        let (parent, kind) = (
+            random.below(link),
+            ["revolute", "continuous", "prismatic", "prismatic", "fixed"][random.below(5)],
+        );
         let [x, y, z] = [0; 3].map(|_| coordinate(random, 0.4));
         let axis = ["1 0 0", "0 1 0", "0 0 1"][random.below(3)];
         text += &format!(
@@ -82,7 +82,8 @@ fn world(random: &mut Random) -> World {
     for obstacle in 0..[0, 1, 3, 8][random.below(4)] {
         let of = |random: &mut Random| ObstacleShape { pose_os: pose(random, 0.1), shape: shape(random) };
         let shapes: Vec<_> = (0..=random.below(2)).map(|_| of(random)).collect();
-        let placed = Obstacle { pose_ro: pose(random, 0.9), ..Obstacle::new(&format!("o{obstacle}"), shapes) };
+        let placed =
+            Obstacle { pose_ro: pose(random, 0.9), ..Obstacle::new(&format!("o{obstacle}"), shapes) };
         world.add(placed).unwrap();
     }
     for attached in 0..[0, 0, 1, 2][random.below(4)] {
@@ -186,7 +187,8 @@ impl Counts {
 fn self_and_world_are_apart_bit_for_bit() {
     let (mut random, mut counts) = (Random::new(91), Counts::default());
     for _ in 0..250 {
-        let (robot, world, settings) = (Arc::new(robot(&mut random)), world(&mut random), settings(&mut random));
+        let (robot, world, settings) =
+            (Arc::new(robot(&mut random)), world(&mut random), settings(&mut random));
         let checked = |check_self, check_world| {
             Checked::new(&robot, &world, Settings { check_self, check_world, ..settings.clone() })
         };
@@ -215,8 +217,10 @@ fn self_and_world_are_apart_bit_for_bit() {
             if !matches!(question, Question::PairDistances { .. }) {
                 let least = both.check(&q, Question::Distance { limit });
                 assert_eq!(report.is_free(), least.is_free());
-                let reaches_farther = matches!(question, Question::Survey { .. }) && influence_distance > limit;
-                let of_touching = |n: &PairDistance| matches!(question, Question::Survey { .. }) && n.distance == 0.0;
+                let reaches_farther =
+                    matches!(question, Question::Survey { .. }) && influence_distance > limit;
+                let of_touching =
+                    |n: &PairDistance| matches!(question, Question::Survey { .. }) && n.distance == 0.0;
                 // which of several touching pairs is reported depends on the search
                 if !reaches_farther && !report.nearest.as_ref().is_some_and(of_touching) {
                     assert_eq!(report.nearest.as_ref().map(bits), least.nearest.as_ref().map(bits));
