@@ -7,6 +7,7 @@ mod assignments;
 mod bench;
 mod certificate_summary;
 mod check;
+mod check_output;
 #[cfg(feature = "ros")]
 mod demo;
 #[cfg(feature = "ros")]

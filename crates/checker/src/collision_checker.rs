@@ -14,6 +14,7 @@ use crate::motion::{
     self, CertificateConstants, CertificateSubject, CheckedMotion, LookAhead, MotionCheck, MotionOptions,
     MotionReport, MovingState, SweptVolume, TrajectoryReport,
 };
+use crate::pair_kind::PairKind;
 use crate::pairs::CheckedPairs;
 use crate::revision::Revision;
 use crate::robot::{self, LinkVolume, RobotBody};
@@ -115,6 +116,12 @@ impl CollisionChecker {
     #[must_use]
     pub fn pairs(&self) -> &PairList {
         self.pairs.world().pair_list()
+    }
+
+    /// True if there are pairs of this kind that are checked.
+    #[must_use]
+    pub fn checks(&self, kind: PairKind) -> bool {
+        self.pairs.include(kind)
     }
 
     #[cfg(test)]

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use clearance_checker::{CollisionChecker, CollisionReport, LookAhead, PairDistance};
+use clearance_checker::{CollisionChecker, CollisionReport, LookAhead, PairDistance, PairKind};
 use clearance_geometry::math::Extremes;
 use clearance_robot::{Configuration, LinkPoses};
 use clearance_scene::AnchorFrames;
@@ -197,6 +197,35 @@ impl Evaluation {
                 (checked_state.report.nearest.as_ref()).map_or(f64::INFINITY, |nearest| nearest.distance)
             }
         }
+    }
+
+    /// The least distance (m) of the pairs of one kind: NaN when it is unknown, infinite when none is within the distance
+    /// limit or checked.
+    #[must_use]
+    pub fn distance_of(&self, kind: PairKind) -> f64 {
+        let Some(checked_state) = &self.checked_state else { return f64::NAN };
+        let report = &checked_state.report;
+        match self.nearest_of(kind) {
+            Some(nearest) => nearest.distance,
+            None if report.is_nearest_certain(kind) => f64::INFINITY,
+            None => f64::NAN,
+        }
+    }
+
+    /// The nearest pair of one kind, if it is known and within the distance limit.
+    #[must_use]
+    pub fn nearest_of(&self, kind: PairKind) -> Option<&PairDistance> {
+        let report = &self.checked_state.as_ref()?.report;
+        let is_known = report.has_collision(kind) || report.is_nearest_certain(kind);
+        report.nearest_of(kind).filter(|_| is_known)
+    }
+
+    /// Description of the nearest pair of one kind: its distance and its bodies.
+    #[must_use]
+    pub fn least_distance(&self, kind: PairKind) -> Option<String> {
+        let (nearest, checker) = (self.nearest_of(kind)?, &self.revision.as_ref()?.checker);
+        let [a, b] = [nearest.a, nearest.b].map(|body| checker.body_name(body));
+        Some(format!("{:.4} m, {a} and {b}", nearest.distance))
     }
 
     /// Description of the first colliding pair, otherwise of the nearest pair with its distance; `None` if none is
