@@ -59,7 +59,8 @@ fn robot(random: &mut Random) -> RobotModel {
                 )
             }
         };
-        text += &format!("<link name='l{link}'>{geometry}</link>");
+        let link_text = format!("<link name='l{link}'>{geometry}</link>");
+        text.push_str(&link_text);
         if link == 0 {
             continue;
         }
@@ -69,10 +70,11 @@ fn robot(random: &mut Random) -> RobotModel {
         );
         let [x, y, z] = [0; 3].map(|_| coordinate(random, 0.4));
         let axis = ["1 0 0", "0 1 0", "0 0 1"][random.below(3)];
-        text += &format!(
+        let joint = format!(
             "<joint name='j{link}' type='{kind}'><parent link='l{parent}'/><child link='l{link}'/><origin xyz='{x} {y} {z}'/>
              <axis xyz='{axis}'/><limit lower='-2' upper='2' effort='1' velocity='1'/></joint>"
         );
+        text.push_str(&joint);
     }
     RobotModel::from_urdf(&(text + "</robot>"), &MeshFiles::default()).unwrap()
 }
@@ -82,12 +84,11 @@ fn world(random: &mut Random) -> World {
     for obstacle in 0..[0, 1, 3, 8][random.below(4)] {
         let of = |random: &mut Random| ObstacleShape { pose_os: pose(random, 0.1), shape: shape(random) };
         let shapes: Vec<_> = (0..=random.below(2)).map(|_| of(random)).collect();
-        let placed =
-            Obstacle { pose_ro: pose(random, 0.9), ..Obstacle::new(&format!("o{obstacle}"), shapes) };
+        let placed = Obstacle { pose_ro: pose(random, 0.9), ..Obstacle::new(format!("o{obstacle}"), shapes) };
         world.add(placed).unwrap();
     }
     for attached in 0..[0, 0, 1, 2][random.below(4)] {
-        let object = Obstacle::of_shape(&format!("a{attached}"), pose(random, 0.3), shape(random));
+        let object = Obstacle::of_shape(format!("a{attached}"), pose(random, 0.3), shape(random));
         world.attach(AttachedObject::grasped(&object, "l0", &pose(random, 0.2), Vec::new())).unwrap();
     }
     world
