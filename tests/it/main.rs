@@ -29,6 +29,7 @@ mod reference;
 mod replays;
 mod requested_motions;
 mod robots;
+mod self_and_world_distances;
 mod snapshots;
 mod solid_meshes;
 mod soundness;
