@@ -199,19 +199,6 @@ impl Evaluation {
         }
     }
 
-    /// The least distance (m) of the pairs of one kind: NaN when it is unknown, infinite when none is within the distance
-    /// limit or checked.
-    #[must_use]
-    pub fn distance_of(&self, kind: PairKind) -> f64 {
-        let Some(checked_state) = &self.checked_state else { return f64::NAN };
-        let report = &checked_state.report;
-        match self.nearest_of(kind) {
-            Some(nearest) => nearest.distance,
-            None if report.is_nearest_certain(kind) => f64::INFINITY,
-            None => f64::NAN,
-        }
-    }
-
     /// The nearest pair of one kind, if it is known and within the distance limit.
     #[must_use]
     pub fn nearest_of(&self, kind: PairKind) -> Option<&PairDistance> {
