@@ -225,7 +225,7 @@ impl Request {
     }
 }
 
-/// What is reported of a motion; of one interval of the motion.
+/// Result that is reported for one interval of a motion.
 enum Found {
     Rejected,
     /// Free before `until`.
