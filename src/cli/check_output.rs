@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::check::Query;
 use super::run_args::Stats;
+use super::summary::Summary;
 use super::timing::Timing;
 
 /// Output in JSON format.
@@ -141,20 +142,16 @@ fn sorted_names(checker: &CollisionChecker, a: BodyId, b: BodyId) -> [String; 2]
 pub fn text(output: &CheckOutput, checker: &CollisionChecker) -> String {
     let mut lines: Vec<String> =
         (output.results.iter().enumerate()).flat_map(|(i, r)| state_lines(i, r, checker)).collect();
-    let free = output.results.iter().filter(|r| r.free).count();
-    lines.push(format!(
-        "{}: {free} of {} states free; {} pairs checked; loaded in {:.3} s",
-        output.robot,
-        output.results.len(),
-        output.pairs_checked,
-        output.load_seconds
-    ));
-    if let Some(t) = output.timing {
-        lines.push(format!(
-            "{:.3} µs a state (best of {} passes; median {:.3} µs)",
-            t.us_min, t.passes, t.us_median
-        ));
-    }
+    let summary = Summary {
+        robot: &output.robot,
+        item: "state",
+        free: output.results.iter().filter(|r| r.free).count(),
+        count: output.results.len(),
+        pairs_checked: output.pairs_checked,
+        load_seconds: output.load_seconds,
+        timing: output.timing,
+    };
+    lines.extend(summary.lines());
     lines.iter().map(|line| on_one_line(line)).collect::<Vec<_>>().join("\n")
 }
 

@@ -26,6 +26,7 @@ mod replay;
 mod run_args;
 mod state_files;
 mod states;
+mod summary;
 mod timing;
 mod verify;
 #[cfg(feature = "ros")]

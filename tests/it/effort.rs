@@ -19,7 +19,7 @@ fn exact(checker: &CollisionChecker, q: &Configuration) -> CollisionReport {
 
 fn distance_of(report: &CollisionReport, pair: &UndecidedPair) -> f64 {
     let same = report.pair_distances.iter().find(|p| (p.a, p.b) == (pair.a, pair.b));
-    same.expect("all pairs are told").distance
+    same.expect("all pairs are listed").distance
 }
 
 #[test]

@@ -44,7 +44,7 @@ pub struct Stream {
     /// Lower bound on all horizons.
     nearest_horizon: f64,
     self_memories: SelfPairMemories,
-    /// SelfPairMemories of pairs with obstacles.
+    /// Memories of pairs with obstacles, by pair number.
     world_memories: HashMap<usize, Option<PairMemory>>,
     /// By kind: the nearest pair in the last state in which pairs of that kind were searched.
     last_nearest: [Option<usize>; 2],

@@ -63,7 +63,7 @@ pub fn collision_state(evaluation: &Evaluation) -> CollisionState {
         message.pairs_checked = count(revision.checker.pairs().len().saturating_sub(open));
         if open > 0 {
             message.warnings.push(format!(
-                "check_deadline passed before {open} pairs were decided: others may touch, or be nearer, than those that are told"
+                "check_deadline passed before {open} pairs were decided: others may touch, or be nearer, than those in the report"
             ));
         }
         message.compute_time = checked_state.compute_time.as_secs_f64();

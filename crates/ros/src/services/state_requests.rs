@@ -347,7 +347,7 @@ fn distances(
     let requested = if max_pairs == 0 { pairs.len() } else { pairs.len().min(max_pairs as usize) };
     let listed = pair_messages(checker, &pairs[..requested]);
     let cut = (listed.len() < requested)
-        .then(|| format!("only {} of {} pairs are told", listed.len(), pairs.len()));
+        .then(|| format!("only {} of {} pairs are listed", listed.len(), pairs.len()));
     let left_out = (open > 0).then(|| format!("the timeout left {open} pairs open"));
     let [of_self, of_world] = PairKind::ALL.map(|kind| {
         let nearest = pairs.iter().find(|pair| pair.kind() == kind);
