@@ -62,6 +62,9 @@ fn warm_checks_allocate_nothing() {
                     !count || overlaps || clearance == 0,
                     "{name}: clearance allocated {clearance} times"
                 );
+                let least = Question::SelfAndWorldDistance { limit: f64::INFINITY };
+                let both = allocations(|| drop(checker.check(q, least, &mut workspace)));
+                assert!(!count || hits > 0 || both == 0, "{name}: distances allocated {both} times");
                 assert!(!count || free == 0, "{name}: is_free allocated {free} times");
                 assert!(!count || hits > 0 || distance == 0, "{name}: distance allocated {distance} times");
             }

@@ -8,11 +8,10 @@ use clap::Args;
 use clearance::checker::{CollisionChecker, CollisionReport, ConstantContacts, Question, Workspace};
 use clearance::robot::Configuration;
 use clearance::scene::BodyId;
-use clearance_files::readable_text::on_one_line;
 use rayon::prelude::*;
-use serde::Serialize;
 
 use super::check_gradient::{self, GradientResult};
+use super::check_output::{CheckOutput, StateResult, text};
 use super::failure::Failure;
 use super::model_args::{ModelArgs, WorldArgs};
 use super::progress::Progress;
@@ -71,52 +70,15 @@ struct StateArgs {
 }
 
 #[derive(clap::ValueEnum, Clone, Copy, PartialEq, Eq)]
-enum Query {
+pub enum Query {
     /// Whether the state is free; stops at the first collision
     Free,
     /// All colliding pairs
     Pairs,
-    /// The smallest distance, its pair and witness points
+    /// The smallest distance of the robot from itself, and that from the world, with their pairs and witness points
     Distance,
-    /// The distance of every pair
+    /// The distance of every pair, and the same
     PairDistances,
-}
-
-/// Output in JSON format.
-#[derive(Serialize)]
-struct CheckOutput {
-    robot: String,
-    joints: Vec<String>,
-    pairs_checked: usize,
-    load_seconds: f64,
-    results: Vec<StateResult>,
-    /// Sums over all states.
-    stats: Stats,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    timing: Option<Timing>,
-}
-
-#[derive(Serialize)]
-struct StateResult {
-    free: bool,
-    self_collision: bool,
-    world_collision: bool,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pairs: Option<Vec<[String; 2]>>,
-    #[serde(flatten, skip_serializing_if = "Option::is_none")]
-    distance: Option<DistanceResult>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pair_distances: Option<Vec<(String, String, f64)>>,
-    #[serde(flatten, skip_serializing_if = "Option::is_none")]
-    gradient: Option<GradientResult>,
-}
-
-#[derive(Serialize)]
-struct DistanceResult {
-    /// In metres; null beyond the limit.
-    distance: Option<f64>,
-    nearest: Option<[String; 2]>,
-    witness_points: Option<[[f64; 3]; 2]>,
 }
 
 pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
@@ -147,7 +109,7 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
         log::warn!("{remark}");
     }
     let gradients = args.gradients(&checker, &states)?;
-    let timing = time_passes(&checker, &states, args);
+    let timing = time_passes(&checker, &states, args.timed_question(), args.run.repeat);
     let output = CheckOutput {
         robot: robot.name().to_owned(),
         joints: robot.position_names().to_vec(),
@@ -164,7 +126,7 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
     };
     match args.run.format {
         Format::Json => print_line(&serde_json::to_string(&output).map_err(internal)?)?,
-        Format::Text => print_line(&text(&output))?,
+        Format::Text => print_line(&text(&output, &checker))?,
     }
     let all_free = reports.iter().all(CollisionReport::is_free);
     Ok(ExitCode::from(u8::from(!all_free)))
@@ -176,7 +138,7 @@ impl CheckArgs {
         match self.query {
             Query::Free => Question::Free,
             Query::Pairs => Question::Pairs,
-            Query::Distance => Question::Distance { limit },
+            Query::Distance => Question::SelfAndWorldDistance { limit },
             Query::PairDistances => Question::PairDistances { limit },
         }
     }
@@ -192,6 +154,14 @@ impl CheckArgs {
         }
         let found = check_gradient::clearances(checker, states, self.limit, &self.run)?;
         Ok(found.iter().map(|clearance| Some(GradientResult::new(clearance, checker))).collect())
+    }
+
+    /// The question of the timed passes: for distances, only the least distance of all pairs.
+    fn timed_question(&self) -> Question {
+        match self.question() {
+            Question::SelfAndWorldDistance { limit } => Question::Distance { limit },
+            question => question,
+        }
     }
 }
 
@@ -264,101 +234,4 @@ fn time_passes(checker: &CollisionChecker, states: &[Configuration], args: &Chec
             }
         }
     })
-}
-
-impl StateResult {
-    fn new(query: Query, report: &CollisionReport, checker: &CollisionChecker) -> Self {
-        let names = |a: BodyId, b: BodyId| sorted_names(checker, a, b);
-        let sorted_pairs = || {
-            let mut pairs: Vec<_> = (report.colliding_pairs.iter()).map(|&(a, b)| names(a, b)).collect();
-            pairs.sort();
-            pairs
-        };
-        let distances = || {
-            let pairs = report.pair_distances.iter();
-            pairs
-                .map(|p| {
-                    let [a, b] = names(p.a, p.b);
-                    (a, b, p.distance)
-                })
-                .collect()
-        };
-        Self {
-            free: report.is_free(),
-            self_collision: report.self_collision,
-            world_collision: report.world_collision,
-            pairs: (query == Query::Pairs).then(sorted_pairs),
-            distance: (query == Query::Distance).then(|| DistanceResult::new(report, checker)),
-            pair_distances: (query == Query::PairDistances).then(distances),
-            gradient: None,
-        }
-    }
-}
-
-impl DistanceResult {
-    /// Sorts the names, and the witness points with them.
-    fn new(report: &CollisionReport, checker: &CollisionChecker) -> Self {
-        let nearest = report.nearest;
-        Self {
-            distance: nearest.map(|n| n.distance),
-            nearest: nearest.map(|n| sorted_names(checker, n.a, n.b)),
-            witness_points: nearest.map(|n| {
-                let mut points = n.witness_points.map(|p| [p.x, p.y, p.z]);
-                if checker.body_name(n.a) > checker.body_name(n.b) {
-                    points.swap(0, 1);
-                }
-                points
-            }),
-        }
-    }
-}
-
-fn sorted_names(checker: &CollisionChecker, a: BodyId, b: BodyId) -> [String; 2] {
-    let mut names = [a, b].map(|body| checker.body_name(body).to_owned());
-    names.sort();
-    names
-}
-
-/// One line per state, and a summary.
-fn text(output: &CheckOutput) -> String {
-    let mut lines: Vec<String> =
-        (output.results.iter().enumerate()).flat_map(|(i, r)| state_lines(i, r)).collect();
-    let free = output.results.iter().filter(|r| r.free).count();
-    lines.push(format!(
-        "{}: {free} of {} states free; {} pairs checked; loaded in {:.3} s",
-        output.robot,
-        output.results.len(),
-        output.pairs_checked,
-        output.load_seconds
-    ));
-    if let Some(t) = output.timing {
-        lines.push(format!(
-            "{:.3} µs a state (best of {} passes; median {:.3} µs)",
-            t.us_min, t.passes, t.us_median
-        ));
-    }
-    lines.iter().map(|line| on_one_line(line)).collect::<Vec<_>>().join("\n")
-}
-
-fn state_lines(index: usize, result: &StateResult) -> Vec<String> {
-    let verdict = match (result.self_collision, result.world_collision) {
-        (false, false) => "free",
-        (true, false) => "COLLIDING with itself",
-        (false, true) => "COLLIDING with the world",
-        (true, true) => "COLLIDING with itself and the world",
-    };
-    let distance = result.distance.as_ref().map_or_else(String::new, |d| match (d.distance, &d.nearest) {
-        (Some(m), Some([a, b])) => format!(", least distance {m:.6} m: {a} – {b}"),
-        _ => ", nothing within the limit".to_owned(),
-    });
-    let first = format!("state {index}: {verdict}{distance}");
-    let pairs = result.pairs.iter().flatten();
-    let distances = result.pair_distances.iter().flatten();
-    (std::iter::once(first))
-        .chain(pairs.map(|[a, b]| format!("  {a} – {b}")))
-        .chain(distances.enumerate().map(|(i, (a, b, m))| {
-            let gradient = result.gradient.as_ref().map(|gradient| format!(", {}", gradient.words(i)));
-            format!("  {m:.6} m: {a} – {b}{}", gradient.unwrap_or_default())
-        }))
-        .collect()
 }

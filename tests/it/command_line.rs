@@ -8,13 +8,13 @@ use serde_json::Value;
 use crate::program::clearance;
 
 const ARM: [&str; 4] = ["--urdf", "urdf/demo_arm/demo_arm.urdf", "--srdf", "urdf/demo_arm/demo_arm.srdf"];
-const TWO_LINK: [&str; 2] = ["--urdf", "urdf/two_link/two_link.urdf"];
+pub const TWO_LINK: [&str; 2] = ["--urdf", "urdf/two_link/two_link.urdf"];
 
-fn check(model: &[&str], arguments: &[&str]) -> Output {
+pub fn check(model: &[&str], arguments: &[&str]) -> Output {
     clearance(&[&["check"], model, arguments].concat())
 }
 
-fn json(output: &Output) -> Value {
+pub fn json(output: &Output) -> Value {
     serde_json::from_slice(&output.stdout).unwrap_or_else(|e| panic!("{e}: {output:?}"))
 }
 
@@ -81,6 +81,10 @@ fn json_of_every_query() {
     assert!((result["distance"].as_f64().unwrap() - 0.7).abs() < 1e-9, "{result}");
     assert_eq!(result["nearest"], serde_json::json!(["base", "tip"]));
     assert_eq!(result["witness_points"].as_array().unwrap().len(), 2);
+    for field in ["distance", "nearest", "witness_points"] {
+        assert_eq!(result[format!("self_{field}")], result[field]);
+        assert_eq!(result[format!("world_{field}")], serde_json::Value::Null);
+    }
 
     let limited = json(&check(&TWO_LINK, &[&straight[..], &["distance", "--limit", "0.5"]].concat()));
     let result = &limited["results"][0];

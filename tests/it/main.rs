@@ -28,7 +28,9 @@ mod random;
 mod reference;
 #[cfg(feature = "ros")]
 mod replays;
+mod requested_motions;
 mod robots;
+mod self_and_world_distances;
 mod snapshots;
 mod solid_meshes;
 mod soundness;

@@ -14,6 +14,7 @@ use crate::motion::{
     self, CertificateConstants, CertificateSubject, CheckedMotion, LookAhead, MotionCheck, MotionOptions,
     MotionReport, MovingState, SweptVolume, TrajectoryReport,
 };
+use crate::pair_kind::PairKind;
 use crate::pairs::CheckedPairs;
 use crate::revision::Revision;
 use crate::robot::{self, LinkVolume, RobotBody};
@@ -122,6 +123,12 @@ impl CollisionChecker {
         workspace.adapt(self.identity, &self.pairs);
         workspace.reset_work();
         &self.pairs
+    }
+
+    /// True if there are pairs of this kind that are checked.
+    #[must_use]
+    pub fn checks(&self, kind: PairKind) -> bool {
+        self.pairs.include(kind)
     }
 
     #[cfg(test)]

@@ -21,6 +21,7 @@ mod clearance;
 mod collision_checker;
 mod collision_report;
 mod motion;
+mod pair_kind;
 mod pairs;
 mod remarks;
 mod revision;
@@ -37,6 +38,7 @@ pub use motion::{
     LookAhead, MotionOptions, MotionOrder, MotionReport, MotionVerdict, SweptVolume, TrajectoryReport,
     UndecidedReason, Watch,
 };
+pub use pair_kind::PairKind;
 pub use remarks::{ConstantContacts, SolidMeshRemark, solid_mesh_remarks};
 pub use robot::LinkVolume;
 pub use settings_error::SettingsError;
