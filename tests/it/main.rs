@@ -12,6 +12,7 @@ mod continuous_joints;
 mod default_collisions;
 mod documentation;
 mod effort;
+mod gradients;
 mod held_planes;
 mod hostile;
 mod hostile_requests;
@@ -29,7 +30,9 @@ mod random;
 mod reference;
 #[cfg(feature = "ros")]
 mod replays;
+mod requested_motions;
 mod robots;
+mod self_and_world_distances;
 mod snapshots;
 mod solid_meshes;
 mod soundness;

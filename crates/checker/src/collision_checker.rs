@@ -14,6 +14,7 @@ use crate::motion::{
     self, CertificateConstants, CertificateSubject, CheckedMotion, LookAhead, MotionCheck, MotionOptions,
     MotionReport, MovingState, SweptVolume, TrajectoryReport,
 };
+use crate::pair_kind::PairKind;
 use crate::pairs::{CheckedPairs, PosedPair};
 use crate::revision::Revision;
 use crate::robot::{self, LinkVolume, RobotBody};
@@ -115,6 +116,19 @@ impl CollisionChecker {
     #[must_use]
     pub fn pairs(&self) -> &PairList {
         self.pairs.world().pair_list()
+    }
+
+    /// Begins a query: adapts the workspace to this checker.
+    pub(crate) fn begin(&self, workspace: &mut Workspace) -> &CheckedPairs {
+        workspace.adapt(self.identity, &self.pairs);
+        workspace.reset_work();
+        &self.pairs
+    }
+
+    /// True if there are pairs of this kind that are checked.
+    #[must_use]
+    pub fn checks(&self, kind: PairKind) -> bool {
+        self.pairs.include(kind)
     }
 
     #[cfg(test)]

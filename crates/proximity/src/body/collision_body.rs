@@ -200,11 +200,19 @@ impl<B: BoundingVolume> CollisionBody<B> {
         self.interior.as_ref()
     }
 
-    /// A triangle or a solid primitive of the body.
+    /// The plane with this identifier; `None` if it is of another kind of element.
+    #[inline]
+    pub(crate) fn plane(&self, id: ElementId) -> Option<&Plane> {
+        if id.is_plane() { self.planes.get(id.index() as usize) } else { None }
+    }
+
+    /// A triangle, a solid primitive, a point or a cube of the body.
     #[inline]
     pub(crate) fn element(&self, id: ElementId) -> RoundedShape {
         let missing = "the identifier is of an element of this body";
-        if id.is_triangle() {
+        if let Some(set) = id.cube_set() {
+            self.cube_sets[set].shape(id.index())
+        } else if id.is_triangle() {
             self.surface.as_ref().expect(missing).shape(id.index())
         } else {
             self.solids.as_ref().expect(missing).leaves()[id.index() as usize].content.shape

@@ -2,11 +2,12 @@
 
 use std::collections::HashSet;
 
-use clearance_geometry::math::{Extremes, Point, Pose, Vector};
+use clearance_geometry::math::{Extremes, MatrixPose, Point, Pose, Vector};
 use clearance_geometry::{Primitive, TriangleMesh};
 
 use crate::elements::Element;
 use crate::elements::RoundedShape;
+use crate::witnesses::SupportSet;
 
 /// Largest number of vertices of a mesh that is tested for convexity; the test compares every vertex with every face.
 const MOST_VERTICES: usize = 4096;
@@ -68,6 +69,19 @@ impl SupportMap for ConvexSolid {
 impl ConvexSolid {
     pub fn primitive(primitive: Primitive, pose: Pose) -> Self {
         Self::Primitive(RoundedShape::from(&Element::Primitive { primitive, pose }))
+    }
+
+    /// The support set of the core along a direction, posed in another frame.
+    pub fn support_set(&self, pose: &MatrixPose, n: &Vector, tolerance: f64, set: &mut SupportSet) {
+        match self {
+            Self::Primitive(rounded) => {
+                set.set_to_core(&rounded.core, &pose.compose(&rounded.pose), n, tolerance);
+            }
+            Self::Hull(hull) => {
+                set.set_to_hull(&hull.vertices, &pose.rotation.tr_mul(n), tolerance);
+                set.transform(pose);
+            }
+        }
     }
 
     /// Length (m) by which the solid may be smaller than its support points show.

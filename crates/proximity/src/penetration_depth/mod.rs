@@ -6,6 +6,7 @@
 //! | `convex_solid` | support points and inner balls of primitives and convex meshes |
 //! | `signed_distance` | two primitives |
 //! | `rounded_pair`, `expanding_polytope` | exact depth of two convex solids |
+//! | `depth_witnesses` | all points and directions in which two convex solids are deepest |
 //! | `plane` | exact depth of a plane in a bounded body |
 //! | `separating_translation` | upper bounds for others: short translations that are proven to separate |
 //! | `inner_balls` | lower bounds for others: balls inside both solids |
@@ -14,6 +15,7 @@
 //! | `solid_set` | points and voxels: which one is deepest |
 
 mod convex_solid;
+mod depth_witnesses;
 mod exit;
 mod expanding_polytope;
 mod inner_balls;
@@ -27,6 +29,7 @@ mod solid_set;
 mod tests;
 mod winding;
 
+pub use depth_witnesses::depth_witnesses;
 pub use signed_distance::signed_distance;
 pub use solid_body::SolidBody;
 

@@ -271,9 +271,13 @@ impl Union {
         self.surface.as_ref().unwrap_or(&self.whole)
     }
 
-    /// Balls inside the body that together fill much of it; found at the first use.
-    pub(super) fn balls(&self, scratch: &mut Scratch) -> &[Ball] {
-        self.balls.get_or_init(|| inner_balls(self, scratch))
+    /// Balls inside the body that together fill much of it; found at the first use. This is not counted as work, which would then depend
+    /// on earlier queries.
+    pub fn balls(&self, scratch: &mut Scratch) -> &[Ball] {
+        let work = scratch.work;
+        let balls = self.balls.get_or_init(|| inner_balls(self, scratch));
+        scratch.work = work;
+        balls
     }
 
     /// Length (m) by which convex meshes may be smaller than their support points show.

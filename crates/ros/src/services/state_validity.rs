@@ -187,7 +187,7 @@ fn configuration(
         let missing = undecided(robot, &named);
         if !missing.is_empty() {
             return Err(format!(
-                "robot_state.joint_state has no position of {}, and no fresh joint state tells it",
+                "robot_state.joint_state has no position of {}, and no fresh joint state has it",
                 quoted_list(&missing)
             ));
         }
