@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use clearance::checker::{Clearance, ClearanceOptions};
 use clearance::geometry::math::Pose;
 use clearance::geometry::{Cube, Plane, PointCloud, Primitive, Shape, Voxels};
 use clearance::proximity::{CollisionBody, Scratch, collide, distance, within_margin};
@@ -42,6 +43,7 @@ fn warm_checks_allocate_nothing() {
         let checker = checker(name);
         let states = states(&checker);
         let mut workspace = checker.workspace();
+        let (options, mut result) = (ClearanceOptions::new(0.3), Clearance::default());
         let mut pass = |count: bool| {
             for q in &states {
                 let free = allocations(|| {
@@ -53,6 +55,16 @@ fn warm_checks_allocate_nothing() {
                 let distance = allocations(|| {
                     hits = checker.check(q, least, &mut workspace).colliding_pairs.len();
                 });
+                let clearance =
+                    allocations(|| checker.clearance_into(q, &options, &mut workspace, &mut result));
+                let overlaps = result.pairs.iter().any(|pair| pair.distance <= 0.0);
+                assert!(
+                    !count || overlaps || clearance == 0,
+                    "{name}: clearance allocated {clearance} times"
+                );
+                let least = Question::SelfAndWorldDistance { limit: f64::INFINITY };
+                let both = allocations(|| drop(checker.check(q, least, &mut workspace)));
+                assert!(!count || hits > 0 || both == 0, "{name}: distances allocated {both} times");
                 assert!(!count || free == 0, "{name}: is_free allocated {free} times");
                 assert!(!count || hits > 0 || distance == 0, "{name}: distance allocated {distance} times");
             }

@@ -118,7 +118,7 @@ def measure(robot, seconds, domain_id, limit, with_clients, published=ALL_PAIRS)
         reports.wait_for(lambda _: True, "the node")
         enter(Source(node.relative("joint_states"), RATE, robot.joints, domain_id))
         clients = enter(Clients(node.private("check_trajectory"), robot.joints, domain_id)) if with_clients else None
-        reports.wait_for(lambda told: told["joint states judged in this report"] > 0, "a joint state")
+        reports.wait_for(lambda told: told["joint states evaluated in this report"] > 0, "a joint state")
         for _ in range(WARM_UP):
             reports.wait_for(lambda _: True, "a report")
         before = Processors.now()

@@ -50,7 +50,7 @@ def measure(robot, seconds, domain_id):
         reports = Reports(peer, node)
         disturb(peer, node, robot.root_link)
         stack.enter_context(Source(node.relative("joint_states"), RATE, robot.joints, domain_id))
-        reports.wait_for(lambda told: told["joint states judged in this report"] > 0, "a joint state")
+        reports.wait_for(lambda told: told["joint states evaluated in this report"] > 0, "a joint state")
         before = reports.wait_for(lambda told: told.numbers.get("world revision", 0) > 0, "an edit")
         samples = sampled(peer, node.process_id, seconds)
         after = reports.wait_for(lambda _: True, "a report")

@@ -57,8 +57,8 @@ class Reports:
 
 
 def came(first, last):
-    """How many joint states a second were sent between two reports: those that were heard, and those that got lost."""
-    sent = [told["joint states heard"] + told["joint states lost"] for told in (first, last)]
+    """How many joint states a second were sent between two reports: those that were received, and those that got lost."""
+    sent = [told["joint states received"] + told["joint states lost"] for told in (first, last)]
     return (sent[1] - sent[0]) / (last.at - first.at)
 
 

@@ -8,10 +8,11 @@ use clap::Args;
 use clearance::checker::{CollisionChecker, CollisionReport, ConstantContacts, Question, Workspace};
 use clearance::robot::Configuration;
 use clearance::scene::BodyId;
-use clearance_files::readable_text::on_one_line;
 use rayon::prelude::*;
-use serde::Serialize;
 
+use super::check_contacts::{ContactArgs, ContactResult};
+use super::check_gradient::{self, GradientResult};
+use super::check_output::{CheckOutput, StateResult, text};
 use super::failure::Failure;
 use super::model_args::{ModelArgs, WorldArgs};
 use super::progress::Progress;
@@ -33,9 +34,12 @@ pub struct CheckArgs {
     #[command(flatten)]
     input: StateArgs,
 
-    /// Query on each state
-    #[arg(long, value_enum, default_value_t = Query::Free)]
-    query: Query,
+    /// Query on each state [default: free, or pairs with --contacts]
+    #[arg(long, value_enum)]
+    query: Option<Query>,
+
+    #[command(flatten)]
+    contacts: ContactArgs,
 
     /// Largest distance in metres that is reported [default: no limit]
     #[arg(
@@ -46,6 +50,11 @@ pub struct CheckArgs {
         allow_negative_numbers = true
     )]
     limit: f64,
+
+    /// With --query pair-distances: also signed distances, normals and witness points of the pairs, and derivatives with respect to each
+    /// joint
+    #[arg(long)]
+    gradient: bool,
 
     #[command(flatten)]
     run: RunArgs,
@@ -65,55 +74,27 @@ struct StateArgs {
 }
 
 #[derive(clap::ValueEnum, Clone, Copy, PartialEq, Eq)]
-enum Query {
+pub enum Query {
     /// Whether the state is free; stops at the first collision
     Free,
     /// All colliding pairs
     Pairs,
-    /// The smallest distance, its pair and witness points
+    /// The smallest distance of the robot from itself, and that from the world, with their pairs and witness points
     Distance,
-    /// The distance of every pair
+    /// The distance of every pair, and the same
     PairDistances,
-}
-
-/// Output in JSON format.
-#[derive(Serialize)]
-struct CheckOutput {
-    robot: String,
-    joints: Vec<String>,
-    pairs_checked: usize,
-    load_seconds: f64,
-    results: Vec<StateResult>,
-    /// Sums over all states.
-    stats: Stats,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    timing: Option<Timing>,
-}
-
-#[derive(Serialize)]
-struct StateResult {
-    free: bool,
-    self_collision: bool,
-    world_collision: bool,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pairs: Option<Vec<[String; 2]>>,
-    #[serde(flatten, skip_serializing_if = "Option::is_none")]
-    distance: Option<DistanceResult>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pair_distances: Option<Vec<(String, String, f64)>>,
-}
-
-#[derive(Serialize)]
-struct DistanceResult {
-    /// In metres; null beyond the limit.
-    distance: Option<f64>,
-    nearest: Option<[String; 2]>,
-    witness_points: Option<[[f64; 3]; 2]>,
 }
 
 pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
     if args.limit.is_nan() || args.limit < 0.0 {
         return Err(Failure::Input("--limit must be zero or more metres".to_owned()));
+    }
+    if args.contacts.contacts.is_some() && args.query() != Query::Pairs {
+        let why = "--contacts needs all colliding pairs: leave --query out, or give --query pairs";
+        return Err(Failure::Input(why.to_owned()));
+    }
+    if args.gradient && args.query() != Query::PairDistances {
+        return Err(Failure::Input("--gradient needs --query pair-distances".to_owned()));
     }
     let start = Instant::now();
     let checker = args.run.pairs.checker(&args.model, &args.world)?;
@@ -135,32 +116,85 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
     if let Some(remark) = constant_contacts(&checker, &states, &reports, args)? {
         log::warn!("{remark}");
     }
-    let timing = time_passes(&checker, &states, question, args.run.repeat);
+    let details = Details {
+        contacts: args.contacts.of_states(&checker, &states, &reports, &args.run)?,
+        gradients: args.gradients(&checker, &states)?,
+    };
+    let timing = time_passes(&checker, &states, args.timed_question(), args.run.repeat);
     let output = CheckOutput {
         robot: robot.name().to_owned(),
         joints: robot.position_names().to_vec(),
         pairs_checked: checker.pairs().len(),
         load_seconds,
         stats: Stats::total(reports.iter().map(|report| report.work)),
-        results: (reports.iter()).map(|r| StateResult::new(args.query, r, &checker)).collect(),
+        results: results(&reports, details, args.query(), &checker),
         timing,
     };
     match args.run.format {
         Format::Json => print_line(&serde_json::to_string(&output).map_err(internal)?)?,
-        Format::Text => print_line(&text(&output))?,
+        Format::Text => print_line(&text(&output, &checker))?,
     }
     let all_free = reports.iter().all(CollisionReport::is_free);
     Ok(ExitCode::from(u8::from(!all_free)))
 }
 
+/// What was requested beyond the reports, by state.
+struct Details {
+    contacts: Option<Vec<Vec<ContactResult>>>,
+    gradients: Option<Vec<GradientResult>>,
+}
+
+fn results(
+    reports: &[CollisionReport],
+    details: Details,
+    query: Query,
+    checker: &CollisionChecker,
+) -> Vec<StateResult> {
+    let mut results: Vec<StateResult> =
+        reports.iter().map(|report| StateResult::new(query, report, checker)).collect();
+    for (result, contacts) in results.iter_mut().zip(details.contacts.into_iter().flatten()) {
+        result.contacts = Some(contacts);
+    }
+    for (result, gradient) in results.iter_mut().zip(details.gradients.into_iter().flatten()) {
+        result.gradient = Some(gradient);
+    }
+    results
+}
+
 impl CheckArgs {
+    fn query(&self) -> Query {
+        let default = if self.contacts.contacts.is_some() { Query::Pairs } else { Query::Free };
+        self.query.unwrap_or(default)
+    }
+
     fn question(&self) -> Question {
         let limit = self.limit;
-        match self.query {
+        match self.query() {
             Query::Free => Question::Free,
             Query::Pairs => Question::Pairs,
-            Query::Distance => Question::Distance { limit },
+            Query::Distance => Question::SelfAndWorldDistance { limit },
             Query::PairDistances => Question::PairDistances { limit },
+        }
+    }
+
+    /// The derivatives of each state, if they are requested.
+    fn gradients(
+        &self,
+        checker: &CollisionChecker,
+        states: &[Configuration],
+    ) -> Result<Option<Vec<GradientResult>>, Failure> {
+        if !self.gradient {
+            return Ok(None);
+        }
+        let found = check_gradient::clearances(checker, states, self.limit, &self.run)?;
+        Ok(Some(found.iter().map(|clearance| GradientResult::new(clearance, checker)).collect()))
+    }
+
+    /// The question of the timed passes: for distances, only the least distance of all pairs.
+    fn timed_question(&self) -> Question {
+        match self.question() {
+            Question::SelfAndWorldDistance { limit } => Question::Distance { limit },
+            question => question,
         }
     }
 }
@@ -203,7 +237,7 @@ fn constant_contacts(
     for (states, reports) in states.chunks(STATES_AT_ONCE).zip(reports.chunks(STATES_AT_ONCE)) {
         // other queries do not report all pairs
         let pairs = |workspace: &mut Workspace, q: &Configuration, report: &CollisionReport| {
-            if args.query == Query::Pairs {
+            if args.query() == Query::Pairs {
                 return report.colliding_pairs.clone();
             }
             checker.check(q, Question::Pairs, workspace).colliding_pairs
@@ -221,113 +255,17 @@ fn constant_contacts(
     Ok(contacts.remark(&format!("all {} states", states.len()), checker))
 }
 
-fn time_passes(
-    checker: &CollisionChecker,
-    states: &[Configuration],
-    question: Question,
-    passes: u32,
-) -> Option<Timing> {
-    let mut workspace = checker.workspace();
-    timing::measure(passes, states.len(), || {
+fn time_passes(checker: &CollisionChecker, states: &[Configuration], args: &CheckArgs) -> Option<Timing> {
+    let (question, mut workspace) = (args.question(), checker.workspace());
+    timing::measure(args.run.repeat, states.len(), || {
         for q in states {
-            if question == Question::Free {
+            if args.gradient {
+                std::hint::black_box(checker.clearance(q, args.limit, &mut workspace));
+            } else if question == Question::Free {
                 std::hint::black_box(checker.is_free(q, &mut workspace));
             } else {
                 std::hint::black_box(checker.check(q, question, &mut workspace));
             }
         }
     })
-}
-
-impl StateResult {
-    fn new(query: Query, report: &CollisionReport, checker: &CollisionChecker) -> Self {
-        let names = |a: BodyId, b: BodyId| sorted_names(checker, a, b);
-        let sorted_pairs = || {
-            let mut pairs: Vec<_> = (report.colliding_pairs.iter()).map(|&(a, b)| names(a, b)).collect();
-            pairs.sort();
-            pairs
-        };
-        let distances = || {
-            let pairs = report.pair_distances.iter();
-            pairs
-                .map(|p| {
-                    let [a, b] = names(p.a, p.b);
-                    (a, b, p.distance)
-                })
-                .collect()
-        };
-        Self {
-            free: report.is_free(),
-            self_collision: report.self_collision,
-            world_collision: report.world_collision,
-            pairs: (query == Query::Pairs).then(sorted_pairs),
-            distance: (query == Query::Distance).then(|| DistanceResult::new(report, checker)),
-            pair_distances: (query == Query::PairDistances).then(distances),
-        }
-    }
-}
-
-impl DistanceResult {
-    /// Sorts the names, and the witness points with them.
-    fn new(report: &CollisionReport, checker: &CollisionChecker) -> Self {
-        let nearest = report.nearest;
-        Self {
-            distance: nearest.map(|n| n.distance),
-            nearest: nearest.map(|n| sorted_names(checker, n.a, n.b)),
-            witness_points: nearest.map(|n| {
-                let mut points = n.witness_points.map(|p| [p.x, p.y, p.z]);
-                if checker.body_name(n.a) > checker.body_name(n.b) {
-                    points.swap(0, 1);
-                }
-                points
-            }),
-        }
-    }
-}
-
-fn sorted_names(checker: &CollisionChecker, a: BodyId, b: BodyId) -> [String; 2] {
-    let mut names = [a, b].map(|body| checker.body_name(body).to_owned());
-    names.sort();
-    names
-}
-
-/// One line per state, and a summary.
-fn text(output: &CheckOutput) -> String {
-    let mut lines: Vec<String> =
-        (output.results.iter().enumerate()).flat_map(|(i, r)| state_lines(i, r)).collect();
-    let free = output.results.iter().filter(|r| r.free).count();
-    lines.push(format!(
-        "{}: {free} of {} states free; {} pairs checked; loaded in {:.3} s",
-        output.robot,
-        output.results.len(),
-        output.pairs_checked,
-        output.load_seconds
-    ));
-    if let Some(t) = output.timing {
-        lines.push(format!(
-            "{:.3} µs a state (best of {} passes; median {:.3} µs)",
-            t.us_min, t.passes, t.us_median
-        ));
-    }
-    lines.iter().map(|line| on_one_line(line)).collect::<Vec<_>>().join("\n")
-}
-
-fn state_lines(index: usize, result: &StateResult) -> Vec<String> {
-    let verdict = match (result.self_collision, result.world_collision) {
-        (false, false) => "free",
-        (true, false) => "COLLIDING with itself",
-        (false, true) => "COLLIDING with the world",
-        (true, true) => "COLLIDING with itself and the world",
-    };
-    let distance = result.distance.as_ref().map_or_else(String::new, |d| match (d.distance, &d.nearest) {
-        (Some(m), Some([a, b])) => format!(", least distance {m:.6} m: {a} – {b}"),
-        _ => ", nothing within the limit".to_owned(),
-    });
-    let first = format!("state {index}: {verdict}{distance}");
-    let pairs = result.pairs.iter().flatten();
-    let distances = result.pair_distances.iter().flatten();
-    (std::iter::once(first))
-        .chain(pairs.map(|[a, b]| format!("  {a} – {b}")))
-        .chain(distances.map(|(a, b, m)| format!("  {m:.6} m: {a} – {b}")))
-        .collect()
 }

@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
+use clearance::checker::PairKind;
 use clearance::monitor::Evaluation;
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
@@ -49,6 +50,8 @@ struct Row {
     reason: String,
     nearest: String,
     distance: String,
+    /// By kind of pairs: the least distance and its pair.
+    by_kind: [String; 2],
     /// Joint states evaluated per second.
     rate: f64,
     /// Mean time of a check (µs).
@@ -72,7 +75,9 @@ impl Row {
             }
             _ => ("-".to_owned(), "-".to_owned()),
         };
+        let of_kind = |kind| evaluation.and_then(|j| j.least_distance(kind));
         Self {
+            by_kind: PairKind::ALL.map(|kind| of_kind(kind).unwrap_or_else(|| "-".to_owned())),
             status: evaluation.map_or("UNKNOWN", |j| j.status.word()),
             reason: (evaluation.and_then(|j| j.status.reason()))
                 .map_or_else(String::new, ToString::to_string),
@@ -205,9 +210,9 @@ fn draw(latest: &Latest, ended: &AtomicBool, hints: &[String]) {
         drop(table.println(hint));
     }
     drop(table.println(""));
-    let labels = ["status", "nearest", "distance", "rate", "a check"];
+    let labels = ["status", "nearest", "distance", "self", "world", "rate", "a check"];
     let lines = labels.map(labelled);
-    let [status, nearest, distance, rate, check] = &lines;
+    let [status, nearest, distance, of_self, of_world, rate, check] = &lines;
     let mut window = Window::new(latest.read());
     while !ended.load(Ordering::Relaxed) && !clearance_ros::is_ending() {
         let row = window.row(&latest.read());
@@ -220,6 +225,9 @@ fn draw(latest: &Latest, ended: &AtomicBool, hints: &[String]) {
         status.set_message(format!("{} {}", row.status, row.reason).trim_end().to_owned());
         nearest.set_message(row.nearest);
         distance.set_message(row.distance);
+        for (line, text) in [of_self, of_world].into_iter().zip(row.by_kind) {
+            line.set_message(text);
+        }
         rate.set_message(format!("{:.0} joint states per second", row.rate));
         check.set_message(format!("{:.0} µs, {} pairs", row.microseconds, row.pairs));
         thread::sleep(REFRESH);
@@ -258,8 +266,16 @@ fn print_lines(latest: &Latest, ended: &AtomicBool, hints: &[String]) {
         let row = Row::new(&before.1, &seen, before.0.elapsed());
         before = (Instant::now(), seen);
         print(&format!(
-            "{:9} nearest: {}, {}; {:.0} joint states per second, {:.0} µs a check, {} pairs {}",
-            row.status, row.nearest, row.distance, row.rate, row.microseconds, row.pairs, row.reason
+            "{:9} nearest: {}, {}; {:.0} joint states per second, {:.0} µs a check, {} pairs; self: {}; world: {} {}",
+            row.status,
+            row.nearest,
+            row.distance,
+            row.rate,
+            row.microseconds,
+            row.pairs,
+            row.by_kind[0],
+            row.by_kind[1],
+            row.reason
         ));
     }
 }

@@ -7,6 +7,9 @@ mod assignments;
 mod bench;
 mod certificate_summary;
 mod check;
+mod check_contacts;
+mod check_gradient;
+mod check_output;
 #[cfg(feature = "ros")]
 mod demo;
 #[cfg(feature = "ros")]
@@ -25,6 +28,7 @@ mod replay;
 mod run_args;
 mod state_files;
 mod states;
+mod summary;
 mod timing;
 mod verify;
 #[cfg(feature = "ros")]

@@ -19,6 +19,7 @@ use super::model_args::{ModelArgs, WorldArgs};
 use super::motion_args::MotionInputArgs;
 use super::progress::Progress;
 use super::run_args::{Format, RunArgs, Stats, internal, positive, print_line};
+use super::summary::Summary;
 use super::timing::{self, Timing};
 
 #[derive(Args)]
@@ -194,7 +195,7 @@ impl MotionArgs {
     fn options(&self) -> Result<MotionOptions, Failure> {
         self.deadline.map(|s| positive("--deadline", s)).transpose()?;
         if self.swept_volumes.is_some() && self.run.format == Format::Text {
-            return Err(Failure::Input("--swept-volumes are told with --format json only".to_owned()));
+            return Err(Failure::Input("--swept-volumes needs --format json".to_owned()));
         }
         Ok(MotionOptions {
             tolerance: positive("--tolerance", self.tolerance)?,
@@ -395,19 +396,15 @@ impl MotionResult {
 fn text(output: &MotionOutput) -> String {
     let mut lines: Vec<String> =
         (output.results.iter().enumerate()).map(|(i, r)| format!("motion {i}: {}", r.text())).collect();
-    let free = output.results.iter().filter(|r| r.verdict == "free").count();
-    lines.push(format!(
-        "{}: {free} of {} motions free; {} pairs checked; loaded in {:.3} s",
-        output.robot,
-        output.results.len(),
-        output.pairs_checked,
-        output.load_seconds
-    ));
-    if let Some(t) = output.timing {
-        lines.push(format!(
-            "{:.3} µs a motion (best of {} passes; median {:.3} µs)",
-            t.us_min, t.passes, t.us_median
-        ));
-    }
+    let summary = Summary {
+        robot: &output.robot,
+        item: "motion",
+        free: output.results.iter().filter(|r| r.verdict == "free").count(),
+        count: output.results.len(),
+        pairs_checked: output.pairs_checked,
+        load_seconds: output.load_seconds,
+        timing: output.timing,
+    };
+    lines.extend(summary.lines());
     lines.iter().map(|line| on_one_line(line)).collect::<Vec<_>>().join("\n")
 }

@@ -153,10 +153,10 @@ impl VerifiedInput<'_> {
         let summary = Summary::new(self.robot, self.settings, self.certificate);
         let about = match (&expected.motion, expected.any_obstacle_motion && summary.moves_obstacles()) {
             (None, _) => {
-                "it was not told which motion is expected: compare the above, or give --from and --to, --edges or --trajectory"
+                "no expected motion was given: compare the above, or give --from and --to, --edges or --trajectory"
             }
             (Some(_), true) => {
-                "this is the expected motion of the robot; how obstacles are expected to move was not told (--moving)"
+                "this is the expected motion of the robot; how obstacles are expected to move was not given (--moving)"
             }
             (Some(_), false) => "this is the expected motion",
         };

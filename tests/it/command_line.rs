@@ -8,13 +8,13 @@ use serde_json::Value;
 use crate::program::clearance;
 
 const ARM: [&str; 4] = ["--urdf", "urdf/demo_arm/demo_arm.urdf", "--srdf", "urdf/demo_arm/demo_arm.srdf"];
-const TWO_LINK: [&str; 2] = ["--urdf", "urdf/two_link/two_link.urdf"];
+pub const TWO_LINK: [&str; 2] = ["--urdf", "urdf/two_link/two_link.urdf"];
 
-fn check(model: &[&str], arguments: &[&str]) -> Output {
+pub fn check(model: &[&str], arguments: &[&str]) -> Output {
     clearance(&[&["check"], model, arguments].concat())
 }
 
-fn json(output: &Output) -> Value {
+pub fn json(output: &Output) -> Value {
     serde_json::from_slice(&output.stdout).unwrap_or_else(|e| panic!("{e}: {output:?}"))
 }
 
@@ -81,6 +81,10 @@ fn json_of_every_query() {
     assert!((result["distance"].as_f64().unwrap() - 0.7).abs() < 1e-9, "{result}");
     assert_eq!(result["nearest"], serde_json::json!(["base", "tip"]));
     assert_eq!(result["witness_points"].as_array().unwrap().len(), 2);
+    for field in ["distance", "nearest", "witness_points"] {
+        assert_eq!(result[format!("self_{field}")], result[field]);
+        assert_eq!(result[format!("world_{field}")], serde_json::Value::Null);
+    }
 
     let limited = json(&check(&TWO_LINK, &[&straight[..], &["distance", "--limit", "0.5"]].concat()));
     let result = &limited["results"][0];
@@ -90,6 +94,40 @@ fn json_of_every_query() {
     assert_eq!(answer["results"][0]["pair_distances"][0][1], "tip");
     assert_eq!(answer["timing"]["passes"], 3);
     assert!(answer["timing"]["us_min"].as_f64().unwrap() <= answer["timing"]["us_median"].as_f64().unwrap());
+}
+
+/// Rows of the gradient are in the order of the joints, and of the pairs; they equal differences of distances.
+#[test]
+fn gradient_of_pair_distances() {
+    let answer = |joint2: f64| {
+        let state = format!("joint1=0.3 joint2={joint2}");
+        let words = ["--state", &state, "--format", "json", "--query", "pair-distances", "--gradient"];
+        json(&check(&TWO_LINK, &words))["results"][0].clone()
+    };
+    let result = answer(1.0);
+    let number = |value: &Value| value.as_f64().unwrap();
+    let distance = number(&result["pair_distances"][0][2]);
+    assert_eq!(number(&result["signed_distances"][0]), distance);
+    assert_eq!(result["signed_distance_bounds"][0], serde_json::json!([distance, distance]));
+    assert_eq!(result["witness_counts"], serde_json::json!(["one"]));
+    let row = result["gradient"][0].as_array().unwrap();
+    let step = 1e-4;
+    let [after, before] =
+        [1.0 + step, 1.0 - step].map(|joint2| number(&answer(joint2)["pair_distances"][0][2]));
+    assert_eq!((row.len(), result["gradient"].as_array().unwrap().len()), (2, 1));
+    assert!(
+        number(&row[0]).abs() < 1e-12 && (number(&row[1]) - (after - before) / (2.0 * step)).abs() < 1e-6
+    );
+    // from the first name of the pair to the second, as the points
+    for k in 0..3 {
+        let [p, q] = [0, 1].map(|body| number(&result["pair_witness_points"][0][body][k]));
+        assert!((number(&result["normals"][0][k]) - (q - p) / distance).abs() < 1e-9);
+    }
+    let overlapping = answer(std::f64::consts::PI);
+    assert!(number(&overlapping["signed_distances"][0]) < 0.0 && overlapping["pair_distances"][0][2] == 0.0);
+    let text = check(&TWO_LINK, &["--state", "joint2=1", "--query", "pair-distances", "--gradient"]);
+    assert!(String::from_utf8_lossy(&text.stdout).contains("gradient [0.0000, -"), "{text:?}");
+    assert_bad_input(&check(&TWO_LINK, &["--state", "", "--gradient"]), &["--gradient", "pair-distances"]);
 }
 
 #[test]

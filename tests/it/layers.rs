@@ -17,7 +17,7 @@ const CRATES: [(&str, &[&str]); 10] = [
 ];
 
 /// Modules that share a crate, and those of them that each may use.
-const MODULES: [(&str, &[&str]); 15] = [
+const MODULES: [(&str, &[&str]); 16] = [
     ("crates/geometry/src/constants", &[]),
     ("crates/geometry/src/math", &["constants"]),
     ("crates/geometry/src/simd", &[]),
@@ -36,6 +36,10 @@ const MODULES: [(&str, &[&str]); 15] = [
         &["bounding_volume", "bvh", "elements", "body", "narrow_phase", "search"],
     ),
     ("crates/proximity/src/penetration_depth", &["elements", "body", "narrow_phase", "search"]),
+    (
+        "crates/proximity/src/contacts",
+        &["bounding_volume", "bvh", "elements", "body", "narrow_phase", "search", "penetration_depth"],
+    ),
 ];
 
 /// Foreign crates that one manifest alone depends on.

@@ -12,11 +12,13 @@ use crate::other_shapes;
 use crate::random::Random;
 use crate::tally::{json, shared_folder};
 
-const QUESTIONS: [Question; 6] = [
+const QUESTIONS: [Question; 8] = [
     Question::Free,
     Question::Pairs,
     Question::Distance { limit: 0.1 },
     Question::Distance { limit: f64::INFINITY },
+    Question::SelfAndWorldDistance { limit: 0.3 },
+    Question::SelfAndWorldDistance { limit: f64::INFINITY },
     Question::PairDistances { limit: 0.2 },
     Question::Survey { influence_distance: 0.05, limit: 1.0 },
 ];
@@ -116,7 +118,7 @@ fn a_stream_may_ask_anything_and_change_its_checker() {
     let [twin, _] = self::checkers();
     let mut streaming = checkers[0].streaming_workspace();
     for (i, q) in walk(&checkers[0], &mut random, 6, 40).iter().enumerate() {
-        let question = QUESTIONS[random.below(6) as usize];
+        let question = QUESTIONS[random.below(8) as usize];
         let single = checkers[0].check(q, question, &mut checkers[0].workspace());
         let asked = if i % 7 == 0 { &twin } else { &checkers[0] };
         let streamed = asked.check(q, question, &mut streaming);
@@ -199,7 +201,7 @@ fn a_workspace_suits_every_checker() {
         let q = random_state(checker, &mut random);
         let workspace = &mut workspaces[i % 3];
         assert_eq!(checker.is_free(&q, workspace), checker.is_free(&q, &mut checker.workspace()));
-        let question = QUESTIONS[random.below(6) as usize];
+        let question = QUESTIONS[random.below(8) as usize];
         let fresh = checker.check(&q, question, &mut checker.workspace());
         assert_eq!(without_work(checker.check(&q, question, workspace)), without_work(fresh));
     }

@@ -110,7 +110,13 @@ class Companions:
     It publishes one message on each of them with every state, so that equal sequence numbers are about the same state.
     """
 
-    KINDS = {"is_free": Bool, "distance": Float64, "speed_scale": Float64}
+    KINDS = {
+        "is_free": Bool,
+        "distance": Float64,
+        "self_distance": Float64,
+        "world_distance": Float64,
+        "speed_scale": Float64,
+    }
 
     def __init__(self, cell, kinds=KINDS):
         self._states = cell.states
@@ -140,7 +146,8 @@ def repeats(state):
 
     def said(state):
         # by their text: NaN is unequal to itself
-        return repr((state.status, state.reason_code, state.nearest, state.distance_known, state.time_to_contact))
+        nearest = state.nearest, state.distance_known, state.self_distance, state.world_distance
+        return repr((state.status, state.reason_code, nearest, state.time_to_contact))
 
     expected = said(state)
     return lambda later: said(later) == expected

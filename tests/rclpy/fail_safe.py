@@ -21,7 +21,13 @@ PAGE = "docs/reference/fail_safe.md"
 HEADING = "## Conditions"
 STATUS = {"UNKNOWN": {CollisionState.UNKNOWN}, "as found": {CollisionState.FREE, CollisionState.COLLIDING}}
 # What is published beside `~/state` when nothing is known.
-NOTHING_KNOWN = {"is_free": lambda data: not data, "speed_scale": lambda data: data == 0, "distance": isnan}
+NOTHING_KNOWN = {
+    "is_free": lambda data: not data,
+    "speed_scale": lambda data: data == 0,
+    "distance": isnan,
+    "self_distance": isnan,
+    "world_distance": isnan,
+}
 SIMULATED = {"use_sim_time": True, "stale_after": 5.0}
 HEARTBEATS = 3
 OUT_OF_MEMORY = 5  # exit code

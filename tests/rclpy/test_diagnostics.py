@@ -12,7 +12,7 @@ import two_link
 ZERO = {"joint1": 0.0, "joint2": 0.0}
 JOINT_STATES = 20
 FLOOD = 5000
-TOTALS = ("joint states heard", "joint states judged", "joint states passed over", "joint states lost", "messages dropped")
+TOTALS = ("joint states received", "joint states evaluated", "joint states passed over", "joint states lost", "messages dropped")
 
 
 class Diagnostics:
@@ -90,7 +90,7 @@ def test_a_warning_is_no_error(cell, diagnostics):
 
 def test_the_numbers_of_the_last_report_are_told(cell, diagnostics):
     cell.judged(joint1=0, joint2=0)
-    told = values(diagnostics.after(cell.peer.now(), "joint states judged in this report"))
+    told = values(diagnostics.after(cell.peer.now(), "joint states evaluated in this report"))
     assert float(told["joint states per second"]) > 0
     assert float(told["seconds of this report"]) > 0
     assert 0 < float(told["mean compute time (ms)"]) <= float(told["longest compute time (ms)"])
@@ -113,8 +113,8 @@ def test_every_joint_state_is_counted_once(start):
     after = totals(diagnostics.after(cell.peer.now()))
 
     grown = {name: after[name] - before[name] for name in after}
-    assert grown["joint states heard"] == JOINT_STATES
-    assert grown["joint states judged"] == JOINT_STATES
+    assert grown["joint states received"] == JOINT_STATES
+    assert grown["joint states evaluated"] == JOINT_STATES
     assert grown["joint states passed over"] == grown["joint states lost"] == grown["messages dropped"] == 0
 
 
@@ -130,8 +130,8 @@ def test_joint_states_that_never_came_are_counted_as_lost(start):
     after = totals(diagnostics.after(cell.peer.now()))
 
     grown = {name: after[name] - before[name] for name in after}
-    assert grown["joint states heard"] == grown["joint states judged"] + grown["joint states passed over"]
-    assert grown["joint states heard"] + grown["joint states lost"] == sent
+    assert grown["joint states received"] == grown["joint states evaluated"] + grown["joint states passed over"]
+    assert grown["joint states received"] + grown["joint states lost"] == sent
 
 
 def publish_until_answered(cell):

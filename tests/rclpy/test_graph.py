@@ -12,6 +12,8 @@ PUBLISHED = {
     "~/state": "clearance_msgs/msg/CollisionState",
     "~/is_free": "std_msgs/msg/Bool",
     "~/distance": "std_msgs/msg/Float64",
+    "~/self_distance": "std_msgs/msg/Float64",
+    "~/world_distance": "std_msgs/msg/Float64",
     "~/speed_scale": "std_msgs/msg/Float64",
     "~/time_to_contact": "std_msgs/msg/Float64",
     "~/certificates": "std_msgs/msg/String",

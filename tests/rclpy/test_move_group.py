@@ -72,11 +72,11 @@ def test_one_that_has_no_robot_yet_tells_nothing(start, domain_id):
 
     def forget(asked):
         # until the node has heard it: the first answer may come too late for the node
-        asked.scene.robot_model_name = "two_link" if "tells the scene of no robot" in cell.node.output() else ""
+        asked.scene.robot_model_name = "two_link" if "returns a scene without a robot" in cell.node.output() else ""
 
     with MoveGroup(domain_id, SERVICE, full(ball("a", 2.3)), forget):
         wait_for_names(cell, "a")
-    assert "tells the scene of no robot" in cell.node.output()
+    assert "returns a scene without a robot" in cell.node.output()
 
 
 def test_one_that_is_started_again_is_asked_again(start, domain_id):

@@ -11,7 +11,7 @@ from scene import attached, ball, box, cube_mesh, cylinder, diff, fine_mesh, obs
 from scene_client import SceneClient, bodies, colliding, distances
 from states import States
 from two_link import JOINTS
-from two_link_cell import ACCURACY, FOLDED, HELD, NEARBY, ON_BASE, SRDF, STRETCHED, cell  # noqa: F401 (a fixture)
+from two_link_srdf import ACCURACY, FOLDED, HELD, NEARBY, ON_BASE, SRDF, STRETCHED, cell  # noqa: F401 (a fixture)
 
 
 # get_planning_scene

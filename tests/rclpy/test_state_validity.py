@@ -11,7 +11,7 @@ from std_msgs.msg import String
 from scene import attached, ball, cube_mesh, detachment, diff, matrix, obstacle, pose, sphere, xyz
 from scene_client import SceneClient, distance
 from two_link import description, description_with_fine_base
-from two_link_cell import ACCURACY, FOLDED, HELD, ON_BASE, STRETCHED, cell  # noqa: F401 (a fixture)
+from two_link_srdf import ACCURACY, FOLDED, HELD, ON_BASE, STRETCHED, cell  # noqa: F401 (a fixture)
 
 
 def contacts(answer):

@@ -90,7 +90,7 @@ def test_ctrl_c_leaves_one_table_behind(domain_id):
     terminal.read_until(lambda lines: False, START_DEADLINE)
     assert terminal.wait() == 0
     lines = terminal.screen()
-    for label in "status", "nearest", "distance", "rate", "a check":
+    for label in "status", "nearest", "distance", "self", "world", "rate", "a check":
         assert sum(re.match(rf" *{label}  ", line) is not None for line in lines) == 1, "\n".join(lines)
 
 

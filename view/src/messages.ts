@@ -16,6 +16,12 @@ export interface Pair {
   witness_points: [Point, Point];
 }
 
+/** The nearest pair of one kind: not known, or none within the distance limit, or this one. */
+export interface Nearest {
+  known: boolean;
+  pair: Pair | null;
+}
+
 /** Lengths in metres, times in seconds. */
 export interface Update {
   status: Status;
@@ -31,6 +37,8 @@ export interface Update {
   pairs_checked?: number;
   free_for?: number | null;
   nearest?: Pair | null;
+  self_nearest?: Nearest;
+  world_nearest?: Nearest;
   near?: Pair[];
   near_count?: number;
   colliding?: [BodyName, BodyName][];

@@ -1,7 +1,7 @@
 // Status, numbers and pairs as text.
 
 import type { Geometry } from "./geometry";
-import type { BodyName, Update } from "./messages";
+import type { BodyName, Nearest, Update } from "./messages";
 import { duration, length } from "./units";
 
 /** Pairs that are listed. */
@@ -43,6 +43,8 @@ export function showUpdate(update: Update): void {
   write("status", update.status);
   write("reason", update.reason ?? "");
   showDistance(update);
+  write("self-distance", distanceAndPair(update.self_nearest));
+  write("world-distance", distanceAndPair(update.world_nearest));
   write("pairs-checked", `${update.pairs_checked ?? NOTHING}`);
   write("age", duration(update.age));
   write("compute-time", duration(update.compute_time));
@@ -62,6 +64,11 @@ function showDistance({ status, nearest, colliding }: Update): void {
     write("distance", colliding?.length ? length(0) : "far");
     write("nearest", colliding?.length ? "" : "nothing within the distance limit");
   }
+}
+
+function distanceAndPair(nearest: Nearest | undefined): string {
+  if (!nearest?.known) return NOTHING;
+  return nearest.pair ? `${length(nearest.pair.distance)}, ${pairName(nearest.pair.bodies)}` : "far";
 }
 
 function showPairs(update: Update): void {

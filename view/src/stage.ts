@@ -217,8 +217,9 @@ export class Stage {
   private showFindings(update: Update): void {
     dispose(this.findings);
     const pairs = [...(update.near ?? [])];
-    const { nearest } = update;
-    if (nearest && !pairs.some((pair) => isSame(pair, nearest))) pairs.unshift(nearest);
+    for (const nearest of [update.world_nearest?.pair, update.self_nearest?.pair, update.nearest]) {
+      if (nearest && !pairs.some((pair) => isSame(pair, nearest))) pairs.unshift(nearest);
+    }
     const apart = pairs.filter((pair) => pair.distance > 0);
     if (apart.length === 0) return;
     const geometry = new LineSegmentsGeometry().setPositions(apart.flatMap((pair) => pair.witness_points.flat()));

@@ -6,6 +6,7 @@ use clearance::robot::LinkId;
 use clearance::scene::BodyId;
 
 /// An answer as the library gives it; it is put into words only where it is compared, never where it is timed.
+#[expect(clippy::large_enum_variant, reason = "it is timed, and lives only until it is compared")]
 pub enum Answer {
     Free(bool),
     /// The numbers of the colliding pairs.

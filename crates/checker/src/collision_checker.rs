@@ -14,11 +14,12 @@ use crate::motion::{
     self, CertificateConstants, CertificateSubject, CheckedMotion, LookAhead, MotionCheck, MotionOptions,
     MotionReport, MovingState, SweptVolume, TrajectoryReport,
 };
-use crate::pairs::CheckedPairs;
+use crate::pair_kind::PairKind;
+use crate::pairs::{CheckedPairs, PosedPair};
 use crate::revision::Revision;
 use crate::robot::{self, LinkVolume, RobotBody};
 use crate::settings_error::SettingsError;
-use crate::state::Contact;
+use crate::state::{Contact, FoundContact, PairContacts};
 use crate::workspace::Workspace;
 use crate::world::PlacedObstacle;
 
@@ -115,6 +116,19 @@ impl CollisionChecker {
     #[must_use]
     pub fn pairs(&self) -> &PairList {
         self.pairs.world().pair_list()
+    }
+
+    /// Begins a query: adapts the workspace to this checker.
+    pub(crate) fn begin(&self, workspace: &mut Workspace) -> &CheckedPairs {
+        workspace.adapt(self.identity, &self.pairs);
+        workspace.reset_work();
+        &self.pairs
+    }
+
+    /// True if there are pairs of this kind that are checked.
+    #[must_use]
+    pub fn checks(&self, kind: PairKind) -> bool {
+        self.pairs.include(kind)
     }
 
     #[cfg(test)]
@@ -250,10 +264,56 @@ impl CollisionChecker {
         bodies: (BodyId, BodyId),
         workspace: &mut Workspace,
     ) -> Option<Contact> {
+        self.in_pair(q, bodies, workspace, |pair, index, scratch| {
+            FoundContact::of_pair(pair, || self.pairs.solids(index), scratch).map(|found| found.contact)
+        })
+    }
+
+    /// The contacts of a pair of the pair list in the state `q`, at most `max_contacts` and at least the deepest;
+    /// `None` if the bodies are apart, or if this is no such pair.
+    ///
+    /// The deepest is that of [`Self::contact`], except that its point is always in both bodies. The others are spread
+    /// over the region of contact ([`contact_points`](clearance_proximity::contact_points)): the corners of a box on a
+    /// table, all feet of a chair. They take as long as a few queries of distances, tens of milliseconds for huge
+    /// meshes. The result does not depend on earlier queries.
+    #[must_use]
+    pub fn contacts(
+        &self,
+        q: &Configuration,
+        bodies: (BodyId, BodyId),
+        max_contacts: usize,
+        workspace: &mut Workspace,
+    ) -> Option<PairContacts> {
+        self.in_pair(q, bodies, workspace, |pair, index, scratch| {
+            PairContacts::of_pair(pair, || self.pairs.solids(index), max_contacts, scratch)
+        })
+    }
+
+    /// As [`Self::contact`], but without normal and depth unless only the paddings overlap: for callers without time.
+    #[must_use]
+    pub fn common_point(
+        &self,
+        q: &Configuration,
+        bodies: (BodyId, BodyId),
+        workspace: &mut Workspace,
+    ) -> Option<Contact> {
+        self.in_pair(q, bodies, workspace, |pair, _, scratch| {
+            FoundContact::without_depth(pair, scratch).map(|found| found.contact)
+        })
+    }
+
+    /// Evaluates a pair of the pair list, with its number, in the state `q`.
+    fn in_pair<T>(
+        &self,
+        q: &Configuration,
+        bodies: (BodyId, BodyId),
+        workspace: &mut Workspace,
+        evaluate: impl FnOnce(&PosedPair, usize, &mut Scratch) -> Option<T>,
+    ) -> Option<T> {
         workspace.adapt(self.identity, &self.pairs);
         let index = self.pairs.number_of(bodies)?;
         let (robot, scratch) = workspace.place(&self.pairs, q);
-        Contact::of_pair(&self.pairs.pair(index, robot.frames()), || self.pairs.solids(index), scratch)
+        evaluate(&self.pairs.pair(index, robot.frames()), index, scratch)
     }
 
     /// Upper bound (m) on the change of any distance while joints move between two configurations; infinite where there

@@ -5,6 +5,8 @@ use clearance_geometry::math::{Extremes, Point};
 use clearance_proximity::Work;
 use clearance_scene::BodyId;
 
+use crate::pair_kind::{PairKind, SearchedPairs};
+
 /// Extent of a query on one state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Question {
@@ -17,13 +19,19 @@ pub enum Question {
         /// Larger distances (m) are not reported.
         limit: f64,
     },
+    /// As [`Self::Distance`], with the least distance of self pairs and that of world pairs: two searches. A work budget
+    /// ([`Effort::exact_cost`](clearance_proximity::Effort::exact_cost)) or a deadline serves the self pairs first.
+    SelfAndWorldDistance {
+        /// Larger distances (m) are not reported.
+        limit: f64,
+    },
     /// All colliding pairs, and the distance of every pair not farther apart than `limit` (m).
     PairDistances {
         /// Larger distances (m) are not reported.
         limit: f64,
     },
-    /// Query of a monitor: as [`Self::PairDistances`] up to `influence_distance` (m), and the least distance even if it
-    /// is larger, up to `limit` (m).
+    /// Query of a monitor: as [`Self::PairDistances`] up to `influence_distance` (m), and the least distances of self
+    /// pairs and of world pairs even if they are larger, up to `limit` (m).
     Survey {
         /// Up to this distance (m), the distance of every pair is reported.
         influence_distance: f64,
@@ -62,22 +70,51 @@ pub struct UndecidedPair {
     pub upper: f64,
 }
 
+impl PairDistance {
+    /// Whether this is a self pair or a world pair.
+    #[must_use]
+    pub fn kind(&self) -> PairKind {
+        PairKind::of_second(self.b)
+    }
+}
+
+impl UndecidedPair {
+    /// Whether this is a self pair or a world pair.
+    #[must_use]
+    pub fn kind(&self) -> PairKind {
+        PairKind::of_second(self.b)
+    }
+}
+
 /// Result of a query on one state.
+///
+/// Without tolerances and deadline, the results for self pairs (`self_collision`, `nearest_self`) are, bit for bit, those
+/// of a checker with `Settings::check_world` off, and the results for world pairs those of a checker with
+/// `Settings::check_self` off. `nearest` is the nearer of the two, the self pair if they are equally near.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CollisionReport {
     /// True if two bodies of the robot collide.
     pub self_collision: bool,
     /// True if a body of the robot collides with an obstacle.
     pub world_collision: bool,
-    /// Colliding pairs: all of them, or for [`Question::Free`] and [`Question::Distance`] the first of each kind.
+    /// Colliding pairs: all of them, or for [`Question::Free`], [`Question::Distance`] and
+    /// [`Question::SelfAndWorldDistance`] the first of each kind.
     pub colliding_pairs: Vec<(BodyId, BodyId)>,
     /// The least distance, if the query includes distances and something is within its limit.
     pub nearest: Option<PairDistance>,
+    /// The least distance between two bodies of the robot, if some are within the limit and the deadline did not leave it
+    /// open ([`Self::is_nearest_certain`]). Not part of [`Question::Distance`].
+    pub nearest_self: Option<PairDistance>,
+    /// The same between a body of the robot and an obstacle.
+    pub nearest_world: Option<PairDistance>,
     /// For [`Question::PairDistances`] and [`Question::Survey`]: every pair within the limit, in the order of the pair
     /// list.
     pub pair_distances: Vec<PairDistance>,
     /// Pairs left undecided at the deadline; one pair may occur twice. Empty without a deadline.
     pub undecided: Vec<UndecidedPair>,
+    /// For [`Question::Survey`] with a deadline: the kind of pairs whose least distance beyond the influence distance the
+    /// deadline left open. This makes neither the state nor `nearest` uncertain.
+    pub unfinished: Option<PairKind>,
     /// Volume tests and primitive tests that the query took.
     pub work: Work,
 }
@@ -86,8 +123,57 @@ impl CollisionReport {
     /// True only if every pair that had to be checked is proven apart.
     #[must_use]
     pub fn is_free(&self) -> bool {
-        let apart = self.undecided.iter().all(|pair| pair.lower > CONTACT_DISTANCE);
-        !self.self_collision && !self.world_collision && apart
+        self.are_free(SearchedPairs::All)
+    }
+
+    /// As [`Self::is_free`], for some of the pairs.
+    fn are_free(&self, pairs: SearchedPairs) -> bool {
+        let mut kinds = PairKind::ALL.into_iter().filter(|kind| pairs.include(*kind));
+        let mut open = self.undecided.iter().filter(|pair| pairs.include(pair.kind()));
+        !kinds.any(|kind| self.has_collision(kind)) && open.all(|pair| pair.lower > CONTACT_DISTANCE)
+    }
+
+    /// True if pairs of this kind collide.
+    #[must_use]
+    pub fn has_collision(&self, kind: PairKind) -> bool {
+        match kind {
+            PairKind::SelfPair => self.self_collision,
+            PairKind::WorldPair => self.world_collision,
+        }
+    }
+
+    /// The least distance of the pairs of one kind: `nearest_self` or `nearest_world`.
+    #[must_use]
+    pub fn nearest_of(&self, kind: PairKind) -> Option<&PairDistance> {
+        match kind {
+            PairKind::SelfPair => self.nearest_self.as_ref(),
+            PairKind::WorldPair => self.nearest_world.as_ref(),
+        }
+    }
+
+    /// False if the deadline left pairs of this kind undecided, of which one may be the nearest.
+    #[must_use]
+    pub fn is_nearest_certain(&self, kind: PairKind) -> bool {
+        self.unfinished != Some(kind) && self.undecided.iter().all(|pair| pair.kind() != kind)
+    }
+
+    /// The least distance (m) of the pairs of one kind: 0 if some collide, infinite if none is within the limit, NaN if
+    /// the deadline left it open.
+    #[must_use]
+    pub fn distance_of(&self, kind: PairKind) -> f64 {
+        match self.known_nearest_of(kind) {
+            _ if self.has_collision(kind) => 0.0,
+            Some(nearest) => nearest.distance,
+            None if self.is_nearest_certain(kind) => f64::INFINITY,
+            None => f64::NAN,
+        }
+    }
+
+    /// As [`Self::nearest_of`], unless the deadline left open whether another pair is nearer.
+    #[must_use]
+    pub fn known_nearest_of(&self, kind: PairKind) -> Option<&PairDistance> {
+        let is_known = |nearest: &&PairDistance| nearest.distance == 0.0 || self.is_nearest_certain(kind);
+        self.nearest_of(kind).filter(is_known)
     }
 
     /// Replaces the distance of every decided pair by its certain lower bound. Where tolerances left a gap, reported
@@ -95,50 +181,82 @@ impl CollisionReport {
     pub fn use_lower_bounds(&mut self) {
         let is_open =
             |pair: &PairDistance| self.undecided.iter().any(|open| (open.a, open.b) == (pair.a, pair.b));
-        for pair in self.pair_distances.iter_mut().chain(&mut self.nearest).filter(|pair| !is_open(pair)) {
+        let least = [&mut self.nearest, &mut self.nearest_self, &mut self.nearest_world];
+        let pairs = self.pair_distances.iter_mut().chain(least.into_iter().flatten());
+        for pair in pairs.filter(|pair| !is_open(pair)) {
             pair.distance = pair.lower;
         }
-        let nearest = self.pair_distances.iter().min_by(|a, b| a.distance.total_cmp(&b.distance));
-        self.nearest = nearest.copied().or(self.nearest);
+        for kind in PairKind::ALL {
+            let of_kind = self.pair_distances.iter().filter(|pair| pair.kind() == kind);
+            if let Some(nearest) = nearest_among(of_kind) {
+                *self.nearest_mut(SearchedPairs::Only(kind)) = Some(nearest);
+            }
+        }
+        let of_both_kinds = self.nearest_self.iter().chain(&self.nearest_world);
+        let nearest = nearest_among(self.pair_distances.iter()).or(nearest_among(of_both_kinds));
+        self.nearest = nearest.or(self.nearest);
     }
 
-    /// True if every distance is exact: no reported distance may be too large, and the deadline left nothing undecided.
+    /// True if every distance is exact: no reported distance may be too large, and the deadline left nothing open.
     #[must_use]
     pub fn is_exact(&self) -> bool {
         let is_exact = |pair: &PairDistance| pair.lower == pair.distance;
-        self.undecided.is_empty() && self.pair_distances.iter().chain(&self.nearest).all(is_exact)
+        self.undecided.is_empty() && self.unfinished.is_none() && self.distances().all(is_exact)
     }
 
     /// Lower bound (m) on the distances of all pairs within the query's limit; infinite if there are none.
     #[must_use]
     pub fn least_distance_lower(&self) -> f64 {
         let of_undecided = self.undecided.iter().map(|pair| pair.lower);
-        let of_decided = self.nearest.iter().chain(&self.pair_distances).map(|pair| pair.lower);
-        of_undecided.chain(of_decided).fold(f64::INFINITY, f64::lesser)
+        of_undecided.chain(self.distances().map(|pair| pair.lower)).fold(f64::INFINITY, f64::lesser)
     }
 
-    /// True if a collision with the same kind of body as `other` was already found.
-    fn has_collision_like(&self, other: BodyId) -> bool {
-        match other {
-            BodyId::Link(_) | BodyId::Attached(_) => self.self_collision,
-            BodyId::Obstacle(_) => self.world_collision,
+    /// All reported distances; some of them more than once.
+    fn distances(&self) -> impl Iterator<Item = &PairDistance> {
+        let least = self.nearest.iter().chain(&self.nearest_self).chain(&self.nearest_world);
+        least.chain(&self.pair_distances)
+    }
+
+    /// The least distance of some of the pairs.
+    pub(crate) fn nearest_mut(&mut self, pairs: SearchedPairs) -> &mut Option<PairDistance> {
+        match pairs {
+            SearchedPairs::All => &mut self.nearest,
+            SearchedPairs::Only(PairKind::SelfPair) => &mut self.nearest_self,
+            SearchedPairs::Only(PairKind::WorldPair) => &mut self.nearest_world,
         }
     }
 
-    /// Where two methods could differ, contact takes precedence: adds the nearest pair to the colliding pairs if its
-    /// distance is zero.
-    pub(crate) fn include_contact_of_nearest(&mut self) {
-        if let Some(touching) = self.nearest.filter(|n| n.distance == 0.0)
-            && !self.has_collision_like(touching.b)
+    /// Sets `nearest` to the nearer of `nearest_self` and `nearest_world`, with a lower bound on the distances of both.
+    pub(crate) fn set_nearest_of_both_kinds(&mut self) {
+        let both = || self.nearest_self.iter().chain(&self.nearest_world);
+        let lower = both().map(|pair| pair.lower).fold(f64::INFINITY, f64::lesser);
+        self.nearest = nearest_among(both()).map(|nearest| PairDistance { lower, ..nearest });
+    }
+
+    /// Records a pair that is the first one, or nearer than those before it.
+    pub(crate) fn note_distance(&mut self, found: &PairDistance) {
+        for pairs in [SearchedPairs::All, SearchedPairs::Only(found.kind())] {
+            let nearest = self.nearest_mut(pairs);
+            if nearest.is_none_or(|nearest| found.distance < nearest.distance) {
+                *nearest = Some(*found);
+            }
+        }
+    }
+
+    /// Where two methods could differ, contact takes precedence: adds the nearest of some pairs to the colliding pairs if
+    /// its distance is zero.
+    pub(crate) fn include_contact_of_nearest(&mut self, pairs: SearchedPairs) {
+        if let Some(touching) = self.nearest_mut(pairs).filter(|n| n.distance == 0.0)
+            && !self.has_collision(touching.kind())
         {
             self.add_collision((touching.a, touching.b));
         }
     }
 
-    /// Records a lower bound (m) on the distances of free pairs, for what tolerances left open.
-    pub(crate) fn raise_nearest_lower_bound(&mut self, beyond: f64) {
-        let is_free = self.is_free();
-        if let Some(nearest) = self.nearest.as_mut().filter(|_| is_free) {
+    /// Records a lower bound (m) on the distances of some pairs, if they are free, for what tolerances left open.
+    pub(crate) fn raise_nearest_lower_bound(&mut self, pairs: SearchedPairs, beyond: f64) {
+        let are_free = self.are_free(pairs);
+        if let Some(nearest) = self.nearest_mut(pairs).as_mut().filter(|_| are_free) {
             let least = beyond.greater(f64::MIN_POSITIVE).lesser(nearest.distance);
             nearest.lower = nearest.lower.greater(least);
         }
@@ -146,10 +264,15 @@ impl CollisionReport {
 
     /// Adds a colliding pair.
     pub(crate) fn add_collision(&mut self, pair: (BodyId, BodyId)) {
-        match pair.1 {
-            BodyId::Link(_) | BodyId::Attached(_) => self.self_collision = true,
-            BodyId::Obstacle(_) => self.world_collision = true,
+        match PairKind::of_second(pair.1) {
+            PairKind::SelfPair => self.self_collision = true,
+            PairKind::WorldPair => self.world_collision = true,
         }
         self.colliding_pairs.push(pair);
     }
+}
+
+/// The nearest pair; the first of equally near ones.
+fn nearest_among<'p>(pairs: impl Iterator<Item = &'p PairDistance>) -> Option<PairDistance> {
+    pairs.min_by(|a, b| a.distance.total_cmp(&b.distance)).copied()
 }

@@ -5,7 +5,10 @@
 //! | is this state free? (first hit) | [`CollisionChecker::is_free`] |
 //! | which pairs collide, how far apart are the others? | [`CollisionChecker::check`] |
 //! | the same for many states | [`CollisionChecker::are_free`], [`CollisionChecker::check_states`] |
+//! | how do signed distances change with the joints? | [`CollisionChecker::clearance`] |
+//! | the same for many states | [`CollisionChecker::clearances`] |
 //! | how deep do two bodies overlap? | [`CollisionChecker::contact`] |
+//! | where do two bodies touch? | [`CollisionChecker::contacts`] |
 //! | is a motion free? | [`CollisionChecker::check_motion`], [`CollisionChecker::check_trajectory`] |
 //! | the same, with a certificate | [`CollisionChecker::certify_motion`], [`CollisionChecker::certify_trajectory`] |
 //! | for how long can nothing touch? | [`CollisionChecker::look_ahead`] |
@@ -15,9 +18,11 @@
 #![deny(missing_docs)]
 
 mod capsules;
+mod clearance;
 mod collision_checker;
 mod collision_report;
 mod motion;
+mod pair_kind;
 mod pairs;
 mod remarks;
 mod revision;
@@ -27,14 +32,16 @@ mod state;
 mod workspace;
 mod world;
 
+pub use clearance::{Clearance, ClearanceCandidate, ClearanceOptions, PairClearance, WitnessCount};
 pub use collision_checker::CollisionChecker;
 pub use collision_report::{CollisionReport, PairDistance, Question, UndecidedPair};
 pub use motion::{
     LookAhead, MotionOptions, MotionOrder, MotionReport, MotionVerdict, SweptVolume, TrajectoryReport,
     UndecidedReason, Watch,
 };
+pub use pair_kind::PairKind;
 pub use remarks::{ConstantContacts, SolidMeshRemark, solid_mesh_remarks};
 pub use robot::LinkVolume;
 pub use settings_error::SettingsError;
-pub use state::Contact;
+pub use state::{Contact, LocalContact, PairContacts};
 pub use workspace::Workspace;

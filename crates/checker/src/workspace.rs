@@ -1,8 +1,9 @@
 //! Per-thread state of queries, owned by the caller.
 
-use clearance_proximity::{Effort, Scratch, Work};
+use clearance_proximity::{Effort, Scratch, WitnessPairs, Work};
 use clearance_robot::Configuration;
 
+use crate::clearance::{Clearance, ClearanceOptions, ClearanceQuery};
 use crate::collision_report::CollisionReport;
 use crate::motion::{MotionScratch, MotionWorkspace};
 use crate::pairs::{CheckedPairs, ObstacleScratch, PlacedRobot};
@@ -26,6 +27,7 @@ pub struct Workspace {
     obstacles: ObstacleScratch,
     distance: DistanceScratch,
     motion: MotionScratch,
+    witnesses: WitnessPairs,
     /// Scratch memory of the narrow phase, with the work counts.
     scratch: Scratch,
     /// Memory for streams of states.
@@ -42,6 +44,7 @@ impl Workspace {
             obstacles: ObstacleScratch::default(),
             distance: DistanceScratch::default(),
             motion: MotionScratch::default(),
+            witnesses: WitnessPairs::default(),
             scratch,
             stream: None,
         }
@@ -103,6 +106,26 @@ impl Workspace {
         };
         let evaluation = PairEvaluation { state, effort, report };
         StateQuery { evaluation, distance: &mut self.distance }
+    }
+
+    /// The memory for a clearance query on one state, which does not use a stream's memory.
+    pub(crate) fn clearance_query<'a>(
+        &'a mut self,
+        pairs: &'a CheckedPairs,
+        q: &'a Configuration,
+        options: &'a ClearanceOptions,
+        result: &'a mut Clearance,
+    ) -> ClearanceQuery<'a> {
+        let state = QueriedState {
+            pairs,
+            q,
+            robot: &mut self.robot,
+            broad_phase: &mut self.obstacles.broad_phase,
+            candidates: &mut self.candidates,
+            scratch: &mut self.scratch,
+            stream: None,
+        };
+        ClearanceQuery { state, options, witnesses: &mut self.witnesses, result }
     }
 
     /// The memory for a contact search in one state.

@@ -146,10 +146,17 @@ impl Triangle {
         inside.then(|| self.nearest_point(&on_segment()))
     }
 
-    /// Where the segment passes through the triangle.
-    fn pierced_by(&self, segment: &[Point; 2]) -> Option<Point> {
+    /// The point where a segment passes through the triangle; none for a segment in the triangle's plane.
+    #[must_use]
+    pub fn pierced_by(&self, segment: &[Point; 2]) -> Option<Point> {
         let [p, q] = segment;
         self.pierced_at(segment, [self.height(p), self.height(q)])
+    }
+
+    /// Points where edges of either triangle pierce the other: in general position, the two ends of the segment that both have in common.
+    pub fn crossing_points(&self, other: &Self) -> impl Iterator<Item = Point> {
+        let theirs = other.edges().into_iter().filter_map(|edge| self.pierced_by(&edge));
+        theirs.chain(self.edges().into_iter().filter_map(|edge| other.pierced_by(&edge)))
     }
 
     /// Nearest points of the triangle and a segment; the same point twice where it pierces.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use clearance_checker::{CollisionChecker, CollisionReport, LookAhead, PairDistance};
+use clearance_checker::{CollisionChecker, CollisionReport, LookAhead, PairDistance, PairKind};
 use clearance_geometry::math::Extremes;
 use clearance_robot::{Configuration, LinkPoses};
 use clearance_scene::AnchorFrames;
@@ -108,6 +108,8 @@ pub enum LeftOut {
     Nothing,
     /// The time to contact was not computed.
     LookAhead,
+    /// The look-ahead, and the larger one of the least distances to itself and to the world, were not computed.
+    FartherDistance,
     /// Some pairs were not checked.
     Pairs,
 }
@@ -197,6 +199,27 @@ impl Evaluation {
                 (checked_state.report.nearest.as_ref()).map_or(f64::INFINITY, |nearest| nearest.distance)
             }
         }
+    }
+
+    /// The least distance (m) of the pairs of one kind: NaN when it is unknown, infinite when none is within the distance
+    /// limit or checked.
+    #[must_use]
+    pub fn distance_of(&self, kind: PairKind) -> f64 {
+        self.checked_state.as_ref().map_or(f64::NAN, |checked_state| checked_state.report.distance_of(kind))
+    }
+
+    /// The nearest pair of one kind, if it is known and within the distance limit.
+    #[must_use]
+    pub fn nearest_of(&self, kind: PairKind) -> Option<&PairDistance> {
+        self.checked_state.as_ref()?.report.known_nearest_of(kind)
+    }
+
+    /// Description of the nearest pair of one kind: its distance and its bodies.
+    #[must_use]
+    pub fn least_distance(&self, kind: PairKind) -> Option<String> {
+        let (nearest, checker) = (self.nearest_of(kind)?, &self.revision.as_ref()?.checker);
+        let [a, b] = [nearest.a, nearest.b].map(|body| checker.body_name(body));
+        Some(format!("{:.4} m, {a} and {b}", nearest.distance))
     }
 
     /// Description of the first colliding pair, otherwise of the nearest pair with its distance; `None` if none is

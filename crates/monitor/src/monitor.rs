@@ -481,7 +481,7 @@ impl Monitor {
         let since_reception = messages.last().map_or(0.0, |last| last.since_reception(now));
         let of_revision = evaluator.iter().flat_map(|evaluator| &evaluator.revision.warnings);
         let of_model = (self.model_fault.as_ref().filter(|_| evaluator.is_some())).map(|fault| {
-            format!("the last robot description was refused, and the one before counts: {fault}")
+            format!("the last robot description was rejected, and the one before counts: {fault}")
         });
         let of_world = of_revision.chain(&self.world_faults);
         let of_model = of_model.into_iter().chain(self.unpositioned_warning(now));

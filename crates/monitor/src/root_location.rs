@@ -98,7 +98,7 @@ impl RootLocationWatch {
     pub fn warning(&self) -> Option<String> {
         let frame = quoted(self.assumed.as_ref()?);
         Some(format!(
-            "obstacles stand in {frame}, and no transform tells where the robot's root is in it: it counts as standing at zero"
+            "obstacles stand in {frame}, and no transform places the robot's root in it: it counts as standing at zero"
         ))
     }
 

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Duration;
 
-use clearance_checker::{CollisionChecker, CollisionReport, Question, Workspace};
+use clearance_checker::{CollisionChecker, CollisionReport, PairKind, Question, Workspace};
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::Extremes;
 use clearance_proximity::Effort;
@@ -87,6 +87,9 @@ impl StateEvaluator {
         let exact_within = if slowdown_range > 0.0 { slowdown_range + CONTACT_DISTANCE } else { 0.0 };
         let effort = Effort { exact_within, ..check_budget.limit(effort, settings.exact_distance_share) };
         let mut report = checker.check_with(&configuration, survey, &effort, &mut self.workspace);
+        if fixed == Some(LeftOut::FartherDistance) {
+            leave_farther_distance_open(&mut report, checker);
+        }
         let is_exact = report.is_exact();
         report.use_lower_bounds();
         let reported = settings.influence_distance.greater(settings.speed.reach());
@@ -94,6 +97,9 @@ impl StateEvaluator {
             report.pair_distances.into_iter().partition(|pair| pair.distance <= reported);
         report.pair_distances = reported;
         let mut left_out = fixed.unwrap_or_default();
+        if report.unfinished.is_some() {
+            left_out = left_out.max(LeftOut::FartherDistance);
+        }
         if !report.undecided.is_empty() {
             left_out = LeftOut::Pairs;
         }
@@ -136,6 +142,18 @@ impl StateEvaluator {
             compute_time,
         }));
         CheckResult { status, checked_state, left_out, warnings }
+    }
+}
+
+/// Makes the report what it was in the run whose deadline left the farther least distance open: of the kind of pairs
+/// that has none within the influence distance.
+fn leave_farther_distance_open(report: &mut CollisionReport, checker: &CollisionChecker) {
+    let is_near = |kind| report.pair_distances.iter().any(|pair| pair.kind() == kind);
+    report.unfinished = PairKind::ALL.into_iter().find(|kind| checker.checks(*kind) && !is_near(*kind));
+    match report.unfinished {
+        Some(PairKind::SelfPair) => report.nearest_self = None,
+        Some(PairKind::WorldPair) => report.nearest_world = None,
+        None => {}
     }
 }
 

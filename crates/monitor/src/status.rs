@@ -322,7 +322,7 @@ impl fmt::Display for Reason {
                 "there is no robot model yet: give --urdf FILE, or publish the URDF on robot_description",
             ),
             Self::NoModel { fault: Some(fault) } => {
-                write!(f, "there is no robot model: the last one was refused: {fault}")
+                write!(f, "there is no robot model: the last one was rejected: {fault}")
             }
             Self::Memory { used, limit } => write!(
                 f,
@@ -343,7 +343,7 @@ impl fmt::Display for Reason {
             ),
             Self::ClockJump { back } => write!(
                 f,
-                "the clock was set back by {back:.3} s: what was heard before does not count, and no joint state has arrived since"
+                "the clock was set back by {back:.3} s: earlier joint states do not count, and none has arrived since"
             ),
             Self::Stale { joints, age, stale_after, also } => {
                 let of_joints = match joints.as_slice() {
@@ -361,7 +361,7 @@ impl fmt::Display for Reason {
             }
             Self::Overdue { since } => write!(
                 f,
-                "nothing has been judged for {since:.3} s, and what was known then does not hold any more: do checks take so long?"
+                "nothing has been evaluated for {since:.3} s, and the last result is too old to hold: do checks take so long?"
             ),
             Self::FutureStamp { ahead } => write!(
                 f,
@@ -369,7 +369,7 @@ impl fmt::Display for Reason {
             ),
             Self::OutOfOrder { behind } => write!(
                 f,
-                "the joint state is {behind:.6} s older than one judged before from the same publisher"
+                "the joint state is {behind:.6} s older than one evaluated before from the same publisher"
             ),
             Self::Malformed(what) => write!(f, "the joint state is malformed: {what}"),
             Self::NonFinite { joint, value } => {
@@ -381,7 +381,7 @@ impl fmt::Display for Reason {
             Self::Contradiction { .. } | Self::MimicContradiction { .. } => self.fmt_contradiction(f),
             Self::NoTransform { joint, frames: [parent, child], why } => write!(
                 f,
-                "tf does not tell where joint '{joint}' is, by the transform from '{parent}' to '{child}': {why}"
+                "tf has no position of joint '{joint}', from the transform from '{parent}' to '{child}': {why}"
             ),
             Self::StaleWorld { source, age: None, .. } => {
                 write!(f, "nothing has come from {} yet that can be used: is the sensor running?", quoted(source))

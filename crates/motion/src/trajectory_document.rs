@@ -194,8 +194,7 @@ impl TrajectoryDocument {
         let (text, mut remarks) = yaml::without_remarks_of_echo(text);
         let file = yaml::from_text(&text).and_then(inner).map_err(TrajectoryTextError::Text)?;
         if !(file.path_tolerance.is_empty() && file.component_path_tolerance.is_empty()) {
-            let remark =
-                "path_tolerance is not read: the robot may be off its way only as far as --tube tells";
+            let remark = "path_tolerance is not read: --tube sets how far the robot may be off its path";
             remarks.push(remark.to_owned());
         }
         let start = start(file.trajectory_start, robot, rest).map_err(TrajectoryTextError::Text)?;

@@ -6,7 +6,9 @@
 //! | do they come within a margin? | [`within_margin`] | witness points, or proof that they do not |
 //! | how far are they apart? | [`distance`] | least distance and witness points, up to a limit |
 //! | the same with tolerances or a deadline | [`distance_bounds`], [`margin_bounds`] | lower and upper bounds |
+//! | the same with all nearest points, and whether they are unique | [`distance_with_witnesses`] | witness pairs with normals |
 //! | how deep are two bodies in each other? | [`penetration_depth`] | bounds on the translation that separates them |
+//! | where do they touch? | [`contact_points`] | points with normal and local depth, spread over the contact |
 //! | how far, or how deep, are two primitives? | [`signed_distance`] | distance, negative where they overlap |
 //!
 //! Bodies are made of triangles, convex primitives, planes, points with a radius and cubes, in any mixture.
@@ -24,20 +26,26 @@ pub mod bounding_volume;
 pub mod bvh;
 
 mod body;
+mod contacts;
 mod elements;
 mod front;
 mod narrow_phase;
 mod penetration_depth;
 mod queries;
 mod search;
+mod witnesses;
 
 pub use body::{BodyPair, BodyVolume, BoundingSphere, CollisionBody, Piece, PieceVolume};
+pub use contacts::{ContactPoint, ContactPoints, ContactQuery, DeepestContact, contact_points};
 pub use elements::{Element, ElementPair};
 pub use front::{Front, FrontLimits};
 pub use narrow_phase::{Separation, element_contact, element_separation};
-pub use penetration_depth::{PenetrationDepth, SolidBody, UnknownDepth, penetration_depth, signed_distance};
+pub use penetration_depth::{
+    PenetrationDepth, SolidBody, UnknownDepth, depth_witnesses, penetration_depth, signed_distance,
+};
 pub use queries::{
     DistanceBounds, DistanceCandidate, collide, distance, distance_bounds, distance_bounds_below,
-    distance_candidates, margin_bounds, pieces_within_margin, within_margin,
+    distance_candidates, distance_with_witnesses, margin_bounds, pieces_within_margin, within_margin,
 };
-pub use search::{Effort, Scratch, Work};
+pub use search::{Effort, Scratch, TieTolerance, Work};
+pub use witnesses::{WitnessOptions, WitnessPair, WitnessPairs};

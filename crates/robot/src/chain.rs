@@ -21,6 +21,7 @@ mod displacement_rates;
 mod kinematic_path;
 mod motion_bound;
 mod one_state;
+mod point_derivative;
 mod reachable_region;
 
 use std::ops::Mul;
@@ -33,6 +34,7 @@ pub use kinematic_path::{Deviation, Deviations, KinematicPath, PathsToRoot, Reac
 pub use motion_bound::MotionBound;
 use one_state::EightSources;
 pub use one_state::{Columns, PlacedFrame};
+pub use point_derivative::PointAlong;
 pub use reachable_region::ReachableRegion;
 
 /// A rotation, as its columns, and a translation: a frame's axes and origin in another frame.

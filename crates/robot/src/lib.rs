@@ -43,7 +43,7 @@ mod xml_limits;
 
 pub use chain::{
     Chain, ChainJoint, Deviation, Deviations, DisplacementRates, Frame, KinematicPath, LinkInBody, Motion,
-    MotionBound, PathsToRoot, Reach, ReachableRegion, SideMotion, Source as PositionSource,
+    MotionBound, PathsToRoot, PointAlong, Reach, ReachableRegion, SideMotion, Source as PositionSource,
 };
 pub use chain::{Columns, PlacedFrame};
 pub use configuration::Configuration;

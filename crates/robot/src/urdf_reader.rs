@@ -72,7 +72,7 @@ fn check_position_names(joints: &[Joint], sound: &ValidUrdf) -> Result<(), Model
             if let Some(notes) = by_name.get(name.as_str()).and_then(|other| sound.joints.get(*other)) {
                 let owner = shortened(&joint.name);
                 let message = format!(
-                    "a position of joint '{owner}' has the same name, so that states could not tell them apart: rename one of the joints"
+                    "a position of joint '{owner}' has the same name, so that states could not distinguish them: rename one of the joints"
                 );
                 faults.push(Fault { place: notes.place.clone(), message });
             }

@@ -262,7 +262,7 @@ fn doctype_fault(expected: &Expected, text: &str) -> Fault {
         Some(name) if name.eq_ignore_ascii_case("html") => expected.wrong_root(name, line),
         _ => expected.fault(
             line,
-            "a DOCTYPE is refused: its entities are never expanded and nothing it names is fetched; remove it",
+            "a DOCTYPE is rejected: its entities are never expanded and nothing it names is fetched; remove it",
         ),
     }
 }

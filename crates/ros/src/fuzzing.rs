@@ -209,7 +209,7 @@ impl OfflineNode {
         let scene = scene.ok_or("there is no robot")?;
         let (evaluation, transforms) = (self.evaluation.as_ref(), &self.transforms);
         let context = ValidityContext { scene: &scene, evaluation, transforms, now: self.now() };
-        cdr::encode(&state_validity(request, &context)?).map(drop)
+        cdr::encode(&state_validity(request, &context)?.response).map(drop)
     }
 
     fn now(&self) -> Now {

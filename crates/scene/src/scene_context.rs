@@ -55,7 +55,7 @@ impl<'c> SceneContext<'c> {
     pub(super) fn pose_of_link(&self, link: LinkId) -> Result<Pose, String> {
         let name = &self.robot.link(link).name;
         self.link_pose(link)
-            .ok_or_else(|| format!("link '{name}' moves, and no fresh joint state tells where it is"))
+            .ok_or_else(|| format!("link '{name}' moves, and no fresh joint state gives its pose"))
     }
 
     /// World-fixed frame that objects placed in `frame` are anchored to, if `frame` does not move with the robot. It is the parent of the

@@ -115,12 +115,11 @@ fn a_detour_is_not_the_straight_way() {
     let way = case.trajectory(0, DETOUR);
     let certificate = case.certify(&["--trajectory", &way]);
     let told = case.accepted(&certificate, &[]);
-    for word in ["polynomials of degree 3", "e=0.0 d=0.0", "e=0.0 d=1.0", "not told which motion is expected"]
-    {
+    for word in ["polynomials of degree 3", "e=0.0 d=0.0", "e=0.0 d=1.0", "no expected motion was given"] {
         assert!(told.contains(word), "{told}");
     }
     let told = case.accepted(&certificate, &["--trajectory", &way]);
-    assert!(told.contains("this is the expected motion") && !told.contains("not told"), "{told}");
+    assert!(told.contains("this is the expected motion") && !told.contains("not given"), "{told}");
     case.rejected(&certificate, &THROUGH, &["another motion", "segment 0", "degree 3", "a straight line"]);
     let edges = case.write("edges.json", r#"{"joints": ["d"], "edges": [[[0], [1]]]}"#);
     case.rejected(&certificate, &["--edges", &edges], &["degree 3", "a straight line"]);
@@ -192,7 +191,7 @@ fn obstacles_start_where_the_world_has_them() {
     let told = case.accepted(&certificate, &["--moving-obstacles"]);
     assert!(told.contains("'cart' in segment 0: shifts by [0.0, -1.0, 0.0] m"), "{told}");
     let told = case.accepted(&certificate, &[&SHORT[..], &["--moving-obstacles"]].concat());
-    assert!(told.contains("how obstacles are expected to move was not told"), "{told}");
+    assert!(told.contains("how obstacles are expected to move was not given"), "{told}");
     // the wall stands in the way, unless one believes that it is elsewhere
     let forged = case.forge(&certificate, |c| {
         let mover = &mut c.segments[0].motion.obstacles[0];

@@ -9,6 +9,7 @@ use clearance_scene::{AllowedCollisionMatrix, BodyId, PairList, Settings, World}
 
 use super::posed_pair::PosedPair;
 use super::state_independent::StateIndependent;
+use crate::pair_kind::PairKind;
 use crate::robot::{PairInfo, RobotGeometry, SceneOfRobot, SelfPairs};
 use crate::settings_error::SettingsError;
 use crate::world::{WorldIndex, WorldPair, obstacle_id};
@@ -88,6 +89,20 @@ impl CheckedPairs {
     #[inline]
     pub fn is_self_pair(&self, index: usize) -> bool {
         index < self.self_pairs.count()
+    }
+
+    /// The kind of a pair.
+    #[inline]
+    pub fn kind(&self, index: usize) -> PairKind {
+        if self.is_self_pair(index) { PairKind::SelfPair } else { PairKind::WorldPair }
+    }
+
+    /// True if pairs of this kind are checked.
+    pub fn include(&self, kind: PairKind) -> bool {
+        match kind {
+            PairKind::SelfPair => self.self_pairs.count() > 0,
+            PairKind::WorldPair => !self.world.is_empty(),
+        }
     }
 
     /// The bodies of a pair.

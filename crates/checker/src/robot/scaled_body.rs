@@ -23,6 +23,8 @@ pub struct ScaledBody {
 #[derive(Debug)]
 pub struct LazySolidBody {
     shapes: Vec<(Pose, Shape)>,
+    /// Built from the shapes.
+    body: Arc<CollisionBody>,
     solids: OnceLock<SolidBody>,
 }
 
@@ -40,12 +42,14 @@ impl ScaledBody {
         };
         let body = Arc::new(body.expect("there are shapes"));
         let capsule = capsule_around(&shapes).expect("there are shapes");
-        Ok(Self { body, capsule, solids: Arc::new(LazySolidBody { shapes, solids: OnceLock::new() }) })
+        let solids = LazySolidBody { shapes, body: Arc::clone(&body), solids: OnceLock::new() };
+        Ok(Self { body, capsule, solids: Arc::new(solids) })
     }
 }
 
 impl LazySolidBody {
     pub fn get(&self) -> &SolidBody {
-        self.solids.get_or_init(|| SolidBody::new(self.shapes.iter().map(|(pose, shape)| (pose, shape))))
+        let shapes = self.shapes.iter().map(|(pose, shape)| (pose, shape));
+        self.solids.get_or_init(|| SolidBody::of_body(&self.body, shapes))
     }
 }

@@ -1,9 +1,10 @@
 //! Contact of two touching bodies: depth, normal and point.
 
+use clearance_geometry::PointPair;
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::{Extremes, Point, Vector};
 use clearance_proximity::{
-    PenetrationDepth, Scratch, Separation, SolidBody, UnknownDepth, penetration_depth,
+    DeepestContact, PenetrationDepth, Scratch, Separation, SolidBody, UnknownDepth, penetration_depth,
 };
 
 use crate::pairs::PosedPair;
@@ -24,9 +25,15 @@ pub struct Contact {
     pub unknown: Option<UnknownDepth>,
 }
 
-impl Contact {
-    /// The contact of a pair; `None` if the bodies are apart.
-    pub(crate) fn of_pair<'s>(
+/// A contact as it was found: in the root frame, and in the frame of the first body.
+pub(crate) struct FoundContact {
+    pub contact: Contact,
+    pub deepest: DeepestContact,
+}
+
+impl FoundContact {
+    /// The deepest contact of a pair; `None` if the bodies are apart.
+    pub fn of_pair<'s>(
         pair: &PosedPair,
         solids: impl FnOnce() -> [&'s SolidBody; 2],
         scratch: &mut Scratch,
@@ -39,44 +46,62 @@ impl Contact {
         let [a, b] = solids();
         Some(match penetration_depth(a, b, pair.pose_ab, padding, scratch) {
             Some(deepest) if deepest.upper.is_finite() => Self::of_depth(pair, &deepest),
-            Some(deepest) => Self {
-                depth_lower: deepest.lower,
-                unknown: deepest.unknown,
-                ..Self::at_common_point(pair, &apart)
-            },
+            Some(deepest) => Self::at_common_point(pair, &apart).without_translation(&deepest),
             None => Self::at_common_point(pair, &apart),
         })
+    }
+
+    /// A common point of a pair, without a depth unless only the paddings overlap: cheaper than a contact with its
+    /// depth.
+    pub fn without_depth(pair: &PosedPair, scratch: &mut Scratch) -> Option<Self> {
+        let apart = pair.separation(pair.info.padding + CONTACT_DISTANCE, scratch)?;
+        let found = if apart.distance > 0.0 { Self::of_paddings } else { Self::at_common_point };
+        Some(found(pair, &apart))
     }
 
     /// The contact of bodies whose paddings overlap, at a distance.
     fn of_paddings(pair: &PosedPair, apart: &Separation) -> Self {
         let [p, q] = apart.witness_points.map(|p| &pair.pose_ra * p);
         let depth = (pair.info.padding - apart.distance).greater(0.0);
-        Self {
+        let contact = Contact {
             point: nalgebra::center(&p, &q),
             normal: (q - p).try_normalize(CONTACT_DISTANCE),
             depth: Some(depth),
             depth_lower: depth,
             unknown: None,
-        }
+        };
+        Self { contact, deepest: deepest_contact(pair, &contact, apart.witness_points) }
     }
 
     /// The contact of bodies of which only a common point is known.
     fn at_common_point(pair: &PosedPair, touching: &Separation) -> Self {
         let point = &pair.pose_ra * touching.witness_points[0];
-        Self { point, normal: None, depth: None, depth_lower: 0.0, unknown: None }
+        let contact = Contact { point, normal: None, depth: None, depth_lower: 0.0, unknown: None };
+        Self { contact, deepest: deepest_contact(pair, &contact, touching.witness_points) }
+    }
+
+    /// Adds what is known on a depth without a translation that separates.
+    fn without_translation(self, found: &PenetrationDepth) -> Self {
+        let contact = Contact { depth_lower: found.lower, unknown: found.unknown, ..self.contact };
+        Self { contact, ..self }
     }
 
     fn of_depth(pair: &PosedPair, deepest: &PenetrationDepth) -> Self {
         let [p, q] = deepest.witness_points.map(|p| &pair.pose_ra * p);
-        Self {
+        let contact = Contact {
             point: nalgebra::center(&p, &q),
             normal: Some(pair.pose_ra.rotation * deepest.direction),
             depth: Some(deepest.upper),
             depth_lower: deepest.lower,
             unknown: deepest.unknown,
-        }
+        };
+        Self { contact, deepest: deepest_contact(pair, &contact, deepest.witness_points) }
     }
+}
+
+fn deepest_contact(pair: &PosedPair, contact: &Contact, witness_points: PointPair) -> DeepestContact {
+    let normal = contact.normal.map(|n| pair.pose_ra.rotation.tr_mul(&n));
+    DeepestContact { witness_points, normal, depth: contact.depth.unwrap_or(0.0) }
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Least distance of all pairs of a state.
+//! Least distance of a state: of all pairs, of self pairs, or of world pairs.
 
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::Extremes;
@@ -8,34 +8,53 @@ use super::nearest_search::{DistanceScratch, NearestSearch};
 use super::nearest_to_fixed::nearest_to_fixed;
 use super::pair_evaluation::PairEvaluation;
 use crate::collision_report::PairDistance;
+use crate::pair_kind::{PairKind, SearchedPairs};
 use crate::pairs::{NearestToFixed, SearchedBodies};
 
-/// The least distance of all pairs, unless it exceeds `limit` (m). The nearest candidates are searched first, and each
-/// pair only up to the least distance so far.
+/// The least distance of some of the pairs, unless it exceeds `limit` (m). The nearest candidates are searched first,
+/// and each pair only up to the least distance so far.
 pub fn least_distance(
     evaluation: &mut PairEvaluation,
     scratch: &mut DistanceScratch,
+    pairs: SearchedPairs,
     limit: f64,
 ) -> Option<PairDistance> {
     let limit = limit.greater(CONTACT_DISTANCE);
     let mut search = NearestSearch::new(evaluation, scratch, limit);
-    add_all_pairs(&mut search, limit);
+    add_pairs(&mut search, pairs, limit);
     search.run();
     search.nearest()
 }
 
-fn add_all_pairs(search: &mut NearestSearch, limit: f64) {
-    let pairs = search.evaluation().state.pairs;
-    if !search.evaluation().state.queue_self_candidates(limit) {
+fn add_pairs(search: &mut NearestSearch, searched: SearchedPairs, limit: f64) {
+    if !search.evaluation().state.place_unless_beyond(limit) {
         return;
     }
+    if searched.include(PairKind::SelfPair) {
+        add_self_pairs(search, searched);
+    }
+    if searched.include(PairKind::WorldPair) && !search.evaluation().state.pairs.world().is_empty() {
+        add_world_pairs(search, searched);
+    }
+}
+
+fn add_self_pairs(search: &mut NearestSearch, searched: SearchedPairs) {
+    if searched == SearchedPairs::Only(PairKind::SelfPair) {
+        search.start_from_last_state(PairKind::SelfPair);
+    }
+    let limit = search.bound();
+    search.evaluation().state.queue_self_candidates(limit);
     search.add_self_pairs();
-    if pairs.world().is_empty() {
-        return;
-    }
+}
+
+fn add_world_pairs(search: &mut NearestSearch, searched: SearchedPairs) {
     search.place_capsules();
     let is_fixed_known = start_from_fixed(search);
-    for part in pairs.robot().parts_on(|body| !is_fixed_known || body != Chain::ROOT) {
+    if searched == SearchedPairs::Only(PairKind::WorldPair) {
+        search.start_from_last_state(PairKind::WorldPair);
+    }
+    let robot = search.evaluation().state.pairs.robot();
+    for part in robot.parts_on(|body| !is_fixed_known || body != Chain::ROOT) {
         search.add_obstacles(part);
     }
     search.add_inside(if is_fixed_known { SearchedBodies::Moving } else { SearchedBodies::All });

@@ -10,6 +10,7 @@ use super::pair_evaluation::PairEvaluation;
 use super::queried_state::QueriedState;
 use crate::capsules::RootCapsule;
 use crate::collision_report::PairDistance;
+use crate::pair_kind::PairKind;
 use crate::pairs::{MeasuredPair, PosedPair, PostponedPair, SearchedBodies};
 use crate::robot::CandidatePair;
 use crate::world::{PartQuery, SearchNode};
@@ -72,9 +73,12 @@ impl<'s, 'a> NearestSearch<'s, 'a> {
         self.evaluation
     }
 
-    /// Adds a self pair, with a lower bound (m) on its distance.
+    /// Adds the queued self pairs, except one that the search started from.
     pub fn add_self_pairs(&mut self) {
         for pair in &*self.evaluation.state.candidates {
+            if self.scratch.visited.contains(&pair.index) {
+                continue;
+            }
             self.scratch.queue.push(QueuedNode { lower: pair.lower, node: SearchNode::Pair(pair.index) });
         }
     }
@@ -120,7 +124,20 @@ impl<'s, 'a> NearestSearch<'s, 'a> {
             (self.least.measured, self.least.upper) = (Some(nearest), nearest.padded);
         } else {
             let found = self.report(&nearest);
-            (self.least.lower, self.least.nearest) = (found.lower, Some((nearest.index, found)));
+            self.least.offer(nearest.index, found);
+            self.scratch.visited.push(nearest.index);
+        }
+    }
+
+    /// Starts from the pair of this kind that was the nearest in the last state of the stream: probably little is nearer
+    /// now. The choice among touching pairs depends on the order of the search, so it never starts from one of these.
+    pub fn start_from_last_state(&mut self, kind: PairKind) {
+        let last = self.evaluation.state.stream.as_ref().and_then(|stream| stream.last_nearest(kind));
+        let Some(index) = last.filter(|index| !self.scratch.visited.contains(index)) else { return };
+        let found = self.evaluation.distance(CandidatePair { lower: 0.0, index }, self.bound());
+        if let Some(found) = found.filter(|found| found.distance > 0.0) {
+            self.least.offer(index, found);
+            self.scratch.visited.push(index);
         }
     }
 
@@ -147,7 +164,12 @@ impl<'s, 'a> NearestSearch<'s, 'a> {
             let found = self.report(&best);
             (self.least.lower, self.least.nearest) = (found.lower, Some((best.index, found)));
         }
-        self.least.nearest.map(|(_, found)| PairDistance {
+        let (index, found) = self.least.nearest?;
+        let state = &mut self.evaluation.state;
+        if let Some(stream) = &mut state.stream {
+            stream.record_nearest(state.pairs.kind(index), index);
+        }
+        Some(PairDistance {
             // for other pairs it is only proven that they are not nearer than the tolerance allows
             lower: self.least.lower.lesser(self.evaluation.lower_bound(found.distance).greater(0.0)),
             ..found
@@ -155,7 +177,7 @@ impl<'s, 'a> NearestSearch<'s, 'a> {
     }
 
     /// Distances larger than this (m) do not matter.
-    fn bound(&self) -> f64 {
+    pub fn bound(&self) -> f64 {
         let Least { limit, upper, nearest, .. } = self.least;
         let measured = nearest.map_or(limit, |(_, n)| self.evaluation.lower_bound(n.distance));
         measured.lesser(upper)
@@ -221,12 +243,7 @@ impl<'s, 'a> NearestSearch<'s, 'a> {
     fn measure_at_once(&mut self, candidate: CandidatePair) {
         let bound = self.bound();
         if let Some(found) = self.evaluation.distance(candidate, bound) {
-            let least = &mut self.least;
-            least.lower = found.lower.lesser(least.lower);
-            if least.nearest.is_none_or(|(other, n)| (found.distance, candidate.index) < (n.distance, other))
-            {
-                least.nearest = Some((candidate.index, found));
-            }
+            self.least.offer(candidate.index, found);
         }
     }
 
@@ -305,6 +322,14 @@ impl Least {
     fn within(limit: f64) -> Self {
         let none = f64::INFINITY;
         Self { limit, upper: none, measured: None, nearest: None, lower: none, bounded: 0 }
+    }
+
+    /// Adds a pair that was measured at once.
+    fn offer(&mut self, index: usize, found: PairDistance) {
+        self.lower = found.lower.lesser(self.lower);
+        if self.nearest.is_none_or(|(other, n)| (found.distance, index) < (n.distance, other)) {
+            self.nearest = Some((index, found));
+        }
     }
 
     /// Bounds the distance of some elements, and postpones the candidates for the nearest ones.

@@ -7,6 +7,7 @@ use clearance_proximity::Scratch;
 use clearance_robot::Configuration;
 
 use super::stream::Stream;
+use crate::pair_kind::{PairKind, SearchedPairs};
 use crate::pairs::{CheckedPairs, InsideSearch, PlacedRobot, PosedPair, SearchedBodies};
 use crate::robot::CandidatePair;
 use crate::world::{BroadPhaseScratch, PartQuery};
@@ -47,13 +48,24 @@ impl<'a> QueriedState<'a> {
         self.pairs.pair(index, self.robot.frames())
     }
 
-    /// Queues the pairs that may be within `limit` (m), in their order, with lower bounds (m) on their distances; if
-    /// there are any, all bodies are placed.
-    pub fn queue_candidates(&mut self, limit: f64) {
+    /// Queues those of the pairs that may be within `limit` (m), in their order, with lower bounds (m) on their
+    /// distances; if there are any, all bodies are placed.
+    pub fn queue_candidates(&mut self, searched: SearchedPairs, limit: f64) {
         let limit = limit.greater(CONTACT_DISTANCE);
-        if !self.queue_self_candidates(limit) {
+        self.candidates.clear();
+        if !self.place_unless_beyond(limit) {
             return;
         }
+        if searched.include(PairKind::SelfPair) {
+            self.queue_self_candidates(limit);
+        }
+        if searched.include(PairKind::WorldPair) {
+            self.queue_world_candidates(limit);
+        }
+    }
+
+    /// Adds the pairs with obstacles that may be within `limit` (m) to the queue; all bodies must be placed.
+    fn queue_world_candidates(&mut self, limit: f64) {
         let is_beyond = |state: &Self, part: usize| {
             state.stream.as_ref().is_some_and(|stream| stream.obstacles_beyond(part, limit))
         };
@@ -115,38 +127,47 @@ impl<'a> QueriedState<'a> {
         candidates[begin..].sort_unstable_by_key(|pair| pair.index);
     }
 
-    /// As [`Self::queue_candidates`], for self pairs only; returns true if any pair may be within the limit.
-    pub fn queue_self_candidates(&mut self, limit: f64) -> bool {
+    /// Places all bodies, unless the memory of the last states proves all pairs farther apart than `limit` (m); then
+    /// returns false.
+    pub fn place_unless_beyond(&mut self, limit: f64) -> bool {
+        let rates = self.pairs.robot().displacement_rates();
+        if let Some(stream) = &mut self.stream {
+            stream.advance(rates, self.q.positions());
+            if stream.all_beyond(limit) {
+                return false;
+            }
+        }
+        self.robot.place(self.pairs, self.q.positions(), self.scratch.level());
+        true
+    }
+
+    /// Queues the self pairs that may be within `limit` (m), and no others, in their order, with lower bounds (m) on
+    /// their distances; all bodies must be placed.
+    pub fn queue_self_candidates(&mut self, limit: f64) {
         self.candidates.clear();
         if self.stream.is_some() {
-            return self.queue_self_candidates_of_stream(limit);
+            self.queue_self_candidates_of_stream(limit);
+            return;
         }
-        self.place();
         self.bound();
         let Self { pairs, robot, candidates, .. } = self;
         let infos = pairs.self_pairs().infos().iter().enumerate();
         let bounded =
             infos.map(|(index, info)| CandidatePair { lower: robot.lower_bound(index, info.padding), index });
         candidates.extend(bounded.filter(|pair| pair.lower <= limit));
-        true
     }
 
     /// As [`Self::queue_self_candidates`], from the memory of the last states, and from capsules where that does not
     /// suffice.
-    fn queue_self_candidates_of_stream(&mut self, limit: f64) -> bool {
+    fn queue_self_candidates_of_stream(&mut self, limit: f64) {
         let pairs = self.pairs;
-        let Some(stream) = &mut self.stream else { return false };
-        stream.advance(pairs.robot().displacement_rates(), self.q.positions());
-        if stream.all_beyond(limit) {
-            return false;
-        }
+        let Some(stream) = &self.stream else { return };
         let unclear = (0..pairs.self_pairs().count()).any(|i| stream.is_unclear(i, limit));
-        self.place();
         if unclear {
             self.bound();
         }
         let Self { robot, candidates, stream, .. } = self;
-        let Some(stream) = stream else { return false };
+        let Some(stream) = stream else { return };
         for (index, info) in pairs.self_pairs().infos().iter().enumerate() {
             if unclear {
                 stream.record_bound(index, robot.lower_bound(index, info.padding));
@@ -156,12 +177,6 @@ impl<'a> QueriedState<'a> {
                 candidates.push(CandidatePair { lower: lower.greater(0.0), index });
             }
         }
-        true
-    }
-
-    /// Places all bodies.
-    fn place(&mut self) {
-        self.robot.place(self.pairs, self.q.positions(), self.scratch.level());
     }
 
     /// Bounds the distances of all self pairs by their capsules.

@@ -12,6 +12,7 @@ use clearance_geometry::math::Extremes;
 use clearance_proximity::{Effort, Scratch};
 use clearance_robot::DisplacementRates;
 
+use crate::pair_kind::PairKind;
 use crate::pairs::{CheckedPairs, PairMemory, PlacedRobot, PosedPair, RememberedPair};
 use crate::revision::Revision;
 use crate::robot::CandidatePair;
@@ -43,8 +44,10 @@ pub struct Stream {
     /// Lower bound on all horizons.
     nearest_horizon: f64,
     self_memories: SelfPairMemories,
-    /// SelfPairMemories of pairs with obstacles.
+    /// Memories of pairs with obstacles, by pair number.
     world_memories: HashMap<usize, Option<PairMemory>>,
+    /// By kind: the nearest pair in the last state in which pairs of that kind were searched.
+    last_nearest: [Option<usize>; 2],
     /// Pairs of the last state that the next state will probably have to search, with the options of their search.
     due: Vec<Due>,
 }
@@ -80,6 +83,7 @@ impl Stream {
             nearest_horizon: f64::NEG_INFINITY,
             self_memories: SelfPairMemories::new(self_pairs),
             world_memories: HashMap::new(),
+            last_nearest: [None; 2],
             due: Vec::new(),
         }
     }
@@ -89,8 +93,10 @@ impl Stream {
         self.revision == revision
     }
 
-    /// Adds the travel to the next state.
+    /// Adds the travel to the next state. Also called before each further search in one state.
     pub fn advance(&mut self, rates: &DisplacementRates, positions: &[f64]) {
+        // a part with an obstacle near it is beyond no limit
+        self.apply_bounds_of_near_obstacles();
         self.travelled += if self.positions.len() == positions.len() {
             rates.between(&self.positions, positions)
         } else {
@@ -166,6 +172,16 @@ impl Stream {
         }
     }
 
+    /// The pair of this kind that was the nearest one last time.
+    pub fn last_nearest(&self, kind: PairKind) -> Option<usize> {
+        self.last_nearest[kind as usize]
+    }
+
+    /// Records the nearest pair of a kind.
+    pub fn record_nearest(&mut self, kind: PairKind, index: usize) {
+        self.last_nearest[kind as usize] = Some(index);
+    }
+
     /// Records the search options of a pair whose bounds will probably not last.
     pub fn record_due(&mut self, due: Due) {
         if self.due.len() < MOST_DUE && self.memory(due.index).as_ref().is_some_and(PairMemory::is_due) {
@@ -198,11 +214,15 @@ impl Stream {
         }
     }
 
-    /// Applies the recorded bounds.
-    pub fn apply_bounds(&mut self) {
+    fn apply_bounds_of_near_obstacles(&mut self) {
         for NearObstacle { part, horizon, .. } in self.near_obstacles.drain(..) {
             self.world_horizons[part] = self.world_horizons[part].lesser(horizon);
         }
+    }
+
+    /// Applies the recorded bounds.
+    pub fn apply_bounds(&mut self) {
+        self.apply_bounds_of_near_obstacles();
         let all = self.horizons.iter().chain(&self.world_horizons);
         self.nearest_horizon = all.copied().fold(f64::INFINITY, f64::lesser);
     }

@@ -77,6 +77,12 @@ impl SolidRemarks {
         self.open > 0 || self.shells == 0
     }
 
+    /// True if all faces, or no face, are wound as in the closed surfaces of the mesh.
+    #[must_use]
+    pub fn has_one_winding(&self) -> bool {
+        self.is_faultless() && self.inward_shells == 0
+    }
+
     /// True if every face occurs once, in a closed surface, with the winding of its neighbours.
     pub(super) fn is_faultless(&self) -> bool {
         !self.is_open() && self.repeated + self.flipped == 0

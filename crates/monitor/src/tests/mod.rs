@@ -11,6 +11,7 @@ mod mimic_joints;
 mod models;
 mod publishers;
 mod root_location;
+mod self_and_world;
 mod speed;
 mod transform_joints;
 mod unpositioned;
@@ -228,7 +229,7 @@ fn a_judgement_ages_while_the_monitor_is_busy() {
     let old = evaluation.aged(at(0.51));
     assert_eq!((code(&old), old.robot_state.is_some(), old.checked_state.is_some()), ("stale", false, false));
     assert_eq!((old.speed_scale, old.stale_world.is_some()), (0.0, false));
-    assert!(old.status.reason().unwrap().to_string().contains("judged for 0.510 s"));
+    assert!(old.status.reason().unwrap().to_string().contains("evaluated for 0.510 s"));
 }
 
 #[test]

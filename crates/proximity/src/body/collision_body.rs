@@ -20,8 +20,8 @@ use crate::elements::{ElementId, RoundedShape};
 /// voxels. Immutable; threads share it.
 #[derive(Clone, Debug)]
 pub struct CollisionBody<B: BoundingVolume = Obb> {
-    /// All triangles.
-    surface: Option<Surface<B>>,
+    /// All triangles; shared with copies of the body.
+    surface: Option<Arc<Surface<B>>>,
     /// All primitives.
     solids: Option<Tree<B, SolidLeaf>>,
     /// In the frame of the body.
@@ -70,6 +70,12 @@ impl CollisionBody {
         self.interior.as_ref().is_some_and(|interior| interior.may_contain(point))
     }
 
+    /// The same body as [`Self::with_solid_meshes`] makes of these shapes, from which this one was built; their hierarchies are shared.
+    #[must_use]
+    pub(crate) fn with_interior<'a>(&self, shapes: impl Iterator<Item = (&'a Pose, &'a Shape)>) -> Self {
+        Self { interior: Some(Interior::new(shapes)), ..self.clone() }
+    }
+
     /// Splits the body into not many more than `most` pieces, so that a broad phase can find those that are near. Empty if it cannot be
     /// split: planes are infinite. The inside of solid meshes is not in these pieces.
     #[must_use]
@@ -80,7 +86,7 @@ impl CollisionBody {
         }
         let mut pieces = Vec::new();
         pieces.extend(self.solids.iter().flat_map(solid_pieces));
-        pieces.extend(self.surface.iter().flat_map(|surface| surface_pieces(surface, most)));
+        pieces.extend(self.surface().into_iter().flat_map(|surface| surface_pieces(surface, most)));
         pieces.extend(self.cube_sets.iter().flat_map(|cubes| cube_pieces(cubes, most)));
         pieces
     }
@@ -96,7 +102,8 @@ impl CollisionBody {
     #[must_use]
     #[inline]
     pub fn volumes(&self, level: usize) -> Vec<BodyVolume> {
-        let surface = self.surface.iter().flat_map(|surface| BodyVolume::of_tree(surface.tree(), level));
+        let surface =
+            self.surface().into_iter().flat_map(|surface| BodyVolume::of_tree(surface.tree(), level));
         let solids = self.solids.iter().flat_map(|tree| BodyVolume::of_tree(tree, level));
         let cubes = self.cube_sets.iter().flat_map(|cubes| {
             let (pose_bs, radius) = (Pose::from(cubes.pose_bs()), cubes.radius());
@@ -140,7 +147,7 @@ impl<B: BoundingVolume> CollisionBody<B> {
             return None;
         }
         let solids = (!solids.is_empty()).then(|| Tree::build(&solids).0);
-        let surface = Surface::new(vertices, &faces);
+        let surface = Surface::new(vertices, &faces).map(Arc::new);
         Some(Self { surface, solids, planes, cube_sets, interior: None, bounded })
     }
 
@@ -188,7 +195,7 @@ impl<B: BoundingVolume> CollisionBody<B> {
     /// The triangles.
     #[inline]
     pub(crate) fn surface(&self) -> Option<&Surface<B>> {
-        self.surface.as_ref()
+        self.surface.as_deref()
     }
 
     /// The solid primitives.
@@ -215,11 +222,19 @@ impl<B: BoundingVolume> CollisionBody<B> {
         self.interior.as_ref()
     }
 
-    /// A triangle or a solid primitive of the body.
+    /// The plane with this identifier; `None` if it is of another kind of element.
+    #[inline]
+    pub(crate) fn plane(&self, id: ElementId) -> Option<&Plane> {
+        if id.is_plane() { self.planes.get(id.index() as usize) } else { None }
+    }
+
+    /// A triangle, a solid primitive, a point or a cube of the body.
     #[inline]
     pub(crate) fn element(&self, id: ElementId) -> RoundedShape {
         let missing = "the identifier is of an element of this body";
-        if id.is_triangle() {
+        if let Some(set) = id.cube_set() {
+            self.cube_sets[set].shape(id.index())
+        } else if id.is_triangle() {
             self.surface.as_ref().expect(missing).shape(id.index())
         } else {
             self.solids.as_ref().expect(missing).leaves()[id.index() as usize].content.shape
@@ -245,7 +260,7 @@ impl<B: BoundingVolume> CollisionBody<B> {
     #[must_use]
     #[inline]
     pub fn triangle_count(&self) -> usize {
-        self.surface.as_ref().map_or(0, Surface::triangle_count)
+        self.surface().map_or(0, Surface::triangle_count)
     }
 
     /// Number of points in clouds and of voxels.
@@ -260,7 +275,7 @@ impl<B: BoundingVolume> CollisionBody<B> {
     #[inline]
     pub fn bytes(&self) -> usize {
         let cubes: usize = self.cube_sets.iter().map(CubeSet::bytes).sum();
-        self.surface.as_ref().map_or(0, Surface::bytes) + self.solids.as_ref().map_or(0, Tree::bytes) + cubes
+        self.surface().map_or(0, Surface::bytes) + self.solids.as_ref().map_or(0, Tree::bytes) + cubes
     }
 }
 
@@ -271,8 +286,6 @@ fn next_index<B: BoundingVolume>(sets: &[CubeSet<B>]) -> u32 {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use super::*;
     use clearance_geometry::testing::Random;
     use clearance_geometry::{PointCloud, Primitive, TriangleMesh};

@@ -50,6 +50,12 @@ impl<B: BoundingVolume> Surface<B> {
         Triangle { a: self.vertex(a), b: self.vertex(b), c: self.vertex(c) }
     }
 
+    /// Vertex numbers of triangle `index` in the order of the leaves.
+    #[inline]
+    pub fn corners(&self, index: u32) -> [u32; 3] {
+        self.faces[index as usize]
+    }
+
     /// As [`Self::triangle`], as a rounded shape.
     #[inline]
     pub fn shape(&self, index: u32) -> RoundedShape {

@@ -40,6 +40,17 @@ impl ElementId {
         self.kind == Self::TRIANGLE
     }
 
+    #[inline]
+    pub const fn is_plane(self) -> bool {
+        self.kind == Self::PLANE
+    }
+
+    /// Number of the set that a cube belongs to; `None` for other elements.
+    #[inline]
+    pub const fn cube_set(self) -> Option<usize> {
+        if self.kind < Self::CUBE { None } else { Some((self.kind - Self::CUBE) as usize) }
+    }
+
     /// Index among the elements of its kind.
     #[inline]
     pub const fn index(self) -> u32 {

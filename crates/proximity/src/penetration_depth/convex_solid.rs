@@ -2,11 +2,12 @@
 
 use std::collections::HashSet;
 
-use clearance_geometry::math::{Extremes, Point, Pose, Vector};
+use clearance_geometry::math::{Extremes, MatrixPose, Point, Pose, Vector};
 use clearance_geometry::{Primitive, TriangleMesh};
 
 use crate::elements::Element;
 use crate::elements::RoundedShape;
+use crate::witnesses::SupportSet;
 
 /// Largest number of vertices of a mesh that is tested for convexity; the test compares every vertex with every face.
 const MOST_VERTICES: usize = 4096;
@@ -16,7 +17,7 @@ const MOST_VERTICES: usize = 4096;
 const CONVEX_TOLERANCE: f64 = 1e-7;
 
 /// Points of a convex set that are farthest along a direction.
-pub(super) trait SupportMap {
+pub(crate) trait SupportMap {
     /// The point of the core that is farthest along `direction`.
     fn support(&self, direction: &Vector) -> Point;
 
@@ -26,14 +27,14 @@ pub(super) trait SupportMap {
 
 /// A convex solid in the frame of its body: a core swept by a sphere.
 #[derive(Clone, Debug)]
-pub(super) enum ConvexSolid {
+pub(crate) enum ConvexSolid {
     Primitive(RoundedShape),
     Hull(Hull),
 }
 
 /// Convex polyhedron.
 #[derive(Clone, Debug)]
-pub(super) struct Hull {
+pub(crate) struct Hull {
     vertices: Vec<Point>,
     faces: Vec<HalfSpace>,
     /// Largest distance (m) of a vertex beyond the plane of a face.
@@ -42,9 +43,9 @@ pub(super) struct Hull {
 
 /// All points p with `normal · p <= offset` (m); the normal is a unit vector.
 #[derive(Clone, Copy, Debug)]
-struct HalfSpace {
-    normal: Vector,
-    offset: f64,
+pub(crate) struct HalfSpace {
+    pub normal: Vector,
+    pub offset: f64,
 }
 
 impl SupportMap for ConvexSolid {
@@ -68,6 +69,19 @@ impl SupportMap for ConvexSolid {
 impl ConvexSolid {
     pub fn primitive(primitive: Primitive, pose: Pose) -> Self {
         Self::Primitive(RoundedShape::from(&Element::Primitive { primitive, pose }))
+    }
+
+    /// The support set of the core along a direction, posed in another frame.
+    pub fn support_set(&self, pose: &MatrixPose, n: &Vector, tolerance: f64, set: &mut SupportSet) {
+        match self {
+            Self::Primitive(rounded) => {
+                set.set_to_core(&rounded.core, &pose.compose(&rounded.pose), n, tolerance);
+            }
+            Self::Hull(hull) => {
+                set.set_to_hull(&hull.vertices, &pose.rotation.tr_mul(n), tolerance);
+                set.transform(pose);
+            }
+        }
     }
 
     /// Length (m) by which the solid may be smaller than its support points show.
@@ -99,6 +113,15 @@ impl ConvexSolid {
 }
 
 impl Hull {
+    pub fn vertices(&self) -> &[Point] {
+        &self.vertices
+    }
+
+    /// The half-spaces of the faces: the solid is what all of them have in common.
+    pub fn faces(&self) -> &[HalfSpace] {
+        &self.faces
+    }
+
     /// A closed mesh at a pose, if it is convex: no vertex is beyond the plane of any face.
     pub fn of_convex_mesh(mesh: &TriangleMesh, pose: &Pose) -> Option<Self> {
         let [surface] = mesh.solid().surfaces() else { return None };
@@ -107,8 +130,8 @@ impl Hull {
         }
         let mut seen = HashSet::new();
         let corners = surface.triangles().iter().flatten().map(|&v| mesh.vertices()[v as usize]);
-        let vertices: Vec<Point> =
-            corners.filter(|p| seen.insert(p.coords.data.0[0].map(f64::to_bits))).map(|p| pose * p).collect();
+        let distinct = corners.filter(|p| seen.insert(p.coords.data.0[0].map(f64::to_bits)));
+        let vertices: Vec<Point> = distinct.take(MOST_VERTICES + 1).map(|p| pose * p).collect();
         if vertices.len() > MOST_VERTICES {
             return None;
         }
@@ -117,8 +140,15 @@ impl Hull {
         let faces: Vec<HalfSpace> = planes.filter_map(HalfSpace::below).collect();
         let beyond =
             |face: &HalfSpace| face.normal.dot(&farthest_along(&vertices, &face.normal).coords) - face.offset;
-        let excess = faces.iter().map(beyond).fold(0.0, f64::greater);
-        (excess <= CONVEX_TOLERANCE * size.norm()).then_some(Self { vertices, faces, excess })
+        let tolerance = CONVEX_TOLERANCE * size.norm();
+        let mut excess = 0.0_f64;
+        for face in &faces {
+            excess = excess.greater(beyond(face));
+            if excess > tolerance {
+                return None;
+            }
+        }
+        Some(Self { vertices, faces, excess })
     }
 }
 

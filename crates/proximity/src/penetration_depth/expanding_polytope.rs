@@ -29,7 +29,7 @@ pub(super) struct ConvexPair<'s, A, B> {
 
 /// Bounds on the penetration depth (m) of two overlapping convex solids.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct ConvexDepth {
+pub(crate) struct ConvexDepth {
     pub lower: f64,
     pub upper: f64,
     /// Translation of the second solid by `upper` along this unit vector separates them.
@@ -59,6 +59,18 @@ struct Face {
     corners: [usize; 3],
     normal: Vector,
     offset: f64,
+    /// True if the support point along the normal is known.
+    is_probed: bool,
+}
+
+/// A direction in which two overlapping solids separate by a translation that is as short as the shortest, within a tolerance.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SeparatingDirection {
+    pub normal: Vector,
+    /// Length (m) of the translation.
+    height: f64,
+    /// The points of the cores that come apart last, in the frame of the first solid.
+    pub core_points: [Point; 2],
 }
 
 /// Closed convex polyhedron of support points.
@@ -89,6 +101,37 @@ impl<A: SupportMap, B: SupportMap> ConvexPair<'_, A, B> {
                 return Some(self.result(&polytope, &face, upper));
             }
         }
+    }
+
+    /// The directions in which the cores separate by a translation that is longer than the shortest by at most `tolerance` (m), as many
+    /// as the polytope shows; none if a direction separates them already, or if their Minkowski difference is flat.
+    pub fn directions_within(&self, tolerance: f64) -> Vec<SeparatingDirection> {
+        let mut directions: Vec<SeparatingDirection> = Vec::new();
+        let Some(mut polytope) = self.first_tetrahedron() else { return directions };
+        let mut least = f64::INFINITY;
+        while let Some(face) = polytope.next_unprobed(least + tolerance) {
+            let support = self.support(&face.normal);
+            let height = face.normal.dot(&support.difference);
+            if height <= 0.0 {
+                return Vec::new();
+            }
+            least = least.lesser(height);
+            if height <= least + tolerance {
+                let core_points = [Point::origin(); 2];
+                directions.push(SeparatingDirection { normal: face.normal, height, core_points });
+            }
+            let is_accurate = height - face.offset <= RELATIVE_ACCURACY * height + polytope.resolution;
+            if !is_accurate && polytope.supports.len() < MOST_POINTS {
+                polytope.expand(&face, support);
+            }
+        }
+        directions.retain(|direction| direction.height <= least + tolerance);
+        directions.sort_by(|a, b| a.height.total_cmp(&b.height));
+        for direction in &mut directions {
+            let gap = tolerance + 1e-6 * direction.height + polytope.resolution;
+            direction.core_points = polytope.witness_points(&(direction.normal * direction.height), gap);
+        }
+        directions
     }
 
     fn result(&self, polytope: &Polytope, face: &Face, (height, direction): (f64, Vector)) -> ConvexDepth {
@@ -171,12 +214,20 @@ impl Polytope {
         let [a, b, c] = corners.map(|i| self.supports[i].difference);
         let normal = (b - a).cross(&(c - a)).try_normalize(self.resolution * self.resolution)?;
         let offset = [a, b, c].iter().map(|p| normal.dot(p)).fold(f64::INFINITY, f64::lesser);
-        Some(Face { corners, normal, offset })
+        Some(Face { corners, normal, offset, is_probed: false })
     }
 
     fn nearest_face(&self) -> &Face {
         let nearest = self.faces.iter().min_by(|a, b| a.offset.total_cmp(&b.offset));
         nearest.expect("a polytope has faces")
+    }
+
+    /// Marks the nearest face that is not probed yet as probed, if it is not farther from the origin than `limit` (m).
+    fn next_unprobed(&mut self, limit: f64) -> Option<Face> {
+        let open = self.faces.iter_mut().filter(|face| !face.is_probed && face.offset <= limit);
+        let face = open.min_by(|a, b| a.offset.total_cmp(&b.offset))?;
+        face.is_probed = true;
+        Some(*face)
     }
 
     /// Adds a support point above `nearest`: the faces around it that the point lies above, or in whose plane it lies, are replaced by the

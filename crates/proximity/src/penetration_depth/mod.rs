@@ -6,12 +6,17 @@
 //! | `convex_solid` | support points and inner balls of primitives and convex meshes |
 //! | `signed_distance` | two primitives |
 //! | `rounded_pair`, `expanding_polytope` | exact depth of two convex solids |
+//! | `depth_witnesses` | all points and directions in which two convex solids are deepest |
 //! | `plane` | exact depth of a plane in a bounded body |
 //! | `separating_translation` | upper bounds for others: short translations that are proven to separate |
 //! | `inner_balls` | lower bounds for others: balls inside both solids |
+//! | `winding` | which side of a surface is outside |
+//! | `exit` | shortest way of a point out of a body |
 //! | `solid_set` | points and voxels: which one is deepest |
 
 mod convex_solid;
+mod depth_witnesses;
+mod exit;
 mod expanding_polytope;
 mod inner_balls;
 mod plane;
@@ -22,20 +27,27 @@ mod solid_body;
 mod solid_set;
 #[cfg(test)]
 mod tests;
+mod winding;
 
+pub use depth_witnesses::depth_witnesses;
 pub use signed_distance::signed_distance;
 pub use solid_body::SolidBody;
+
+#[cfg(test)]
+pub(crate) use convex_solid::SupportMap;
+pub(crate) use convex_solid::{ConvexSolid, HalfSpace, Hull};
+pub(crate) use exit::Exit;
+pub(crate) use solid_body::{Part, Union, distance_of_point};
+pub(crate) use winding::Winding;
 
 use clearance_geometry::PointPair;
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::{Extremes, MatrixPose, Point, Vector};
 
 use crate::search::Scratch;
-use convex_solid::ConvexSolid;
 use expanding_polytope::{ConvexDepth, ConvexPair};
 use inner_balls::{Ball, SurfacePoint};
 use separating_translation::{GAP, MovedSolids, SeparatingTranslation};
-use solid_body::{Part, Union};
 use solid_set::deepest_solid;
 
 /// Relative lengths that are added to an exact depth until the distance after the translation is proven positive: that of curved solids in
@@ -73,6 +85,18 @@ pub enum UnknownDepth {
     Inseparable,
     /// Only points or voxels of the one body touch points or voxels of the other: for these no depth is computed.
     BothAreSets,
+}
+
+impl UnknownDepth {
+    /// Stable name for reports.
+    #[must_use]
+    pub fn code(self) -> &'static str {
+        match self {
+            Self::OpenMesh => "open_mesh",
+            Self::Inseparable => "inseparable",
+            Self::BothAreSets => "points_or_voxels",
+        }
+    }
 }
 
 impl PenetrationDepth {
@@ -184,7 +208,7 @@ fn depth_of_unions(
 }
 
 /// Depth of two convex solids; `None` if they are apart by more than their radii.
-fn depth_of_convex(a: &ConvexSolid, b: &ConvexSolid, pose_ab: &MatrixPose) -> Option<ConvexDepth> {
+pub(crate) fn depth_of_convex(a: &ConvexSolid, b: &ConvexSolid, pose_ab: &MatrixPose) -> Option<ConvexDepth> {
     if let (ConvexSolid::Primitive(first), ConvexSolid::Primitive(second)) = (a, b)
         && let Some(depth) = rounded_pair::depth_of_rounded(first, second, pose_ab)
     {

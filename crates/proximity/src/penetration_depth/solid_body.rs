@@ -8,6 +8,7 @@ use clearance_geometry::{Plane, Primitive, Shape, TriangleMesh};
 use super::convex_solid::{ConvexSolid, Hull, SupportMap, farthest_along};
 use super::inner_balls::{Ball, inner_balls};
 use super::solid_set::SolidSet;
+use super::winding::Winding;
 use crate::body::BoundingSphere;
 use crate::body::CollisionBody;
 use crate::narrow_phase::Separation;
@@ -25,7 +26,7 @@ const ROUNDING: f64 = 1e-13;
 #[derive(Debug)]
 pub struct SolidBody {
     /// All shapes that count as one body.
-    pub(super) union: Option<Union>,
+    pub(crate) union: Option<Union>,
     /// Points and voxels, each a body of its own.
     pub(super) sets: Vec<SolidSet>,
     /// All of these together; built at the first use.
@@ -34,7 +35,7 @@ pub struct SolidBody {
 
 /// A union of solids and planes.
 #[derive(Debug)]
-pub(super) struct Union {
+pub(crate) struct Union {
     /// All shapes, for tests of separation.
     pub whole: CollisionBody,
     pub parts: Vec<Part>,
@@ -43,13 +44,16 @@ pub(super) struct Union {
     /// Points of the parts that are farthest in directions spread over the sphere.
     outermost: Vec<Point>,
     balls: OnceLock<Vec<Ball>>,
+    /// The meshes, in the order of the triangles' vertices.
+    meshes: Vec<Arc<TriangleMesh>>,
+    winding: OnceLock<Winding>,
     /// Whether a part of a mesh is not closed.
     pub is_open: bool,
 }
 
 /// One shape of a union.
 #[derive(Debug)]
-pub(super) enum Part {
+pub(crate) enum Part {
     Convex(ConvexSolid),
     Mesh {
         mesh: Arc<TriangleMesh>,
@@ -63,6 +67,22 @@ impl SolidBody {
     /// A body of shapes, each at its pose in the frame of the body.
     #[must_use]
     pub fn new<'a>(shapes: impl IntoIterator<Item = (&'a Pose, &'a Shape)>) -> Self {
+        Self::with_hierarchies(shapes, None)
+    }
+
+    /// As [`Self::new`], for shapes from which `body` was built: its hierarchies are used, which saves most of the time and memory.
+    #[must_use]
+    pub fn of_body<'a>(
+        body: &CollisionBody,
+        shapes: impl IntoIterator<Item = (&'a Pose, &'a Shape)>,
+    ) -> Self {
+        Self::with_hierarchies(shapes, Some(body))
+    }
+
+    fn with_hierarchies<'a>(
+        shapes: impl IntoIterator<Item = (&'a Pose, &'a Shape)>,
+        body: Option<&CollisionBody>,
+    ) -> Self {
         let (mut of_union, mut sets) = (Vec::new(), Vec::new());
         for (pose, shape) in shapes {
             match shape {
@@ -73,7 +93,9 @@ impl SolidBody {
                 Shape::Primitive(_) | Shape::Mesh(_) | Shape::Plane(_) => of_union.push((pose, shape)),
             }
         }
-        Self { union: Union::new(&of_union), sets, all_sets: OnceLock::new() }
+        // points and voxels are not part of the union
+        let body = body.filter(|_| sets.is_empty());
+        Self { union: Union::new(&of_union, body), sets, all_sets: OnceLock::new() }
     }
 
     /// All points and voxels as one body; `None` if there are none.
@@ -103,15 +125,36 @@ impl Part {
     pub fn farthest(&self, n: &Vector) -> Option<Point> {
         match self {
             Self::Convex(solid) => Some(solid.support(n) + n * solid.radius()),
-            Self::Mesh { mesh, pose } => {
-                let local = pose.inverse_transform_vector(n);
-                let corners = mesh.triangles().iter().flatten().map(|&v| mesh.vertices()[v as usize]);
-                let farthest = corners.max_by(|p, q| p.coords.dot(&local).total_cmp(&q.coords.dot(&local)));
-                farthest.map(|p| pose * p)
-            }
+            Self::Mesh { mesh, pose } => farthest_corner(mesh, pose, n, &used_vertices(mesh)),
             Self::Plane(_) => None,
         }
     }
+
+    /// The points farthest along some directions.
+    fn farthest_along_each(&self, directions: &[UnitVector]) -> Vec<Point> {
+        if let Self::Mesh { mesh, pose } = self {
+            let used = used_vertices(mesh);
+            return directions.iter().filter_map(|n| farthest_corner(mesh, pose, n, &used)).collect();
+        }
+        directions.iter().filter_map(|n| self.farthest(n)).collect()
+    }
+}
+
+/// The last of the corners farthest along a direction.
+fn farthest_corner(mesh: &TriangleMesh, pose: &Pose, n: &Vector, used: &[u32]) -> Option<Point> {
+    let local = pose.inverse_transform_vector(n);
+    let corners = used.iter().map(|&v| mesh.vertices()[v as usize]);
+    let farthest = corners.max_by(|p, q| p.coords.dot(&local).total_cmp(&q.coords.dot(&local)));
+    farthest.map(|p| pose * p)
+}
+
+/// The vertices that faces use, each once, in the order of their last faces.
+fn used_vertices(mesh: &TriangleMesh) -> Vec<u32> {
+    let mut is_new = vec![true; mesh.vertices().len()];
+    let corners = mesh.triangles().iter().flatten().rev().copied();
+    let mut used: Vec<u32> = corners.filter(|&v| std::mem::take(&mut is_new[v as usize])).collect();
+    used.reverse();
+    used
 }
 
 impl SupportMap for Union {
@@ -126,27 +169,46 @@ impl SupportMap for Union {
 }
 
 impl Union {
-    fn new(shapes: &[(&Pose, &Shape)]) -> Option<Self> {
+    /// `body` is built from the same shapes.
+    fn new(shapes: &[(&Pose, &Shape)], body: Option<&CollisionBody>) -> Option<Self> {
         let shapes = || shapes.iter().copied();
-        let whole = CollisionBody::with_solid_meshes(shapes())?;
+        let whole = match body {
+            Some(body) => body.with_interior(shapes()),
+            None => CollisionBody::with_solid_meshes(shapes())?,
+        };
         let meshes = || shapes().filter(|(_, shape)| matches!(shape, Shape::Mesh(_)));
         let is_open = |shape: &Shape| matches!(shape, Shape::Mesh(mesh) if mesh.solid().remarks().is_open());
         let parts: Vec<Part> = shapes().filter_map(|(pose, shape)| Part::new(shape, pose)).collect();
         let directions = spread_directions(DIRECTIONS);
-        let outermost = parts.iter().flat_map(|part| directions.iter().filter_map(|n| part.farthest(n)));
+        let outermost = parts.iter().flat_map(|part| part.farthest_along_each(&directions));
         Some(Self {
             whole,
             surface: CollisionBody::new(meshes()).filter(|_| meshes().count() < shapes().count()),
             outermost: outermost.collect(),
             balls: OnceLock::new(),
+            meshes: shapes().filter_map(mesh_of).collect(),
+            winding: OnceLock::new(),
             is_open: meshes().any(|(_, shape)| is_open(shape)),
             parts,
         })
     }
 
+    /// Which side of the triangles is outside; found at the first use.
+    pub fn winding(&self) -> &Winding {
+        self.winding.get_or_init(|| Winding::new(self.meshes.iter().map(Arc::as_ref)))
+    }
+
+    /// The only part, if it is a convex solid.
+    pub fn only_convex(&self) -> Option<&ConvexSolid> {
+        match &self.parts[..] {
+            [Part::Convex(solid)] => Some(solid),
+            _ => None,
+        }
+    }
+
     /// A union of one convex solid.
     pub fn of_convex(primitive: Primitive, pose: &Pose) -> Option<Self> {
-        Self::new(&[(pose, &Shape::Primitive(primitive))])
+        Self::new(&[(pose, &Shape::Primitive(primitive))], None)
     }
 
     pub fn bounding_sphere(&self) -> BoundingSphere {
@@ -182,22 +244,40 @@ impl Union {
             _ => None,
         });
         let radius = of_convex.reduce(f64::greater);
-        let is_in_mesh = self.parts.iter().any(|part| match part {
-            Part::Mesh { mesh, pose } => mesh.encloses(&pose.inverse_transform_point(p)),
-            _ => false,
-        });
-        if !is_in_mesh {
+        if !self.is_in_mesh(p) {
             return radius;
         }
-        let surface = self.surface.as_ref().unwrap_or(&self.whole);
-        let to_surface = distance_of_point(surface, p, scratch).map_or(0.0, |found| found.distance);
+        let to_surface =
+            distance_of_point(self.surface_only(), p, scratch).map_or(0.0, |found| found.distance);
         let to_surface = (to_surface - ROUNDING * p.coords.amax()).greater(0.0);
         Some(radius.map_or(to_surface, |radius| radius.greater(to_surface)))
     }
 
-    /// Balls inside the body that together fill much of it; found at the first use.
+    /// Whether a point is inside a mesh that is not convex.
+    pub fn is_in_mesh(&self, p: &Point) -> bool {
+        self.parts.iter().any(|part| match part {
+            Part::Mesh { mesh, pose } => mesh.encloses(&pose.inverse_transform_point(p)),
+            _ => false,
+        })
+    }
+
+    /// True if a mesh has an inside.
+    pub fn has_closed_mesh(&self) -> bool {
+        self.meshes.iter().any(|mesh| !mesh.solid().surfaces().is_empty())
+    }
+
+    /// All triangles, without other shapes.
+    pub fn surface_only(&self) -> &CollisionBody {
+        self.surface.as_ref().unwrap_or(&self.whole)
+    }
+
+    /// Balls inside the body that together fill much of it; found at the first use. This is not counted as work, which would then depend
+    /// on earlier queries.
     pub fn balls(&self, scratch: &mut Scratch) -> &[Ball] {
-        self.balls.get_or_init(|| inner_balls(self, scratch))
+        let work = scratch.work;
+        let balls = self.balls.get_or_init(|| inner_balls(self, scratch));
+        scratch.work = work;
+        balls
     }
 
     /// Length (m) by which convex meshes may be smaller than their support points show.
@@ -210,8 +290,19 @@ impl Union {
     }
 }
 
+fn mesh_of((_, shape): (&Pose, &Shape)) -> Option<Arc<TriangleMesh>> {
+    match shape {
+        Shape::Mesh(mesh) => Some(Arc::clone(mesh)),
+        _ => None,
+    }
+}
+
 /// Distance (m) of a point from a body.
-fn distance_of_point(body: &CollisionBody, p: &Point, scratch: &mut Scratch) -> Option<Separation> {
+pub(crate) fn distance_of_point(
+    body: &CollisionBody,
+    p: &Point,
+    scratch: &mut Scratch,
+) -> Option<Separation> {
     static POINT: LazyLock<CollisionBody> = LazyLock::new(|| {
         let point = Shape::Primitive(Primitive::Sphere { radius: 0.0 });
         CollisionBody::new([(&Pose::identity(), &point)]).expect("a body with a shape")

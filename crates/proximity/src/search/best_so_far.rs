@@ -6,6 +6,7 @@ use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::{Extremes, Point};
 
 use super::goal::Goal;
+use super::ties::Ties;
 use super::work::Work;
 use crate::elements::ElementPair;
 use crate::narrow_phase::{Separation, f32_above};
@@ -22,6 +23,8 @@ pub(crate) struct BestSoFar<'w> {
     elements: Option<ElementPair>,
     /// Number of volume tests at which the clock is read next.
     next_read: u64,
+    /// The pairs that are as near as the best, if they are collected.
+    ties: Option<&'w mut Ties>,
     /// Counts the cost of the search.
     pub work: &'w mut Work,
 }
@@ -31,7 +34,13 @@ impl<'w> BestSoFar<'w> {
     #[inline]
     pub fn new(goal: Goal, work: &'w mut Work) -> Self {
         let goal = Goal { limit: goal.limit.greater(CONTACT_DISTANCE), ..goal };
-        Self { goal, best: None, elements: None, next_read: work.volume_tests, work }
+        Self { goal, best: None, elements: None, next_read: work.volume_tests, ties: None, work }
+    }
+
+    /// Also collects the pairs of elements that are as near as the best, until something touches.
+    #[inline]
+    pub fn with_ties(self, ties: Option<&'w mut Ties>) -> Self {
+        Self { ties, ..self }
     }
 
     /// Elements farther apart than this (m) no longer matter; negative infinity once none do.
@@ -39,10 +48,23 @@ impl<'w> BestSoFar<'w> {
     pub fn bound(&self) -> f64 {
         match self.best {
             Some(best) if best.distance <= self.goal.enough => f64::NEG_INFINITY,
-            Some(best) => self.goal.effort.lower_after(self.work, best.distance),
+            Some(best) => self.tie_limit(self.goal.effort.lower_after(self.work, best.distance)),
             None if self.goal.is_reached => self.goal.effort.lower_after(self.work, self.goal.limit),
             None => self.goal.limit,
         }
+    }
+
+    /// Elements up to this distance (m) matter if the least distance is at most `reached` (m).
+    #[inline]
+    fn tie_limit(&self, reached: f64) -> f64 {
+        self.ties.as_ref().map_or(reached, |ties| ties.limit(reached))
+    }
+
+    /// As [`Self::threshold`], if the least distance is at most `reached` (m).
+    #[inline]
+    pub fn threshold_below(&self, reached: f32) -> f32 {
+        let below = if self.ties.is_some() { f32_above(self.tie_limit(f64::from(reached))) } else { reached };
+        self.threshold().lesser(below)
     }
 
     /// Reduces the limit to `limit` (m).
@@ -99,6 +121,9 @@ impl<'w> BestSoFar<'w> {
         if tied && self.elements.is_some_and(|best| elements < best) || self.is_bettered_by(&found) {
             self.best = Some(found);
             self.elements = Some(elements);
+        }
+        if let (Some(ties), Some(best)) = (&mut self.ties, &self.best) {
+            ties.offer(found, elements, best.distance);
         }
     }
 

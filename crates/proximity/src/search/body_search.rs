@@ -54,14 +54,15 @@ pub(crate) fn search_pieces<B: BoundingVolume, const SEPARATE: bool>(
     scratch: &mut Scratch,
 ) -> SearchResult {
     let BodyPair { a, b, pose_ab } = bodies;
-    let ScratchParts { work, traversal, candidates } = scratch.begin();
+    let ScratchParts { work, traversal, candidates, ties } = scratch.begin();
+    let ties = goal.ties.map(|(tolerance, most)| ties.begin(tolerance, most));
     candidates.begin(None);
     // the test of bounding spheres costs a tenth of the start of a search
     if a.sphere_bound(b, pose_ab) > goal.limit.greater(CONTACT_DISTANCE) {
         work.volume_tests += 1;
         return SearchResult { best: None, elements: None, unseen: f64::INFINITY };
     }
-    let mut best_so_far = BestSoFar::new(goal, work);
+    let mut best_so_far = BestSoFar::new(goal, work).with_ties(ties);
     if pieces.has_elements() {
         let searched = SearchedElements { bodies, pieces, postpones: goal.postpones };
         search_elements::<B, SEPARATE>(searched, &mut best_so_far, traversal, candidates);

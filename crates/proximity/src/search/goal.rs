@@ -3,6 +3,7 @@
 use clearance_geometry::constants::CONTACT_DISTANCE;
 
 use super::effort::Effort;
+use super::ties::TieTolerance;
 
 /// Goal of a search.
 #[derive(Clone, Copy, Debug)]
@@ -16,6 +17,8 @@ pub(crate) struct Goal {
     pub effort: Effort,
     /// True if triangles that may be nearest are left among the candidates, to be measured by the caller.
     pub postpones: bool,
+    /// Set if pairs of elements that are as near as the nearest are collected in [`Scratch`](super::Scratch), at most so many.
+    pub ties: Option<(TieTolerance, usize)>,
 }
 
 impl Goal {
@@ -32,6 +35,7 @@ impl Goal {
             deadline: None,
         },
         postpones: false,
+        ties: None,
     };
 
     /// Finds anything that touches.

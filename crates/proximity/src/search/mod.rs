@@ -18,12 +18,14 @@ mod nearest_surface_solid;
 mod nearest_surface_surface;
 mod scratch;
 mod searched_pieces;
+mod ties;
 mod tree_traversal;
 mod triangle_candidates;
 mod work;
 
 pub use effort::Effort;
 pub use scratch::Scratch;
+pub use ties::TieTolerance;
 pub use work::Work;
 
 pub(crate) use best_so_far::BestSoFar;
@@ -33,4 +35,5 @@ pub(crate) use goal::Goal;
 pub(crate) use nearest_surface_surface::{SurfaceSurfaceVisitor, separation_of_triangles};
 pub(crate) use scratch::ScratchParts;
 pub(crate) use searched_pieces::SearchedPieces;
+pub(crate) use ties::Tie;
 pub(crate) use triangle_candidates::{TriangleCandidate, TriangleCandidates};

@@ -1,7 +1,7 @@
 //! Narrow phase between leaves of two surfaces.
 
 use clearance_geometry::Triangle;
-use clearance_geometry::math::{Extremes, MatrixPose};
+use clearance_geometry::math::MatrixPose;
 use clearance_geometry::simd::{LANES, Simd, f32x8, not_beyond};
 
 use super::best_so_far::BestSoFar;
@@ -118,7 +118,7 @@ impl<B: BoundingVolume, const SEPARATE: bool> Visitor<TriangleLeaf, TriangleLeaf
     const SEPARATE: bool = SEPARATE;
 
     fn threshold(&self) -> f32 {
-        self.best_so_far.threshold().lesser(self.candidates.upper())
+        self.best_so_far.threshold_below(self.candidates.upper())
     }
 
     fn direction(&self) -> [f32; 3] {

@@ -2,6 +2,7 @@
 
 use clearance_geometry::simd::{Level, baseline};
 
+use super::ties::Ties;
 use super::tree_traversal::TreeTraversal;
 use super::triangle_candidates::TriangleCandidates;
 use super::work::Work;
@@ -14,6 +15,7 @@ pub struct Scratch {
     pub work: Work,
     traversal: TreeTraversal,
     candidates: TriangleCandidates,
+    ties: Ties,
 }
 
 /// Parts of the scratch memory that a search uses at the same time.
@@ -21,6 +23,7 @@ pub(crate) struct ScratchParts<'s> {
     pub work: &'s mut Work,
     pub traversal: &'s mut TreeTraversal,
     pub candidates: &'s mut TriangleCandidates,
+    pub ties: &'s mut Ties,
 }
 
 impl Default for Scratch {
@@ -46,16 +49,22 @@ impl Scratch {
     }
 
     fn at(level: Level) -> Self {
-        let (work, candidates) = (Work::default(), TriangleCandidates::default());
-        Self { work, traversal: TreeTraversal::new(level), candidates }
+        let (work, candidates, ties) = (Work::default(), TriangleCandidates::default(), Ties::default());
+        Self { work, traversal: TreeTraversal::new(level), candidates, ties }
     }
 
     /// Begins a search.
     #[inline]
     pub(crate) fn begin(&mut self) -> ScratchParts<'_> {
-        let Self { work, traversal, candidates } = self;
+        let Self { work, traversal, candidates, ties } = self;
         traversal.begin();
-        ScratchParts { work, traversal, candidates }
+        ScratchParts { work, traversal, candidates, ties }
+    }
+
+    /// The pairs of elements that the last search found as near as the nearest.
+    #[inline]
+    pub(crate) fn ties(&mut self) -> &mut Ties {
+        &mut self.ties
     }
 
     /// The pairs of triangles that a search left to the caller.

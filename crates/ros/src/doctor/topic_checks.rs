@@ -101,7 +101,7 @@ pub fn check_node(received: &ReceivedTopics, name: &str) -> Finding {
 /// Whether the selected clock is available.
 pub fn check_clock(received: &ReceivedTopics, environment: Environment) -> Finding {
     match received.simulated_time {
-        Some(time) => good("clock", format!("simulated time is told; the last: {:.3} s", seconds(time))),
+        Some(time) => good("clock", format!("simulated time is published; the last: {:.3} s", seconds(time))),
         None => wrong(
             "clock",
             format!(

@@ -61,6 +61,10 @@ pub struct CollisionState {
     pub time_to_contact_known: bool,
     pub first_contact_pair: BodyPair,
     pub time_to_contact_considers_obstacle_motion: bool,
+    pub self_distance: f64,
+    pub self_nearest: PairDistance,
+    pub world_distance: f64,
+    pub world_nearest: PairDistance,
 }
 
 impl CollisionState {

@@ -142,6 +142,12 @@ pub struct CheckStatesResponse {
     pub model_revision: u64,
     pub world_revision: u64,
     pub compute_time: f64,
+    pub self_distances: Vec<f64>,
+    pub self_pair_a: Vec<i32>,
+    pub self_pair_b: Vec<i32>,
+    pub world_distances: Vec<f64>,
+    pub world_pair_a: Vec<i32>,
+    pub world_pair_b: Vec<i32>,
 }
 
 impl CheckStatesResponse {
@@ -174,6 +180,10 @@ pub struct GetDistancesResponse {
     pub model_revision: u64,
     pub world_revision: u64,
     pub compute_time: f64,
+    pub self_distance: f64,
+    pub self_nearest: PairDistance,
+    pub world_distance: f64,
+    pub world_nearest: PairDistance,
 }
 
 impl Message for CheckMotionRequest {}

@@ -1,6 +1,6 @@
 //! Conversion of evaluations to ROS messages, except markers and diagnostics; and of joint state messages to monitor
 //! input.
-use clearance_checker::{CollisionChecker, CollisionReport, PairDistance};
+use clearance_checker::{CollisionChecker, CollisionReport, PairDistance, PairKind};
 use clearance_monitor::{Evaluation, Status};
 use clearance_scene::BodyId;
 use ros2_interfaces_jazzy_serde::std_msgs::msg::Header;
@@ -17,7 +17,7 @@ pub const PAIRS_TOLD: usize = 1000;
 const FIDELITY: &str = "mesh";
 
 /// Type of the checked geometry where distances are only lower bounds.
-const ROUGH_FIDELITY: &str = "mesh, distances as lower bounds";
+pub const ROUGH_FIDELITY: &str = "mesh, distances as lower bounds";
 
 /// Header of all messages about one joint state.
 #[must_use]
@@ -44,6 +44,8 @@ pub fn collision_state(evaluation: &Evaluation) -> CollisionState {
         age: evaluation.age.unwrap_or_default(),
         warnings: evaluation.warnings.to_vec(),
         fidelity: fidelity(evaluation).to_owned(),
+        self_distance: evaluation.distance_of(PairKind::SelfPair),
+        world_distance: evaluation.distance_of(PairKind::WorldPair),
         ..CollisionState::default()
     };
     if let Some(reason) = evaluation.status.reason() {
@@ -61,7 +63,7 @@ pub fn collision_state(evaluation: &Evaluation) -> CollisionState {
         message.pairs_checked = count(revision.checker.pairs().len().saturating_sub(open));
         if open > 0 {
             message.warnings.push(format!(
-                "check_deadline passed before {open} pairs were decided: others may touch, or be nearer, than those that are told"
+                "check_deadline passed before {open} pairs were decided: others may touch, or be nearer, than those in the report"
             ));
         }
         message.compute_time = checked_state.compute_time.as_secs_f64();
@@ -108,6 +110,21 @@ fn add_findings(message: &mut CollisionState, checker: &CollisionChecker, report
     if let Some(nearest) = &report.nearest {
         message.distance_known = true;
         message.nearest = distance_message(checker, nearest);
+    }
+    let nearest_of =
+        |kind| report.known_nearest_of(kind).map(|pair| distance_message(checker, pair)).unwrap_or_default();
+    message.self_nearest = nearest_of(PairKind::SelfPair);
+    message.world_nearest = nearest_of(PairKind::WorldPair);
+    if let Some(kind) = report.unfinished {
+        message.warnings.push(format!("check_deadline passed before {} was known", distance_field(kind)));
+    }
+}
+
+/// The field with the least distance of the pairs of one kind.
+fn distance_field(kind: PairKind) -> &'static str {
+    match kind {
+        PairKind::SelfPair => "self_distance",
+        PairKind::WorldPair => "world_distance",
     }
 }
 
@@ -171,5 +188,6 @@ mod tests {
         assert_eq!(message.model_revision, 0);
         assert!(!message.distance_known);
         assert!(evaluation.distance().is_nan());
+        assert!(message.self_distance.is_nan() && message.world_distance.is_nan());
     }
 }

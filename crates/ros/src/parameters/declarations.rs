@@ -24,7 +24,7 @@ pub fn similar(name: &str) -> Option<&'static str> {
 
 pub(super) fn unknown(name: &str) -> String {
     let meant = similar(name).map_or_else(
-        || "ros2 param list tells those that it has".to_owned(),
+        || "ros2 param list shows those that it has".to_owned(),
         |known| format!("did you mean '{known}'?"),
     );
     format!("this node has no parameter '{name}'; {meant}")

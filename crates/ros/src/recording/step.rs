@@ -75,6 +75,7 @@ pub enum Late {
     #[default]
     Nothing,
     LookAhead,
+    FartherDistance,
     Pairs,
 }
 
@@ -193,6 +194,7 @@ impl From<LeftOut> for Late {
         match left_out {
             LeftOut::Nothing => Self::Nothing,
             LeftOut::LookAhead => Self::LookAhead,
+            LeftOut::FartherDistance => Self::FartherDistance,
             LeftOut::Pairs => Self::Pairs,
         }
     }
@@ -203,6 +205,7 @@ impl From<Late> for LeftOut {
         match late {
             Late::Nothing => Self::Nothing,
             Late::LookAhead => Self::LookAhead,
+            Late::FartherDistance => Self::FartherDistance,
             Late::Pairs => Self::Pairs,
         }
     }

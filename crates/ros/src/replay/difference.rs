@@ -6,7 +6,7 @@ use serde_json::Value as Json;
 
 use crate::dds::cdr;
 use crate::messages::clearance_msgs::CollisionState;
-use crate::messages::collision_state::collision_state;
+use crate::messages::collision_state::{ROUGH_FIDELITY, collision_state};
 use crate::recording::mcap_file::RawMessage;
 use crate::recording::step::Late;
 use crate::replay::step_messages::StepMessages;
@@ -41,6 +41,10 @@ pub(super) fn difference(
         if is_older && field == "warnings" && warns_of_all(replayed, &recorded[field]) {
             continue;
         }
+        // the fidelity also covers distances that the recording version did not compute
+        if is_older && field == "fidelity" && replayed == ROUGH_FIDELITY {
+            continue;
+        }
         if let Some(difference) = differs(field, &recorded[field], replayed) {
             return Ok(Some(difference));
         }
@@ -68,8 +72,8 @@ pub(super) fn difference(
     Ok(number("speed_scale", speed_scale.data, evaluation.speed_scale))
 }
 
-/// A field that this version records. Versions without it have fewer warnings.
-const NEWEST_FIELD: &str = "time_to_contact_considers_obstacle_motion";
+/// A field that this version records. Versions without it have fewer warnings and fewer distances.
+const NEWEST_FIELD: &str = "world_nearest";
 
 /// Whether `list` contains every element of `other`.
 fn warns_of_all(list: &Json, other: &Json) -> bool {

@@ -70,7 +70,7 @@ impl MissingObjects {
     pub fn faults(&self) -> impl Iterator<Item = String> {
         let more = self.len().saturating_sub(MOST_LISTED);
         let rest =
-            (more > 0).then(|| format!("and {more} more objects are missing, because they were refused"));
+            (more > 0).then(|| format!("and {more} more objects are missing, because they were rejected"));
         self.gaps.values().take(MOST_LISTED).map(|(_, fault)| fault.clone()).chain(rest)
     }
 }

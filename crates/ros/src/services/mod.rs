@@ -13,3 +13,4 @@ pub mod state_requests; // evaluation of state requests
 pub mod state_services; // `~/check_states` and `~/get_distances`
 pub mod state_validity; // evaluation of `check_state_validity` requests
 pub mod trajectory_action; // `~/check_trajectory` as an action
+pub mod validity_contacts; // contacts of `check_state_validity`

@@ -32,7 +32,7 @@ use crate::scene::scene_message_writer::{SceneMessages, scene_message};
 use crate::scene::shared_state::SharedState;
 use crate::services::rejection::shortened;
 use crate::services::request_context::known;
-use crate::services::state_validity::{ValidityContext, constraints_given, state_validity};
+use crate::services::state_validity::{StateValidity, ValidityContext, constraints_given, state_validity};
 
 /// Largest number of state queries in the queue. Further queries are rejected at once as not valid.
 const WAITING: usize = 64;
@@ -194,20 +194,25 @@ impl ValidityWorker {
     /// Checks queued states until the queue is closed.
     pub fn run(self) {
         let mut rate_limiter = LogRateLimiter::default();
-        let mut warn = |why: &str| {
+        let mut warn = |what: &str| {
             if rate_limiter.admit(self.shared.clock.read().steady) {
-                log::warn!("check_state_validity: not valid: {why}");
+                log::warn!("check_state_validity: {what}");
             }
         };
         while let Ok((id, request)) = self.requests.recv_blocking() {
             if constraints_given(&request.constraints) {
-                warn("constraints are not evaluated here; leave them out");
+                warn("not valid: constraints are not evaluated here; leave them out");
             }
             let evaluated = catch_unwind(AssertUnwindSafe(|| self.evaluate(&request)));
             let response = match evaluated {
-                Ok(Ok(response)) => response,
+                Ok(Ok(StateValidity { response, remark })) => {
+                    if let Some(remark) = remark {
+                        warn(&remark);
+                    }
+                    response
+                }
                 Ok(Err(why)) => {
-                    warn(&shortened(why));
+                    warn(&format!("not valid: {}", shortened(why)));
                     GetStateValidityResponse::default()
                 }
                 Err(_) => {
@@ -221,7 +226,7 @@ impl ValidityWorker {
         }
     }
 
-    fn evaluate(&self, request: &GetStateValidityRequest) -> Result<GetStateValidityResponse, String> {
+    fn evaluate(&self, request: &GetStateValidityRequest) -> Result<StateValidity, String> {
         let scene = self.scene.lock().unwrap_or_else(PoisonError::into_inner).clone();
         let scene = scene.ok_or("there is no robot model yet")?;
         let now = self.shared.clock.read();

@@ -1,6 +1,8 @@
 //! Processes state requests: converts names and numbers to configurations, and reports to messages. No I/O.
 
-use clearance_checker::{CollisionChecker, CollisionReport, PairDistance, Question, Workspace};
+use clearance_checker::{
+    CollisionChecker, CollisionReport, PairDistance, PairKind, Question, UndecidedPair, Workspace,
+};
 use clearance_monitor::Evaluation;
 use clearance_proximity::Effort;
 use clearance_robot::Configuration;
@@ -59,7 +61,8 @@ pub fn evaluate_states(
             ..Effort::default()
         };
         let limit = limit("distance_limit", request.distance_limit)?;
-        let question = if request.with_distance { Question::Distance { limit } } else { Question::Free };
+        let question =
+            if request.with_distance { Question::SelfAndWorldDistance { limit } } else { Question::Free };
         let (states, note) = context.states(request)?;
         let limits = context.robot().limits_note("state", states.iter().map(|q| [q]));
         let mut batch = BatchResponse::new(context.checker, request.with_distance);
@@ -124,6 +127,8 @@ pub fn rejected_distances(rejection: &Rejection) -> GetDistancesResponse {
     GetDistancesResponse {
         message: rejection.message(),
         reason_code: rejection.code().to_owned(),
+        self_distance: f64::NAN,
+        world_distance: f64::NAN,
         ..GetDistancesResponse::default()
     }
 }
@@ -205,13 +210,23 @@ struct BatchResponse<'a> {
     /// Free space for names in the response (bytes).
     room: usize,
     unknown: usize,
+    /// By state: the nearest self pair and the nearest world pair.
+    nearest_of_kinds: Vec<[Option<(BodyId, BodyId)>; 2]>,
     response: CheckStatesResponse,
 }
 
 impl<'a> BatchResponse<'a> {
     fn new(checker: &'a CollisionChecker, with_distance: bool) -> Self {
         let response = CheckStatesResponse { verdict: CheckStatesResponse::FREE, ..Default::default() };
-        Self { checker, with_distance, indices: HashMap::new(), room: LONGEST_NAMES, unknown: 0, response }
+        Self {
+            checker,
+            with_distance,
+            indices: HashMap::new(),
+            room: LONGEST_NAMES,
+            unknown: 0,
+            nearest_of_kinds: Vec::new(),
+            response,
+        }
     }
 
     /// Adds the result of the next state; `None` if it was not checked.
@@ -239,6 +254,11 @@ impl<'a> BatchResponse<'a> {
         response.pair_b.push(b);
         if self.with_distance {
             response.distances.push(distance);
+            let distance_of = |kind| report.map_or(f64::NAN, |report| report.distance_of(kind));
+            response.self_distances.push(distance_of(PairKind::SelfPair));
+            response.world_distances.push(distance_of(PairKind::WorldPair));
+            let nearest_of = |kind| report.and_then(|report| nearest_pair(report, kind));
+            self.nearest_of_kinds.push(PairKind::ALL.map(nearest_of));
         }
         response.verdict = match (response.verdict, verdict) {
             (CheckStatesResponse::COLLIDING, _) => CheckStatesResponse::COLLIDING,
@@ -264,7 +284,22 @@ impl<'a> BatchResponse<'a> {
         }
     }
 
+    /// Adds the nearest pairs of both kinds. Their names follow those of the colliding and the nearest pairs, which have
+    /// priority where the names do not fit.
+    fn add_nearest_of_kinds(&mut self) {
+        for pairs in std::mem::take(&mut self.nearest_of_kinds) {
+            let [of_self, of_world] =
+                pairs.map(|pair| pair.map_or([NOBODY; 2], |(a, b)| [self.index(a), self.index(b)]));
+            let response = &mut self.response;
+            response.self_pair_a.push(of_self[0]);
+            response.self_pair_b.push(of_self[1]);
+            response.world_pair_a.push(of_world[0]);
+            response.world_pair_b.push(of_world[1]);
+        }
+    }
+
     fn response(mut self, notes: [Option<String>; 2]) -> CheckStatesResponse {
+        self.add_nearest_of_kinds();
         let of = self.response.verdicts.len();
         let open = (self.unknown > 0).then(|| {
             format!("the timeout left {} of {of} states open: ask about fewer at a time", self.unknown)
@@ -275,6 +310,12 @@ impl<'a> BatchResponse<'a> {
         }
         self.response
     }
+}
+
+/// The first colliding pair of one kind, or else the nearest one.
+fn nearest_pair(report: &CollisionReport, kind: PairKind) -> Option<(BodyId, BodyId)> {
+    let touching = report.colliding_pairs.iter().find(|(_, b)| PairKind::of_second(*b) == kind);
+    touching.copied().or_else(|| report.known_nearest_of(kind).map(|nearest| (nearest.a, nearest.b)))
 }
 
 /// Response with the distances in one state.
@@ -293,25 +334,52 @@ fn distances(
     } else {
         CheckStatesResponse::UNKNOWN
     };
+    let is_wanted = |body| requested_bodies.contains(checker.body_name(body));
+    let is_requested = |a, b| requested_bodies.is_empty() || is_wanted(a) || is_wanted(b);
+    let requested_open = report.undecided.iter().filter(|pair| is_requested(pair.a, pair.b));
+    let open_kinds: Vec<PairKind> = requested_open.map(UndecidedPair::kind).collect();
     let mut pairs = report.pair_distances;
     // pairs that the timeout cut off have only an upper bound of the distance: closer points may exist
     pairs.retain(|pair| pair.lower >= pair.distance);
-    let is_wanted = |body| requested_bodies.contains(checker.body_name(body));
-    pairs.retain(|pair| requested_bodies.is_empty() || is_wanted(pair.a) || is_wanted(pair.b));
+    pairs.retain(|pair| is_requested(pair.a, pair.b));
     // pairs at the same distance stay in the order of the pair list
     pairs.sort_by(|a, b| a.distance.total_cmp(&b.distance));
     let requested = if max_pairs == 0 { pairs.len() } else { pairs.len().min(max_pairs as usize) };
     let listed = pair_messages(checker, &pairs[..requested]);
     let cut = (listed.len() < requested)
-        .then(|| format!("only {} of {} pairs are told", listed.len(), pairs.len()));
+        .then(|| format!("only {} of {} pairs are listed", listed.len(), pairs.len()));
     let left_out = (open > 0).then(|| format!("the timeout left {open} pairs open"));
+    let [of_self, of_world] = PairKind::ALL.map(|kind| {
+        let nearest = pairs.iter().find(|pair| pair.kind() == kind);
+        let is_open = open_kinds.contains(&kind);
+        nearest_message(checker, nearest, is_open)
+    });
     GetDistancesResponse {
         verdict,
         message: message(checker, [left_out, cut].into_iter().chain(notes)),
         reason_code: if open > 0 { "deadline".to_owned() } else { String::new() },
         pairs_found: u32::try_from(pairs.len()).unwrap_or(u32::MAX),
         pairs: listed,
+        self_distance: of_self.0,
+        self_nearest: of_self.1,
+        world_distance: of_world.0,
+        world_nearest: of_world.1,
         ..GetDistancesResponse::default()
+    }
+}
+
+/// The least distance (m) of one kind of pairs, with its pair: infinite if there is none, NaN if it is not known because
+/// a pair is open.
+fn nearest_message(
+    checker: &CollisionChecker,
+    nearest: Option<&PairDistance>,
+    is_open: bool,
+) -> (f64, PairDistanceMessage) {
+    match nearest {
+        Some(nearest) if !is_open || nearest.distance == 0.0 => {
+            (nearest.distance, distance_message(checker, nearest))
+        }
+        _ => (if is_open { f64::NAN } else { f64::INFINITY }, PairDistanceMessage::default()),
     }
 }
 

@@ -1,7 +1,7 @@
 //! State validity as defined by `moveit_msgs/GetStateValidity`. No I/O.
 
-use clearance_checker::{CollisionChecker, Contact, Question};
-use clearance_geometry::math::{Point, Pose, Vector};
+use clearance_checker::{CollisionChecker, Question};
+use clearance_geometry::math::Pose;
 use clearance_monitor::{CheckedState, Evaluation, Now, Reason};
 use clearance_robot::quoted_list;
 use clearance_robot::{Configuration, JointId, LinkId, LinkPoses, RobotModel};
@@ -11,23 +11,19 @@ use clearance_scene::{
     Applied, MultiDofJoint, ObjectChange, Operation, Scene, SceneContext, SceneRejection, SceneUpdate,
     TransformTree,
 };
-use ros2_interfaces_jazzy_serde::geometry_msgs::msg::Vector3;
-use ros2_interfaces_jazzy_serde::moveit_msgs::msg::{Constraints, ContactInformation, RobotState};
+use ros2_interfaces_jazzy_serde::moveit_msgs::msg::{Constraints, RobotState};
 use ros2_interfaces_jazzy_serde::moveit_msgs::srv::{GetStateValidityRequest, GetStateValidityResponse};
 use ros2_interfaces_jazzy_serde::sensor_msgs::msg::MultiDOFJointState;
-use ros2_interfaces_jazzy_serde::std_msgs::msg::Header;
 use std::collections::HashSet;
 use std::sync::Arc;
+use std::time::Instant;
 
-use crate::messages::time_and_geometry::{point_message, stamp_message};
 use crate::scene::active_scene::ActiveScene;
 use crate::scene::scene_checker::checker_of;
 use crate::scene::scene_message_reader::robot_state_change;
 use crate::scene::transform_messages::transform_pose;
 use crate::services::request_context::undecided;
-
-/// Largest number of contacts in a response: its size must not grow with the number of bodies.
-const MOST_CONTACTS: usize = 200;
+use crate::services::validity_contacts::{CONTACT_TIME, ContactsOfState};
 
 /// Scene and evaluation that a query is evaluated against.
 pub struct ValidityContext<'s> {
@@ -37,11 +33,18 @@ pub struct ValidityContext<'s> {
     pub now: Now,
 }
 
+/// A response, and a remark for the log: the type has no field for it.
+#[derive(Debug)]
+pub struct StateValidity {
+    pub response: GetStateValidityResponse,
+    pub remark: Option<String>,
+}
+
 /// Evaluates a query, or returns why the state cannot be evaluated.
 pub fn state_validity(
     request: &GetStateValidityRequest,
     context: &ValidityContext,
-) -> Result<GetStateValidityResponse, String> {
+) -> Result<StateValidity, String> {
     let ActiveScene { revision, scene, .. } = context.scene;
     let robot = revision.checker.robot();
     if let Some(reason) = unknown_world(context) {
@@ -66,16 +69,15 @@ pub fn state_validity(
     let in_group = |body: BodyId| group.as_ref().is_none_or(|links| moves(checker, body, links));
     let colliding = report.colliding_pairs.iter().filter(|(a, b)| in_group(*a) || in_group(*b));
     let colliding: Vec<_> = colliding.copied().collect();
-    let contact = |bodies: &(BodyId, BodyId)| {
-        let found = checker.contact(&q, *bodies, &mut workspace);
-        contact(checker, *bodies, found, &poses, context.now)
-    };
+    let search = ContactsOfState { checker, q: &q, poses: &poses, now: context.now };
+    let found = search.contacts(&colliding, Instant::now() + CONTACT_TIME, &mut workspace);
     let has_constraints = constraints_given(&request.constraints);
-    Ok(GetStateValidityResponse {
+    let response = GetStateValidityResponse {
         valid: colliding.is_empty() && report.undecided.is_empty() && !has_constraints,
-        contacts: colliding.iter().take(MOST_CONTACTS).map(contact).collect(),
+        contacts: found.messages,
         ..GetStateValidityResponse::default()
-    })
+    };
+    Ok(StateValidity { response, remark: found.remark })
 }
 
 /// Why the world around the robot is unknown, or which robot it is.
@@ -155,7 +157,7 @@ fn moves(checker: &CollisionChecker, body: BodyId, links: &HashSet<LinkId>) -> b
 }
 
 /// The link that carries an object.
-fn carrier(checker: &CollisionChecker, id: AttachedId) -> Option<LinkId> {
+pub fn carrier(checker: &CollisionChecker, id: AttachedId) -> Option<LinkId> {
     checker.robot().link_by_name(&checker.world().attached_object(id).link)
 }
 
@@ -185,7 +187,7 @@ fn configuration(
         let missing = undecided(robot, &named);
         if !missing.is_empty() {
             return Err(format!(
-                "robot_state.joint_state has no position of {}, and no fresh joint state tells it",
+                "robot_state.joint_state has no position of {}, and no fresh joint state has it",
                 quoted_list(&missing)
             ));
         }
@@ -276,46 +278,5 @@ fn with_request(
     match applied.refusals.first() {
         Some(rejection) => Err(named(rejection)),
         None => Ok(applied.changed.then_some(changed)),
-    }
-}
-
-/// Converts a contact. If no normal is known, it points from the middle of the first body towards the contact; if no
-/// depth is known, it is zero.
-fn contact(
-    checker: &CollisionChecker,
-    (a, b): (BodyId, BodyId),
-    found: Option<Contact>,
-    poses: &LinkPoses,
-    now: Now,
-) -> ContactInformation {
-    let robot = checker.robot();
-    let middle = match a {
-        BodyId::Link(link) => Point::from(poses.pose(link).translation.vector),
-        BodyId::Attached(id) => {
-            let pose_rl = carrier(checker, id).map_or(Pose::identity(), |link| *poses.pose(link));
-            Point::from((pose_rl * checker.world().attached_object(id).pose_lo).translation.vector)
-        }
-        BodyId::Obstacle(_) => Point::origin(),
-    };
-    let position = found.map_or(middle, |found| found.point);
-    let outward = || (position - middle).try_normalize(1e-9).unwrap_or_else(Vector::z);
-    let normal = found.and_then(|found| found.normal).unwrap_or_else(outward);
-    let kind = |body| match body {
-        BodyId::Link(_) => ContactInformation::ROBOT_LINK,
-        BodyId::Attached(_) => ContactInformation::ROBOT_ATTACHED,
-        BodyId::Obstacle(_) => ContactInformation::WORLD_OBJECT,
-    };
-    ContactInformation {
-        header: Header {
-            stamp: stamp_message(now.ros.unwrap_or_default()),
-            frame_id: robot.link(robot.root()).name.clone(),
-        },
-        position: point_message(&position),
-        normal: Vector3 { x: normal.x, y: normal.y, z: normal.z },
-        depth: found.and_then(|found| found.depth).unwrap_or(0.0),
-        contact_body_1: checker.body_name(a).to_owned(),
-        body_type_1: kind(a),
-        contact_body_2: checker.body_name(b).to_owned(),
-        body_type_2: kind(b),
     }
 }

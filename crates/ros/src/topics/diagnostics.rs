@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use clearance_checker::PairKind;
 use clearance_geometry::math::Extremes;
 use clearance_monitor::{Evaluation, Reason, Status, Time};
 use ros2_interfaces_jazzy_serde::diagnostic_msgs::msg::{DiagnosticArray, DiagnosticStatus, KeyValue};
@@ -62,7 +63,7 @@ fn message(evaluation: &Evaluation, model_fault: Option<&str>) -> String {
     match model_fault {
         // without any model, the reason already contains this fault
         Some(fault) if evaluation.revision.is_some() => {
-            format!("{message}; the last model was refused: {fault}")
+            format!("{message}; the last model was rejected: {fault}")
         }
         _ => message,
     }
@@ -115,6 +116,8 @@ fn values(
         add("age of the joint state (s)", format!("{age:.3}"));
     }
     add("least distance (m)", format!("{:.4}", evaluation.distance()));
+    add("self distance (m)", format!("{:.4}", evaluation.distance_of(PairKind::SelfPair)));
+    add("world distance (m)", format!("{:.4}", evaluation.distance_of(PairKind::WorldPair)));
     if let Some(checked_state) = &evaluation.checked_state {
         add("distances", if checked_state.is_exact { "exact" } else { "lower bounds" }.to_owned());
     }
@@ -133,8 +136,8 @@ fn values(
     }
     add("seconds of this report", format!("{:.3}", interval.as_secs_f64()));
     for (period, counters) in [(" in this report", recent), ("", total)] {
-        add(&format!("joint states heard{period}"), counters.received().to_string());
-        add(&format!("joint states judged{period}"), counters.evaluated.to_string());
+        add(&format!("joint states received{period}"), counters.received().to_string());
+        add(&format!("joint states evaluated{period}"), counters.evaluated.to_string());
         add(&format!("joint states passed over{period}"), counters.skipped.to_string());
         add(&format!("joint states lost{period}"), counters.lost.to_string());
         add(&format!("messages dropped{period}"), counters.dropped.to_string());
@@ -143,7 +146,7 @@ fn values(
         add("warning", warning.clone());
     }
     if let Some(fault) = model_fault {
-        add("model refused", fault.to_owned());
+        add("model rejected", fault.to_owned());
     }
     values
 }

@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use clearance_checker::PairKind;
 use clearance_monitor::Evaluation;
 use ros2_interfaces_jazzy_serde::diagnostic_msgs::msg::DiagnosticArray;
 use ros2_interfaces_jazzy_serde::std_msgs::msg::{Bool, Float64};
@@ -23,6 +24,8 @@ pub struct Publishers {
     state: Publisher<CollisionState>,
     is_free: Publisher<Bool>,
     distance: Publisher<Float64>,
+    self_distance: Publisher<Float64>,
+    world_distance: Publisher<Float64>,
     speed_scale: Publisher<Float64>,
     time_to_contact: Publisher<Float64>,
     /// Whether the last published time to contact may be different from zero.
@@ -61,6 +64,8 @@ impl Publishers {
             state: publisher(middleware, names, "~/state", state)?,
             is_free: publisher(middleware, names, "~/is_free", TypeName::new("std_msgs", "Bool"))?,
             distance: publisher(middleware, names, "~/distance", float64)?,
+            self_distance: publisher(middleware, names, "~/self_distance", float64)?,
+            world_distance: publisher(middleware, names, "~/world_distance", float64)?,
             speed_scale: publisher(middleware, names, "~/speed_scale", float64)?,
             time_to_contact: publisher(middleware, names, "~/time_to_contact", float64)?,
             looked_ahead: false,
@@ -84,6 +89,8 @@ impl Publishers {
         note(self.state.publish(collision_state(evaluation)));
         let state_at = Instant::now();
         note(self.distance.publish(Float64 { data: evaluation.distance() }));
+        note(self.self_distance.publish(Float64 { data: evaluation.distance_of(PairKind::SelfPair) }));
+        note(self.world_distance.publish(Float64 { data: evaluation.distance_of(PairKind::WorldPair) }));
         let looks_ahead = parameters.look_ahead_horizon > 0.0;
         // when the look-ahead is turned off, zero is published once
         if looks_ahead || self.looked_ahead {

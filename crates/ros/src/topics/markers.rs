@@ -1,6 +1,6 @@
 //! Markers for `RViz`: colliding links, and lines between near bodies.
 
-use clearance_checker::PairDistance;
+use clearance_checker::{PairDistance, PairKind};
 use clearance_geometry::math::{Extremes, Point, Pose, Vector};
 use clearance_geometry::{PointCloud, Primitive, Shape, TriangleMesh, Voxels};
 use clearance_monitor::{CheckedState, Evaluation, Revision};
@@ -23,11 +23,15 @@ const COLLIDING_LINKS: &str = "colliding_links";
 const WITNESS_LINES: &str = "witness_lines";
 const LEAST_DISTANCE: &str = "least_distance";
 const DISTANCES: &str = "distances";
+const SELF_DISTANCE: &str = "self_distance";
+const WORLD_DISTANCE: &str = "world_distance";
 const COLLIDING_ATTACHED: &str = "colliding_attached_objects";
 
 const RED: [f32; 4] = [0.9, 0.1, 0.1, 0.8];
 const YELLOW: [f32; 4] = [1.0, 0.8, 0.1, 1.0];
 const WHITE: [f32; 4] = [1.0, 1.0, 1.0, 1.0];
+const BLUE: [f32; 4] = [0.31, 0.51, 0.74, 1.0];
+const ORANGE: [f32; 4] = [0.85, 0.51, 0.17, 1.0];
 
 /// Width of a witness line (m).
 const LINE_WIDTH: f64 = 0.004;
@@ -57,6 +61,7 @@ impl MarkerDisplay {
             scene.add_colliding_links(revision, checked_state);
             scene.add_colliding_attached(revision, checked_state);
             scene.add_witness_lines(checked_state);
+            scene.add_nearest_of_kinds(checked_state);
         }
         let shown: BTreeSet<_> = scene.markers.iter().map(|(ns, m)| (*ns, m.id)).collect();
         let gone: Vec<_> = self.shown.difference(&shown).copied().collect();
@@ -256,24 +261,47 @@ impl Scene {
             });
         }
         if let Some(nearest) = nearest.filter(|nearest| nearest.distance > 0.0) {
-            self.add_text(LEAST_DISTANCE, 0, nearest, TEXT_HEIGHT);
+            self.add_distance((LEAST_DISTANCE, 0), nearest, TEXT_HEIGHT);
         }
         let is_other = |pair: &&PairDistance| pair.distance > 0.0 && Some(*pair) != nearest;
         let mut others: Vec<_> = report.pair_distances.iter().filter(is_other).collect();
         others.sort_by(|a, b| a.distance.total_cmp(&b.distance));
         for (id, pair) in others.into_iter().take(DISTANCES_SHOWN).enumerate() {
-            self.add_text(DISTANCES, id, pair, SMALL_TEXT_HEIGHT);
+            self.add_distance((DISTANCES, id), pair, SMALL_TEXT_HEIGHT);
+        }
+    }
+
+    /// Adds the nearest self pair and the nearest world pair, also beyond the influence distance: a line wider than the
+    /// witness lines, and the distance as text below its middle.
+    fn add_nearest_of_kinds(&mut self, checked_state: &CheckedState) {
+        let kinds = [
+            (PairKind::SelfPair, SELF_DISTANCE, "self", BLUE),
+            (PairKind::WorldPair, WORLD_DISTANCE, "world", ORANGE),
+        ];
+        for (kind, namespace, word, colour) in kinds {
+            let nearest = checked_state.report.known_nearest_of(kind);
+            let Some(pair) = nearest.filter(|pair| pair.distance > 0.0) else { continue };
+            self.add(namespace, 0, Marker::LINE_LIST, colour, |marker| {
+                marker.scale.x = 2.0 * LINE_WIDTH;
+                marker.points = pair.witness_points.each_ref().map(point_message).to_vec();
+            });
+            let text = format!("{word} {:.3} m", pair.distance);
+            let place = middle(pair) - Vector::z() * TEXT_HEIGHT;
+            self.add_text((namespace, 1), &place, TEXT_HEIGHT, text);
         }
     }
 
     /// Adds the distance of a pair as text above the middle of its line.
-    fn add_text(&mut self, namespace: &'static str, id: usize, pair: &PairDistance, height: f64) {
-        let [a, b] = pair.witness_points;
-        let middle: Point = nalgebra::center(&a, &b);
+    fn add_distance(&mut self, marker: (&'static str, usize), pair: &PairDistance, height: f64) {
+        let place = middle(pair) + Vector::z() * height;
+        self.add_text(marker, &place, height, format!("{:.3} m", pair.distance));
+    }
+
+    fn add_text(&mut self, (namespace, id): (&'static str, usize), place: &Point, height: f64, text: String) {
         self.add(namespace, id, Marker::TEXT_VIEW_FACING, WHITE, |marker| {
-            marker.pose = pose_message(&Pose::translation(middle.x, middle.y, middle.z + height));
+            marker.pose = pose_message(&Pose::translation(place.x, place.y, place.z));
             marker.scale.z = height;
-            marker.text = format!("{:.3} m", pair.distance);
+            marker.text = text;
         });
     }
 
@@ -317,6 +345,12 @@ impl Scene {
 
 fn colliding_bodies(checked_state: &CheckedState) -> impl Iterator<Item = BodyId> {
     checked_state.report.colliding_pairs.iter().flat_map(|&(a, b)| [a, b])
+}
+
+/// The middle of the line between the nearest points of a pair.
+fn middle(pair: &PairDistance) -> Point {
+    let [a, b] = &pair.witness_points;
+    nalgebra::center(a, b)
 }
 
 /// First marker id of a shape. Ids are unique within a namespace, with up to four markers per shape.

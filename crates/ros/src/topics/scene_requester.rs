@@ -151,7 +151,7 @@ impl Service {
         let response = self.client.call(GetPlanningSceneRequest { components }, self.timeout);
         let scene = future::or(response, self.another_server(context)).await?.scene;
         if scene.robot_model_name.is_empty() {
-            return Err(format!("{} tells the scene of no robot: it has none yet", self.name));
+            return Err(format!("{} returns a scene without a robot: it has none yet", self.name));
         }
         if scene.is_diff {
             return Err(format!("{} returned changes, not the whole scene", self.name));

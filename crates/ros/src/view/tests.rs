@@ -81,6 +81,8 @@ fn a_free_state_is_told_with_distances_and_poses() {
     assert_eq!((told["model"].as_u64(), told["world"].as_u64()), (Some(3), Some(7)));
     assert_eq!(told["nearest"]["bodies"], serde_json::json!([["link", "base"], ["link", "ball"]]));
     assert!((told["nearest"]["distance"].as_f64().unwrap() - 1.7).abs() < 1e-6, "{told}");
+    assert_eq!(told["self_nearest"], serde_json::json!({"known": true, "pair": told["nearest"]}));
+    assert_eq!(told["world_nearest"], serde_json::json!({"known": true, "pair": null}));
     assert_eq!(told["colliding"], serde_json::json!([]));
     assert_eq!(told["poses"].as_array().unwrap().len(), 3);
     assert_eq!(told["poses"][2], serde_json::json!([1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]));

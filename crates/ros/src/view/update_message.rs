@@ -1,6 +1,6 @@
 //! Conversion of an evaluation to the update that the page reads.
 
-use clearance_checker::{CollisionChecker, CollisionReport, PairDistance};
+use clearance_checker::{CollisionChecker, CollisionReport, PairDistance, PairKind};
 use clearance_geometry::math::Point;
 use clearance_monitor::{CheckedState, Evaluation, MonitorSettings, Reason, Revision};
 use clearance_robot::LinkPoses;
@@ -39,10 +39,23 @@ struct Findings<'a> {
     /// Proven time without contact, after the joint state's stamp.
     free_for: Option<f64>,
     nearest: Option<Pair<'a>>,
+    /// The nearest pair of two bodies of the robot.
+    self_nearest: Nearest<'a>,
+    /// The nearest pair of a body of the robot and an obstacle.
+    world_nearest: Nearest<'a>,
     near: Vec<Pair<'a>>,
     near_count: usize,
     colliding: Vec<[Name<'a>; 2]>,
     colliding_count: usize,
+}
+
+/// The nearest pair of one kind.
+#[derive(Serialize)]
+struct Nearest<'a> {
+    /// Whether it is known; false if the deadline passed before.
+    known: bool,
+    /// Absent if none is within the distance limit.
+    pair: Option<Pair<'a>>,
 }
 
 #[derive(Serialize)]
@@ -124,7 +137,8 @@ fn poses(revision: &Revision, poses: &LinkPoses) -> Vec<[f32; 7]> {
 }
 
 fn found<'a>(checked_state: &'a CheckedState, checker: &'a CollisionChecker) -> Findings<'a> {
-    let CollisionReport { nearest, pair_distances, colliding_pairs, .. } = &checked_state.report;
+    let report = &checked_state.report;
+    let CollisionReport { nearest, pair_distances, colliding_pairs, .. } = report;
     let mut near: Vec<&PairDistance> = pair_distances.iter().collect();
     near.sort_by(|a, b| a.distance.total_cmp(&b.distance));
     let name = |body| (kind(body), checker.body_name(body));
@@ -133,11 +147,17 @@ fn found<'a>(checked_state: &'a CheckedState, checker: &'a CollisionChecker) -> 
         distance: pair.distance,
         witness_points: pair.witness_points.map(|point: Point| point.coords.map(short).into()),
     };
+    let nearest_of = |kind| Nearest {
+        known: !report.distance_of(kind).is_nan(),
+        pair: report.known_nearest_of(kind).map(pair),
+    };
     Findings {
         compute_time: checked_state.compute_time.as_secs_f64(),
         pairs_checked: checker.pairs().len(),
         free_for: checked_state.look_ahead.map(|ahead| ahead.free_for),
         nearest: nearest.as_ref().map(pair),
+        self_nearest: nearest_of(PairKind::SelfPair),
+        world_nearest: nearest_of(PairKind::WorldPair),
         near: near.into_iter().take(PAIRS_SHOWN).map(pair).collect(),
         near_count: pair_distances.len(),
         colliding: colliding_pairs.iter().take(PAIRS_SHOWN).map(|&(a, b)| [name(a), name(b)]).collect(),

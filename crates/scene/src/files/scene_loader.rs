@@ -45,7 +45,7 @@ impl SceneLoader {
         }
         if rounding > NOTABLE_ROUNDING {
             self.warnings.push(format!(
-                "{file}: points are {rounding:.1e} m larger, since 32-bit floats tell no less apart so far from the origin"
+                "{file}: points are {rounding:.1e} m larger, the resolution of 32-bit floats so far from the origin"
             ));
         }
         let Some(cloud) = points.cloud(radius).map_err(|e| fault(e.to_string()))? else {

@@ -97,7 +97,7 @@ impl LoaderScene {
         let points = decode(message)?;
         let poses = update_context
             .poses_at(robot, topic)
-            .ok_or("no fresh joint state tells which points are the robot")?;
+            .ok_or("without a fresh joint state the points on the robot are not known")?;
         let context = SceneContext::new(robot, Some(&poses), transforms, now.ros, parameters.transform_ttl);
         let frame = &message.header.frame_id;
         let pose_rc =

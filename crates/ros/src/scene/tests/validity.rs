@@ -1,6 +1,11 @@
 //! States that `check_state_validity` evaluates.
 
+use std::time::Instant;
+
+use clearance_checker::Question;
+
 use super::*;
+use crate::services::validity_contacts::ContactsOfState;
 
 /// The evaluation of the robot at these positions.
 fn evaluation(scene: &ActiveScene, positions: &[f64]) -> Evaluation {
@@ -32,7 +37,7 @@ fn ask(
     let transforms = TransformTree::default();
     let situation =
         ValidityContext { scene, evaluation: Some(&evaluation), transforms: &transforms, now: now() };
-    state_validity(request, &situation)
+    state_validity(request, &situation).map(|found| found.response)
 }
 
 #[test]
@@ -51,6 +56,53 @@ fn states_are_valid_where_nothing_touches() {
         assert!(((n.x * n.x + n.y * n.y + n.z * n.z) - 1.0).abs() < 1e-9);
         assert_eq!(contact.header.frame_id, "base");
     }
+}
+
+fn cuboid(id: &str, pose: PoseMessage, size: [f64; 3]) -> CollisionObject {
+    let primitives = vec![solid(SolidPrimitive::BOX, &size)];
+    CollisionObject { primitives, ..ball(id, pose, 1.0, "base") }
+}
+
+/// A scene in which the tip holds a box 5 mm deep in a table.
+fn box_on_table() -> Arc<ActiveScene> {
+    let table = cuboid("table", at(2.0, 0.0, 0.855), [2.0, 2.0, 0.1]);
+    let object = cuboid("part", at(2.0, 0.1, 0.95), [0.4, 0.2, 0.1]);
+    let part = AttachedCollisionObject { object, ..part() };
+    in_force(scene(&[difference(vec![table], vec![part])]), vec![])
+}
+
+/// A box flat on a table has a contact at each corner.
+#[test]
+fn one_pair_has_several_contacts() {
+    let answer = ask(&box_on_table(), &STRETCHED, &whole(STRETCHED)).unwrap();
+    assert!((4..=8).contains(&answer.contacts.len()), "{:?}", answer.contacts);
+    for contact in &answer.contacts {
+        let bodies = (contact.contact_body_1.as_str(), contact.contact_body_2.as_str());
+        assert_eq!((bodies, contact.body_type_1, contact.body_type_2), (("part", "table"), 2, 1));
+        assert!((contact.normal.z + 1.0).abs() < 1e-6 && (contact.depth - 0.005).abs() < 1e-6, "{contact:?}");
+    }
+    for (x, y) in [(1.8, 0.0), (2.2, 0.0), (1.8, 0.2), (2.2, 0.2)] {
+        let is_corner = |p: &Point| (p.x - x).hypot(p.y - y) < 1e-6;
+        assert!(answer.contacts.iter().any(|contact| is_corner(&contact.position)), "{:?}", answer.contacts);
+    }
+}
+
+/// When the time for contacts is over, each pair still has one, and the remark says what is missing.
+#[test]
+fn contacts_after_their_time_have_a_point_only() {
+    let scene = box_on_table();
+    let checker = &scene.revision.checker;
+    let (robot, mut workspace) = (checker.robot(), checker.workspace());
+    let q = robot.configuration(&STRETCHED).unwrap();
+    let mut poses = LinkPoses::new(robot);
+    robot.forward_kinematics(&q, &mut poses);
+    let report = checker.check(&q, Question::Pairs, &mut workspace);
+    let search = ContactsOfState { checker, q: &q, poses: &poses, now: now() };
+    let found = search.contacts(&report.colliding_pairs, Instant::now(), &mut workspace);
+    assert_eq!((found.messages.len(), report.colliding_pairs.len()), (1, 1));
+    assert!(found.remark.unwrap().contains("1 have no normal and depth"));
+    let contact = &found.messages[0];
+    assert!(contact.depth == 0.0 && (0.89..0.92).contains(&contact.position.z), "{contact:?}");
 }
 
 #[test]

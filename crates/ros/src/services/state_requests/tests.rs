@@ -155,7 +155,9 @@ fn names_that_do_not_fit_are_left_out() {
     let answer = evaluate_states(&request, Some(&evaluation(&world, &[0.0, 0.0])), &mut None);
     assert!(answer.distances.iter().all(|distance| (distance - 0.1).abs() < 1e-9), "{answer:?}");
     let fitting = (LONGEST_NAMES - "tip".len()) / LENGTH;
-    assert_eq!(answer.bodies.len(), 1 + fitting);
+    assert_eq!(answer.bodies.len(), 1 + fitting + 1);
+    // the nearest self pair comes last: it takes no room from the others
+    assert_eq!(answer.bodies.last().unwrap(), "base");
     let told = |i: usize| ![answer.pair_a[i], answer.pair_b[i]].contains(&NOBODY);
     assert!((0..states.len()).all(|i| told(i) == (i < fitting)), "{answer:?}");
 }
@@ -247,6 +249,64 @@ fn pairs_come_nearest_first() {
     assert_eq!(ask_distances(&at(&ONTO)).pairs[0].distance, 0.0);
 }
 
+/// Names of a pair in a response to a batch; none if there is no pair.
+fn named(answer: &CheckStatesResponse, [a, b]: [i32; 2]) -> Vec<&str> {
+    let indices = [a, b].map(usize::try_from);
+    indices.into_iter().flatten().map(|index| answer.bodies[index].as_str()).collect()
+}
+
+#[test]
+fn both_kinds_of_pairs_have_their_least_distance() {
+    let evaluation = evaluation(&with_ball(), &[0.0, 0.0]);
+    let ask = |request: CheckStatesRequest| evaluate_states(&request, Some(&evaluation), &mut None);
+    let all = CheckStatesRequest { with_distance: true, ..batch(&[[0.0, 0.0], ONTO, NEAR]) };
+    let answer = ask(all.clone());
+    let are_near = |found: &[f64], expected: [f64; 3]| {
+        found.len() == 3 && found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-9)
+    };
+    assert!(are_near(&answer.self_distances, [0.7, 0.0, 0.2]), "{answer:?}");
+    // folded, the elbow of radius 0.1 is at (1, 0, 0)
+    assert!(are_near(&answer.world_distances, [0.5, 1.5, 1.5]), "{answer:?}");
+    for state in 0..3 {
+        let of_self = [answer.self_pair_a[state], answer.self_pair_b[state]];
+        let of_world = [answer.world_pair_a[state], answer.world_pair_b[state]];
+        assert_eq!(named(&answer, of_self), ["base", "tip"]);
+        assert_eq!(named(&answer, of_world), ["tip", "ball"]);
+    }
+    let plain = ask(CheckStatesRequest { with_distance: false, ..all.clone() });
+    let counts = [plain.self_pair_a.len(), plain.world_pair_b.len(), plain.self_distances.len()];
+    assert_eq!(counts, [0; 3]);
+
+    let limited = ask(CheckStatesRequest { distance_limit: 1.0, ..all.clone() });
+    assert!(limited.world_distances[1..].iter().all(|distance| *distance == f64::INFINITY));
+    assert_eq!((limited.world_pair_a[1], limited.world_pair_b[1]), (NOBODY, NOBODY));
+    assert_eq!(limited.self_distances, answer.self_distances);
+    let late = ask(CheckStatesRequest { timeout: 1e-300, ..all });
+    assert!(late.self_distances.iter().chain(&late.world_distances).all(|distance| distance.is_nan()));
+    assert!(late.self_pair_a.iter().chain(&late.world_pair_a).all(|index| *index == NOBODY));
+}
+
+#[test]
+fn the_nearest_of_each_kind_is_told_listed_or_not() {
+    let all = ask_distances(&at(&[0.0, 0.0]));
+    let one = ask_distances(&GetDistancesRequest { max_pairs: 1, ..at(&[0.0, 0.0]) });
+    for answer in [&all, &one] {
+        assert_eq!(
+            (answer.self_distance, answer.world_distance),
+            (all.pairs[1].distance, all.pairs[0].distance)
+        );
+        assert_eq!((&answer.self_nearest, &answer.world_nearest), (&all.pairs[1], &all.pairs[0]));
+    }
+    let near = ask_distances(&GetDistancesRequest { max_distance: 0.6, ..at(&[0.0, 0.0]) });
+    assert_eq!((near.self_distance, near.self_nearest), (f64::INFINITY, PairDistanceMessage::default()));
+    let of_ball = ask_distances(&GetDistancesRequest { bodies: names(&["ball"]), ..at(&ONTO) });
+    assert_eq!(of_ball.self_distance, f64::INFINITY, "of the requested pairs");
+    assert!((of_ball.world_distance - 1.5).abs() < 1e-9, "{of_ball:?}");
+    let late = ask_distances(&GetDistancesRequest { timeout: 1e-300, ..at(&[0.0, 0.0]) });
+    assert!(late.self_distance.is_nan() && late.world_distance.is_nan());
+    assert_eq!(ask_distances(&at(&ONTO)).self_distance, 0.0);
+}
+
 #[test]
 fn without_a_model_nothing_is_checked() {
     let answer = evaluate_states(&batch(&[NEAR]), None, &mut None);
@@ -254,6 +314,7 @@ fn without_a_model_nothing_is_checked() {
     let answer = evaluate_distances(&at(&NEAR), None, &mut None);
     assert_eq!((answer.verdict, answer.reason_code.as_str()), (CheckStatesResponse::ERROR, "no_model"));
     assert!(answer.message.contains("robot_description"), "{}", answer.message);
+    assert!(answer.self_distance.is_nan() && answer.world_distance.is_nan());
 }
 
 #[test]

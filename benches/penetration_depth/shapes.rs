@@ -1,36 +1,39 @@
-//! Penetration depth of overlapping meshes: ratio of the bounds, and time, by number of triangles.
-//!
-//! `cargo bench --bench penetration_depth`, pinned to one core by `taskset -c 1`.
-
-#[path = "../tests/it/random.rs"]
-#[allow(dead_code)] // the tests use the rest
-mod random;
+//! Closed meshes with dents.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
-use std::time::Instant;
 
-use clearance::geometry::math::{MatrixPose, Point, Pose, Vector};
+use clearance::geometry::math::{Point, Pose, Vector};
 use clearance::geometry::{Shape, TriangleMesh};
-use clearance::proximity::{CollisionBody, Scratch, SolidBody, collide, penetration_depth};
+use clearance::proximity::{CollisionBody, SolidBody};
 
-use random::Random;
-
-/// Overlapping poses for each row.
-const POSES: usize = 1000;
-
-/// A closed mesh in both forms.
-struct Body {
-    solid: SolidBody,
-    whole: CollisionBody,
+/// A mesh in all forms.
+pub struct Body {
+    pub mesh: Arc<TriangleMesh>,
+    pub solid: SolidBody,
+    pub whole: CollisionBody,
+    /// As the checker has it: a surface.
+    pub surface: CollisionBody,
 }
 
 impl Body {
-    fn new(mesh: TriangleMesh) -> Self {
-        let shape = Shape::Mesh(Arc::new(mesh));
+    pub fn new(mesh: TriangleMesh) -> Self {
+        let mesh = Arc::new(mesh);
+        let shape = Shape::Mesh(Arc::clone(&mesh));
         let shapes = [(&Pose::identity(), &shape)];
+        let surface = CollisionBody::new(shapes).expect("a body with a shape");
         let whole = CollisionBody::with_solid_meshes(shapes).expect("a body with a shape");
-        Self { solid: SolidBody::new(shapes), whole }
+        let solid = SolidBody::of_body(&surface, shapes);
+        Self { mesh, solid, whole, surface }
+    }
+}
+
+/// Three meshes of about so many triangles: a torus, a knot, a bumpy sphere.
+pub fn meshes(triangles: u32) -> [TriangleMesh; 3] {
+    match triangles {
+        1_000 => [torus(32, 16), knot(64, 8), bumpy_sphere(32, 17)],
+        10_000 => [torus(100, 50), knot(250, 20), bumpy_sphere(100, 51)],
+        _ => [torus(320, 160), knot(800, 64), bumpy_sphere(320, 160)],
     }
 }
 
@@ -91,49 +94,4 @@ fn bumpy_sphere(around: u32, rings: u32) -> TriangleMesh {
         faces.extend([[a, b, c], [a, c, d]]);
     }
     TriangleMesh::new(vertices, faces).expect("a valid mesh")
-}
-
-/// Sorted values at a share of their number.
-#[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, clippy::cast_sign_loss)] // small numbers
-fn quantile(sorted: &[f64], share: f64) -> f64 {
-    sorted[((sorted.len() - 1) as f64 * share) as usize]
-}
-
-fn row(name: &str, bodies: &[Body]) {
-    let (mut random, mut scratch) = (Random::new(5), Scratch::default());
-    let (mut ratios, mut times, mut touching_after) = (Vec::new(), Vec::new(), 0);
-    while ratios.len() < POSES {
-        let [a, b] = [(); 2]
-            .map(|()| &bodies[random.below(u32::try_from(bodies.len()).expect("few bodies")) as usize]);
-        let pose = Pose::from_parts(random.vector(0.7).into(), random.rotation());
-        if collide(&a.whole, &b.whole, &pose, &mut scratch).is_none() {
-            continue;
-        }
-        if ratios.is_empty() {
-            let _ = penetration_depth(&a.solid, &b.solid, &pose, 0.0, &mut scratch);
-        }
-        let start = Instant::now();
-        let depth = penetration_depth(&a.solid, &b.solid, &pose, 0.0, &mut scratch);
-        times.push(start.elapsed().as_secs_f64() * 1e3);
-        let depth = depth.expect("the bodies overlap");
-        ratios.push(depth.upper / depth.lower);
-        let pose = MatrixPose::from(&pose);
-        let moved = MatrixPose { translation: pose.translation + depth.direction * depth.upper, ..pose };
-        touching_after += usize::from(collide(&a.whole, &b.whole, moved, &mut scratch).is_some());
-    }
-    ratios.sort_by(f64::total_cmp);
-    times.sort_by(f64::total_cmp);
-    println!(
-        "{name:8} upper/lower: median {:.3}, p90 {:.3}; ms: median {:.3}, p90 {:.3}; touching after the translation: {touching_after} of {POSES}",
-        quantile(&ratios, 0.5),
-        quantile(&ratios, 0.9),
-        quantile(&times, 0.5),
-        quantile(&times, 0.9),
-    );
-}
-
-fn main() {
-    row("1k", &[torus(32, 16), knot(64, 8), bumpy_sphere(32, 17)].map(Body::new));
-    row("10k", &[torus(100, 50), knot(250, 20), bumpy_sphere(100, 51)].map(Body::new));
-    row("100k", &[torus(320, 160), knot(800, 64), bumpy_sphere(320, 160)].map(Body::new));
 }

@@ -1,0 +1,71 @@
+"""Contacts as MoveIt's clients know them: several for each pair of bodies, with position, normal and depth."""
+
+import pytest
+
+from scene import attached, box, cube_mesh, obstacle, pose, sphere, xyz
+from two_link_cell import ACCURACY, STRETCHED, cell  # noqa: F401 (a fixture)
+
+# The legs of a chair on the tip, and the half width of each.
+LEGS = [(1.8, -0.2), (2.2, -0.2), (1.8, 0.2), (2.2, 0.2)]
+HALF = 0.02
+
+
+def held(*shapes, at):
+    """An object on the tip, which touches only what is not the tip."""
+    return attached("tip", obstacle("part", *shapes, at=at, frame="base"), ["tip"])
+
+
+def of_pair(answer, first="part", second="floor"):
+    found = [contact for contact in answer.contacts if contact.contact_body_1 == first]
+    assert all(contact.contact_body_2 == second for contact in found)
+    return found
+
+
+def test_a_box_flat_on_a_table_has_a_contact_at_each_corner(scene):
+    scene.change(obstacle("floor", box(3, 3, 0.1), at=pose(2, 0, 0.855)))
+    answer = scene.validity(STRETCHED, attached=[held(box(0.4, 0.2, 0.1), at=pose(2, 0.1, 0.95))])
+    found = of_pair(answer)
+    assert 4 <= len(found) <= 8
+    for contact in found:
+        # From the first body, above, to the second.
+        assert xyz(contact.normal) == pytest.approx([0, 0, -1], abs=ACCURACY)
+        assert contact.depth == pytest.approx(0.005, abs=ACCURACY)
+        assert 0.9 - ACCURACY <= contact.position.z <= 0.905 + ACCURACY
+    for corner in [(1.8, 0), (2.2, 0), (1.8, 0.2), (2.2, 0.2)]:
+        assert any(xyz(contact.position)[:2] == pytest.approx(corner, abs=ACCURACY) for contact in found)
+
+
+@pytest.mark.parametrize("floor", [box(4, 4, 1), cube_mesh(4)], ids=["box", "mesh"])
+def test_every_foot_of_a_chair_has_a_contact(scene, floor):
+    """The legs end 1 mm below the floor's top."""
+    top = 0.5 if floor == box(4, 4, 1) else 2.0
+    scene.change(obstacle("floor", floor, at=pose(2, 0, 0.5 - top)))
+    legs = [(box(2 * HALF, 2 * HALF, 0.4), pose(x - 2, y, 0)) for x, y in LEGS]
+    chair = held((box(0.5, 0.5, 0.02), pose(z=0.2)), *legs, at=pose(2, 0, 0.699))
+    # The tip's ball is in the floor, too; it is another pair.
+    found = of_pair(scene.validity(STRETCHED, attached=[chair]))
+    for x, y in LEGS:
+        foot = [c for c in found if abs(c.position.x - x) < 2 * HALF and abs(c.position.y - y) < 2 * HALF]
+        assert foot, (x, y, found)
+        assert all(contact.depth == pytest.approx(0.001, abs=ACCURACY) for contact in foot)
+        assert all(xyz(contact.normal) == pytest.approx([0, 0, -1], abs=ACCURACY) for contact in foot)
+
+
+def test_a_round_body_has_one_contact_on_a_flat_one(scene):
+    scene.change(obstacle("floor", box(3, 3, 0.1), at=pose(2, 0, 0.855)))
+    (contact,) = of_pair(scene.validity(STRETCHED, attached=[held(sphere(0.05), at=pose(2, 0.1, 0.95))]))
+    assert xyz(contact.position) == pytest.approx([2, 0.1, 0.9025], abs=ACCURACY)
+    assert contact.depth == pytest.approx(0.005, abs=ACCURACY)
+
+
+def test_contacts_of_many_pairs_are_limited(scene):
+    """Each pair has a contact, as far as the answer may have so many."""
+    parts = [
+        attached("tip", obstacle(f"part{i}", box(0.1, 0.1, 0.1), at=pose(2, 0, 0.95), frame="base"), ["tip"])
+        for i in range(50)
+    ]
+    scene.change(obstacle("floor", box(3, 3, 0.1), at=pose(2, 0, 0.855)))
+    answer = scene.validity(STRETCHED, attached=parts)
+    of_floor = {c.contact_body_1 for c in answer.contacts if c.contact_body_2 == "floor"}
+    assert len(answer.contacts) <= 200
+    assert not answer.valid and of_floor
