@@ -9,6 +9,7 @@ use super::candidate::{Candidate, Local, next_patch};
 use super::manifold::{ConvexShape, PlacedSolid};
 use crate::body::{CollisionBody, Surface};
 use crate::bounding_volume::Obb;
+use crate::bvh::Tree;
 use crate::elements::{CoreShape, RoundedShape};
 use crate::penetration_depth::ConvexSolid;
 
