@@ -120,7 +120,7 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
         contacts: args.contacts.of_states(&checker, &states, &reports, &args.run)?,
         gradients: args.gradients(&checker, &states)?,
     };
-    let timing = time_passes(&checker, &states, args.timed_question(), args.run.repeat);
+    let timing = time_passes(&checker, &states, args);
     let output = CheckOutput {
         robot: robot.name().to_owned(),
         joints: robot.position_names().to_vec(),
@@ -256,7 +256,7 @@ fn constant_contacts(
 }
 
 fn time_passes(checker: &CollisionChecker, states: &[Configuration], args: &CheckArgs) -> Option<Timing> {
-    let (question, mut workspace) = (args.question(), checker.workspace());
+    let (question, mut workspace) = (args.timed_question(), checker.workspace());
     timing::measure(args.run.repeat, states.len(), || {
         for q in states {
             if args.gradient {
