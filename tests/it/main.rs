@@ -28,6 +28,7 @@ mod penetration;
 mod program;
 mod random;
 mod reference;
+mod reference_depth;
 #[cfg(feature = "ros")]
 mod replays;
 mod requested_motions;
