@@ -3,6 +3,7 @@
 use clap::Args;
 use clearance::checker::{CollisionChecker, CollisionReport, Contact, LocalContact, PairContacts, Workspace};
 use clearance::geometry::math::{Point, Vector};
+use clearance::proximity::UnknownDepth;
 use clearance::robot::Configuration;
 use clearance::scene::BodyId;
 use rayon::prelude::*;
@@ -99,7 +100,7 @@ impl NamedPair {
         let Contact { point, normal, depth, depth_lower, unknown } = contact;
         ContactResult {
             depth: depth.map(|upper| [*depth_lower, upper]),
-            reason: unknown.map(|unknown| unknown.code()),
+            reason: unknown.map(UnknownDepth::code),
             ..self.contact(point, *normal)
         }
     }
@@ -109,7 +110,7 @@ impl NamedPair {
         let reason = deepest.unknown.filter(|_| depth.is_none());
         ContactResult {
             depth: depth.map(|depth| [depth; 2]),
-            reason: reason.map(|unknown| unknown.code()),
+            reason: reason.map(UnknownDepth::code),
             ..self.contact(point, Some(*normal))
         }
     }
