@@ -27,6 +27,7 @@ mod other_shapes;
 mod penetration;
 mod program;
 mod random;
+mod recovery;
 mod reference;
 mod reference_depth;
 #[cfg(feature = "ros")]
