@@ -97,7 +97,11 @@ fn random_state(checker: &CollisionChecker, random: &mut Random) -> Configuratio
     robot.configuration(&positions).expect("within limits")
 }
 
-fn moved(checker: &CollisionChecker, q: &Configuration, by: impl Iterator<Item = f64>) -> Option<Configuration> {
+fn moved(
+    checker: &CollisionChecker,
+    q: &Configuration,
+    by: impl Iterator<Item = f64>,
+) -> Option<Configuration> {
     let moved: Vec<f64> = q.positions().iter().zip(by).map(|(q, by)| q + by).collect();
     let robot = checker.robot();
     robot.configuration(&moved).ok().filter(|q| robot.outside_limits(q.positions()).next().is_none())
@@ -144,7 +148,8 @@ impl Results {
         for list in [&mut self.distances, &mut self.times] {
             list.sort_by(f64::total_cmp);
         }
-        let at = |list: &[f64], tenths: usize| list.get(list.len() * tenths / 10).copied().unwrap_or(f64::NAN);
+        let at =
+            |list: &[f64], tenths: usize| list.get(list.len() * tenths / 10).copied().unwrap_or(f64::NAN);
         println!(
             "{robot:10} {method:10} {:5} states: {share:5.1} % found, distance {:.4} / {:.4}, {:8.3} / {:8.3} ms",
             self.times.len(),
@@ -191,7 +196,8 @@ fn main() {
         ("g1", shared("g1")),
     ];
     let selected = |name: &str| {
-        let mut names = arguments.iter().filter(|argument| argument.starts_with(|c: char| c.is_alphabetic())).peekable();
+        let mut names =
+            arguments.iter().filter(|argument| argument.starts_with(|c: char| c.is_alphabetic())).peekable();
         names.peek().is_none() || names.any(|other| other == name)
     };
     for (name, robot) in robots.into_iter().filter(|(name, _)| selected(name)) {

@@ -4,7 +4,7 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use clearance::checker::{CollisionChecker, FreeState, NoFreeState, Recovery, RecoveryOptions};
+use clearance::checker::{CollisionChecker, FreeState, Recovery, RecoveryOptions};
 use clearance::robot::{Configuration, JointId, RobotModel};
 use clearance::scene::BodyId;
 use clearance_files::readable_text::on_one_line;
@@ -151,7 +151,10 @@ impl RecoverArgs {
     /// Options for a search that starts now.
     fn starting_now(&self, options: &RecoveryOptions) -> RecoveryOptions {
         let span = self.deadline.and_then(|s| Duration::try_from_secs_f64(s).ok());
-        RecoveryOptions { deadline: span.and_then(|span| Instant::now().checked_add(span)), ..options.clone() }
+        RecoveryOptions {
+            deadline: span.and_then(|span| Instant::now().checked_add(span)),
+            ..options.clone()
+        }
     }
 }
 
@@ -187,15 +190,23 @@ fn time_passes(
     let mut workspace = checker.workspace();
     timing::measure(args.run.repeat, states.len(), || {
         for q in states {
-            let _ = std::hint::black_box(checker.find_free_state(q, &args.starting_now(options), &mut workspace));
+            let _ =
+                std::hint::black_box(checker.find_free_state(q, &args.starting_now(options), &mut workspace));
         }
     })
 }
 
 impl RecoverResult {
     fn new(recovery: &Recovery, checker: &CollisionChecker) -> Self {
-        let none =
-            Self { result: "already_free", state: None, distance: None, exit: None, reason: None, pair: None, checks: 1 };
+        let none = Self {
+            result: "already_free",
+            state: None,
+            distance: None,
+            exit: None,
+            reason: None,
+            pair: None,
+            checks: 1,
+        };
         match recovery {
             Recovery::AlreadyFree => none,
             Recovery::Found(FreeState { state, distance, exit, checks }) => Self {

@@ -4,7 +4,8 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use clearance::checker::{
-    CollisionChecker, FreeState, MotionOptions, NoFreeState, Question, Recovery, RecoveryError, RecoveryOptions, Retreat,
+    CollisionChecker, FreeState, MotionOptions, NoFreeState, Question, Recovery, RecoveryError,
+    RecoveryOptions, Retreat,
 };
 use clearance::geometry::math::Pose;
 use clearance::geometry::{Primitive, Shape};
@@ -178,7 +179,10 @@ fn locked_joints_limits_and_groups_hold() {
     let Recovery::Found(through) = recover(&above, [0.4, 0.0], &listed) else { panic!() };
     assert!(through.state.positions()[0] < 0.4 - 0.1, "{through:?}");
     let wide = RecoveryOptions { largest_distance: 0.05, ..listed };
-    assert!(matches!(recover(&above, [0.4, 0.0], &wide), Recovery::NoneFound(NoFreeState { unmoved: None, .. })));
+    assert!(matches!(
+        recover(&above, [0.4, 0.0], &wide),
+        Recovery::NoneFound(NoFreeState { unmoved: None, .. })
+    ));
 }
 
 #[test]
@@ -222,7 +226,8 @@ fn no_velocity_reduces_the_penetration_faster() {
     let mut compared = 0;
     for _ in 0..200 {
         let q = state(&checker, [random.within(-0.09, 0.09), random.within(-0.1, 0.1)]);
-        let Retreat::Direction(retreat) = checker.retreat_direction(&q, &options, &mut workspace).unwrap() else {
+        let Retreat::Direction(retreat) = checker.retreat_direction(&q, &options, &mut workspace).unwrap()
+        else {
             assert!(checker.is_free(&q, &mut workspace));
             continue;
         };
@@ -254,10 +259,13 @@ fn retreat_respects_limits_and_locked_joints() {
     let mut workspace = checker.workspace();
     let q = state(&checker, [0.0, 0.0]);
     let options = RecoveryOptions { locked: vec![joint("shoulder")], ..RecoveryOptions::default() };
-    let Retreat::Direction(elbow) = checker.retreat_direction(&q, &options, &mut workspace).unwrap() else { panic!() };
+    let Retreat::Direction(elbow) = checker.retreat_direction(&q, &options, &mut workspace).unwrap() else {
+        panic!()
+    };
     assert_eq!(elbow.velocities, [0.0, 1.0]);
     assert!((elbow.rate - 0.5).abs() < 0.05 && elbow.pairs_without_depth == 0, "{elbow:?}");
-    let both = RecoveryOptions { locked: vec![joint("shoulder"), joint("elbow")], ..RecoveryOptions::default() };
+    let both =
+        RecoveryOptions { locked: vec![joint("shoulder"), joint("elbow")], ..RecoveryOptions::default() };
     assert!(matches!(checker.retreat_direction(&q, &both, &mut workspace), Ok(Retreat::Stuck(_))));
     let free = finger(&[]);
     let q = state(&free, [0.0, 0.0]);
@@ -284,10 +292,16 @@ fn the_command_prints_states_and_reasons() {
     assert_eq!(result["result"], "found");
     assert!(result["distance"].as_f64().unwrap() < 0.03 && result["state"].as_array().unwrap().len() == 2);
     let text = String::from_utf8(run(&[]).stdout).unwrap();
-    assert!(text.contains("state 0: free state at a distance of 0.0") && text.contains("  shoulder: 0.0000 to "));
+    assert!(
+        text.contains("state 0: free state at a distance of 0.0") && text.contains("  shoulder: 0.0000 to ")
+    );
     let none = run(&["--locked", "shoulder,elbow"]);
     assert_eq!(none.status.code(), Some(1));
-    assert!(String::from_utf8(none.stdout).unwrap().contains("no joint that may move moves ball and second apart"));
+    assert!(
+        String::from_utf8(none.stdout)
+            .unwrap()
+            .contains("no joint that may move moves ball and second apart")
+    );
     for (wrong, word) in [
         (["--locked", "wrist"], "wrist"),
         (["--group", "arm"], "arm"),

@@ -82,7 +82,9 @@ impl<'s> FreeStateSearch<'s> {
             if moving.is_empty() {
                 return self.none_found(Some(pair));
             }
-            moving.into_iter().for_each(|position| movable[position] = true);
+            for position in moving {
+                movable[position] = true;
+            }
         }
         let space = SearchSpace::new(self.checker.robot(), self.q, &movable);
         match self.sweep(&space) {
@@ -101,7 +103,8 @@ impl<'s> FreeStateSearch<'s> {
         self.checks += 1;
         let limit = self.options.clearance;
         let report = self.checker.check(self.q, Question::PairDistances { limit }, self.workspace);
-        let near = report.pair_distances.iter().filter(|pair| pair.distance < limit).map(|pair| (pair.a, pair.b));
+        let near =
+            report.pair_distances.iter().filter(|pair| pair.distance < limit).map(|pair| (pair.a, pair.b));
         let mut pairs = report.colliding_pairs.clone();
         pairs.extend(near.filter(|pair| !report.colliding_pairs.contains(pair)));
         pairs
@@ -122,7 +125,8 @@ impl<'s> FreeStateSearch<'s> {
                 }
                 let last = distance >= self.options.largest_distance;
                 let at = if last { self.options.largest_distance } else { distance };
-                let hits = self.hits(space, self.directions(space.dimension(), count), at);
+                let directions = self.directions(space.dimension(), count);
+                let hits = self.hits(space, directions, at);
                 let best = self.best_exit(space, hits, at).map(|exit| self.turned(space, exit));
                 if let Some(found) = best.and_then(|exit| self.with_first_exit(space, &exit)) {
                     return Some(found);
@@ -157,7 +161,10 @@ impl<'s> FreeStateSearch<'s> {
     fn hits(&mut self, space: &SearchSpace, directions: Vec<Vec<f64>>, distance: f64) -> Vec<Vec<f64>> {
         let states: Vec<Configuration> = directions.iter().map(|way| space.state(way, distance)).collect();
         let clear = self.are_clear(&states);
-        (directions.into_iter().zip(clear)).filter(|(_, clear)| *clear).map(|(direction, _)| direction).collect()
+        (directions.into_iter().zip(clear))
+            .filter(|(_, clear)| *clear)
+            .map(|(direction, _)| direction)
+            .collect()
     }
 
     /// For each state, whether it is free with the clearance; false for those after enough free ones.

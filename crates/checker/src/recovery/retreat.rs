@@ -109,7 +109,8 @@ impl Allowed {
     /// The nearest allowed velocity.
     fn projected(&self, velocity: &[f64]) -> Vec<f64> {
         let each = velocity.iter().zip(&self.ways);
-        each.map(|(v, [falls, rises])| if (*v < 0.0 && !falls) || (*v > 0.0 && !rises) { 0.0 } else { *v }).collect()
+        each.map(|(v, [falls, rises])| if (*v < 0.0 && !falls) || (*v > 0.0 && !rises) { 0.0 } else { *v })
+            .collect()
     }
 }
 
@@ -120,7 +121,8 @@ fn fastest(rows: &[Vec<f64>], allowed: &Allowed) -> Option<(Vec<f64>, f64)> {
     if rows.len() > 1 {
         for step in 0..STEPS {
             let velocity = allowed.projected(&combined);
-            let slowest = rows.iter().min_by(|a, b| product(a, &velocity).total_cmp(&product(b, &velocity)))?;
+            let slowest =
+                rows.iter().min_by(|a, b| product(a, &velocity).total_cmp(&product(b, &velocity)))?;
             #[allow(clippy::cast_precision_loss)] // few steps
             let share = 2.0 / (step as f64 + 2.0);
             for (entry, target) in combined.iter_mut().zip(slowest) {

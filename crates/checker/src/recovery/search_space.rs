@@ -57,12 +57,6 @@ impl<'r> SearchSpace<'r> {
         let squared = self.start.iter().zip(state.positions()).map(|(a, b)| (a - b) * (a - b));
         squared.sum::<f64>().sqrt()
     }
-
-    /// The unit direction from the start to a state; `None` for the start itself.
-    pub fn direction(&self, state: &Configuration) -> Option<Vec<f64>> {
-        let changes = self.movable.iter().map(|range| state.positions()[range.position] - self.start[range.position]);
-        normalized(changes.collect())
-    }
 }
 
 /// By position: the limits of its joint and of the joints that mimic it, widened to the start.
@@ -70,13 +64,16 @@ pub fn ranges(robot: &RobotModel, start: &[f64]) -> Vec<[f64; 2]> {
     let mut ranges = vec![[f64::NEG_INFINITY, f64::INFINITY]; start.len()];
     for id in robot.joint_ids() {
         let joint = robot.joint(id);
-        let Some(limits) = joint.limits.filter(|_| joint.kind.position_suffixes().len() == 1) else { continue };
+        let Some(limits) = joint.limits.filter(|_| joint.kind.position_suffixes().len() == 1) else {
+            continue;
+        };
         let (driver, [a, b]) = match joint.mimic {
             None => (id, [limits.lower, limits.upper]),
             Some(mimic) if mimic.multiplier == 0.0 => continue,
-            Some(mimic) => {
-                (mimic.joint, [limits.lower, limits.upper].map(|limit| (limit - mimic.offset) / mimic.multiplier))
-            }
+            Some(mimic) => (
+                mimic.joint,
+                [limits.lower, limits.upper].map(|limit| (limit - mimic.offset) / mimic.multiplier),
+            ),
         };
         let Some(position) = robot.first_position(driver) else { continue };
         let [low, high] = &mut ranges[position];
