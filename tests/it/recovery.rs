@@ -66,7 +66,11 @@ fn verify_free_state(
     assert!(report.nearest.is_none_or(|nearest| nearest.distance >= options.clearance - 1e-12));
     assert!((distance - norm(q, state)).abs() < 1e-12 && *distance <= options.largest_distance + 1e-12);
     assert!(checker.robot().outside_limits(state.positions()).next().is_none());
-    assert!(!checker.is_free(&between(checker, q, state, 0.5 * exit), &mut workspace) || *exit == 0.0);
+    let steps = (checker.travel(q.positions(), state.positions()) / FreeState::LONGEST_STEP).ceil().max(1.0);
+    let before = (0..).map(|i| f64::from(i) / steps).take_while(|t| *t < exit - 1e-12);
+    for t in before {
+        assert!(!checker.is_free(&between(checker, q, state, t), &mut workspace));
+    }
     let after = between(checker, q, state, *exit);
     for i in 0..=50 {
         assert!(checker.is_free(&between(checker, &after, state, f64::from(i) / 50.0), &mut workspace));
@@ -77,11 +81,18 @@ fn verify_free_state(
     verify(checker.robot(), checker.world(), checker.settings(), None, &certificate.unwrap()).unwrap();
 }
 
+/// The demo arm in its world with padding, and the dual arm alone.
+fn arms() -> [CollisionChecker; 2] {
+    let [demo_arm, dual_arm] = checkers();
+    let alone = CollisionChecker::new(Arc::clone(dual_arm.robot()), &World::default(), Settings::default());
+    [demo_arm, alone.unwrap()]
+}
+
 /// The number of states matters, not the time.
 #[test]
 fn nearly_all_states_have_a_way_out() {
     let mut random = Random::new(3);
-    for checker in checkers() {
+    for checker in arms() {
         let options = RecoveryOptions::default();
         let mut workspace = checker.workspace();
         let (mut found_count, mut farther, states) = (0, 0, colliding_states(&checker, &mut random, 100));
@@ -282,7 +293,7 @@ fn the_command_prints_states_and_reasons() {
 ";
     let folder = Folder::of(FINGER, world);
     let run = |more: &[&str]| {
-        let given = ["recover", "--urdf", "r.urdf", "--scene", "w.yaml", "--state", "shoulder=0 elbow=0"];
+        let given = ["recover", "--urdf", "r.urdf", "--world", "w.yaml", "--state", "shoulder=0 elbow=0"];
         folder.run(&[&given, more].concat())
     };
     let found = run(&["--format", "json"]);
