@@ -1,7 +1,7 @@
 //! `cargo bench --bench recovery`: free states near colliding ones, on the bundled robots and, where the folder `../shared` exists, on real
 //! ones.
 //!
-//! Random states that collide, with a free state at a distance of 0.3 (rad, m). `recovery` is `find_free_state` with default options and
+//! Random states that collide, with a free state within 0.3 (rad, m). `recovery` is `find_free_state` with default options and
 //! without clearance; `jiggles` is the method of MoveIt's request adapter: a hundred random states whose positions differ by up to 0.02. Of
 //! each: the share of states with a result, median and 90th percentile of its distance, and of the CPU time of the thread. Arguments
 //! select robots by name; `--states N` sets the number of states.
@@ -22,7 +22,7 @@ use clearance::{
 use cpu_time::ThreadTime;
 use random::Random;
 
-/// Distance (rad, m) of each state from a free one.
+/// Largest distance (rad, m) of each state from a free one.
 const NEAR: f64 = 0.3;
 
 /// Largest change (rad, m) of a jiggle, and their number.
@@ -97,17 +97,23 @@ fn random_state(checker: &CollisionChecker, random: &mut Random) -> Configuratio
     robot.configuration(&positions).expect("within limits")
 }
 
-fn moved(
-    checker: &CollisionChecker,
-    q: &Configuration,
-    by: impl Iterator<Item = f64>,
-) -> Option<Configuration> {
-    let moved: Vec<f64> = q.positions().iter().zip(by).map(|(q, by)| q + by).collect();
+/// A state with these changes, as far as the limits allow.
+fn moved(checker: &CollisionChecker, q: &Configuration, by: &[f64]) -> Option<Configuration> {
     let robot = checker.robot();
-    robot.configuration(&moved).ok().filter(|q| robot.outside_limits(q.positions()).next().is_none())
+    let mut moved: Vec<f64> = q.positions().iter().zip(by).map(|(q, by)| q + by).collect();
+    for joint in robot.joint_ids() {
+        if let (Some(limits), Some(first)) = (robot.joint(joint).limits, robot.first_position(joint)) {
+            moved[first] = moved[first].clamp(limits.lower, limits.upper);
+        }
+    }
+    robot.configuration(&moved).ok()
 }
 
-/// Random states that collide, with a free state at the distance [`NEAR`].
+fn distance(a: &Configuration, b: &Configuration) -> f64 {
+    a.positions().iter().zip(b.positions()).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+}
+
+/// Random states that collide, with a free state within [`NEAR`].
 fn colliding_states(checker: &CollisionChecker, random: &mut Random, count: usize) -> Vec<Configuration> {
     let mut workspace = checker.workspace();
     let mut states = Vec::new();
@@ -121,7 +127,8 @@ fn colliding_states(checker: &CollisionChecker, random: &mut Random, count: usiz
         }
         let by: Vec<f64> = free.positions().iter().map(|_| random.within(-1.0, 1.0)).collect();
         let length = by.iter().map(|entry| entry * entry).sum::<f64>().sqrt();
-        let near = moved(checker, &free, by.iter().map(|entry| NEAR * entry / length));
+        let by: Vec<f64> = by.iter().map(|entry| NEAR * entry / length).collect();
+        let near = moved(checker, &free, &by);
         states.extend(near.filter(|q| !checker.is_free(q, &mut workspace)));
     }
     states
@@ -177,9 +184,8 @@ fn jiggled(
 ) -> Option<f64> {
     (0..JIGGLES).find_map(|_| {
         let by: Vec<f64> = q.positions().iter().map(|_| random.within(-JIGGLE, JIGGLE)).collect();
-        let state = moved(checker, q, by.iter().copied())?;
-        let length = by.iter().map(|entry| entry * entry).sum::<f64>().sqrt();
-        checker.is_free(&state, workspace).then_some(length)
+        let state = moved(checker, q, &by)?;
+        checker.is_free(&state, workspace).then(|| distance(q, &state))
     })
 }
 

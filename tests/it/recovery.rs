@@ -34,9 +34,15 @@ pub fn colliding_states(checker: &CollisionChecker, random: &mut Random, count: 
         let by: Vec<f64> = free.positions().iter().map(|_| random.within(-1.0, 1.0)).collect();
         let length = by.iter().map(|entry| entry * entry).sum::<f64>().sqrt();
         let moved = free.positions().iter().zip(&by).map(|(q, by)| q + NEAR * by / length);
-        let q = checker.robot().configuration(&moved.collect::<Vec<f64>>()).unwrap();
-        let in_limits = checker.robot().outside_limits(q.positions()).next().is_none();
-        if in_limits && !checker.is_free(&q, &mut workspace) {
+        let mut moved: Vec<f64> = moved.collect();
+        for joint in checker.robot().joint_ids() {
+            let limits = checker.robot().joint(joint).limits;
+            if let (Some(limits), Some(first)) = (limits, checker.robot().first_position(joint)) {
+                moved[first] = moved[first].clamp(limits.lower, limits.upper);
+            }
+        }
+        let q = checker.robot().configuration(&moved).unwrap();
+        if !checker.is_free(&q, &mut workspace) {
             found.push(q);
         }
     }
