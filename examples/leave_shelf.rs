@@ -24,7 +24,9 @@ const STEP: f64 = 0.02;
 fn step(clearance: &Clearance, q: &Configuration, goal: &Configuration) -> Vec<f64> {
     let mut step: Vec<f64> = q.positions().iter().zip(goal.positions()).map(|(q, goal)| goal - q).collect();
     let longest = step.iter().fold(STEP, |longest, s| s.abs().max(longest));
-    step.iter_mut().for_each(|s| *s *= STEP / longest);
+    for s in &mut step {
+        *s *= STEP / longest;
+    }
     // projections on the half-spaces row · step >= needed, in turn (Kaczmarz)
     for _ in 0..50 {
         for (i, pair) in clearance.pairs.iter().enumerate() {

@@ -58,7 +58,7 @@ fn errors(
         let (shapes, pose, exact) = pair(&mut random);
         let Some(exact) = exact.filter(|exact| *exact > 1e-3) else { continue };
         let [a, b] = shapes.each_ref().map(|shape| SolidBody::new([(&Pose::identity(), shape)]));
-        let found = penetration_depth(&a, &b, &MatrixPose::from(&pose), 0.0, &mut scratch);
+        let found = penetration_depth(&a, &b, MatrixPose::from(&pose), 0.0, &mut scratch);
         let found = found.expect("the solids overlap");
         largest[0] = largest[0].max((found.upper - exact).abs() / exact);
         largest[1] = largest[1].max((found.lower - exact).abs() / exact);

@@ -1,6 +1,5 @@
 //! `clearance check`: reads states, reports collisions and distances.
 
-use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -17,7 +16,7 @@ use super::failure::Failure;
 use super::model_args::{ModelArgs, WorldArgs};
 use super::progress::Progress;
 use super::run_args::{Format, RunArgs, Stats, internal, print_line};
-use super::states;
+use super::state_args::StateArgs;
 use super::timing::{self, Timing};
 
 /// Number of states that are compared at once, before it is decided whether more are needed.
@@ -60,19 +59,6 @@ pub struct CheckArgs {
     run: RunArgs,
 }
 
-#[derive(Args)]
-#[group(required = true, multiple = false)]
-struct StateArgs {
-    /// States: JSON {"joints": [...], "states": [[...]]}, the YAML of a sensor_msgs/JointState or moveit_msgs/RobotState, or CSV with a
-    /// header of joint names
-    #[arg(long, value_name = "FILE")]
-    states: Option<PathBuf>,
-
-    /// One state, such as "j1=0.1 j2=-1.2"; other joints take 0, or the middle of limits that exclude 0
-    #[arg(long, value_name = "J=X ...", allow_hyphen_values = true)]
-    state: Option<String>,
-}
-
 #[derive(clap::ValueEnum, Clone, Copy, PartialEq, Eq)]
 pub enum Query {
     /// Whether the state is free; stops at the first collision
@@ -100,11 +86,7 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
     let checker = args.run.pairs.checker(&args.model, &args.world)?;
     let load_seconds = start.elapsed().as_secs_f64();
     let robot = checker.robot();
-    let states = match (&args.input.states, &args.input.state) {
-        (Some(path), _) => states::from_file(path, robot)?,
-        (None, Some(text)) => vec![states::from_text("--state", text, robot)?],
-        (None, None) => return Err(Failure::Input("give --states or --state".to_owned())),
-    };
+    let states = args.input.read(robot)?;
     if checker.pairs().is_empty() {
         log::warn!("there is no pair to check: every state counts as free");
     }
@@ -120,7 +102,7 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
         contacts: args.contacts.of_states(&checker, &states, &reports, &args.run)?,
         gradients: args.gradients(&checker, &states)?,
     };
-    let timing = time_passes(&checker, &states, args.timed_question(), args.run.repeat);
+    let timing = time_passes(&checker, &states, args);
     let output = CheckOutput {
         robot: robot.name().to_owned(),
         joints: robot.position_names().to_vec(),
@@ -256,7 +238,7 @@ fn constant_contacts(
 }
 
 fn time_passes(checker: &CollisionChecker, states: &[Configuration], args: &CheckArgs) -> Option<Timing> {
-    let (question, mut workspace) = (args.question(), checker.workspace());
+    let (question, mut workspace) = (args.timed_question(), checker.workspace());
     timing::measure(args.run.repeat, states.len(), || {
         for q in states {
             if args.gradient {

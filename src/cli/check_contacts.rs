@@ -3,6 +3,7 @@
 use clap::Args;
 use clearance::checker::{CollisionChecker, CollisionReport, Contact, LocalContact, PairContacts, Workspace};
 use clearance::geometry::math::{Point, Vector};
+use clearance::proximity::UnknownDepth;
 use clearance::robot::Configuration;
 use clearance::scene::BodyId;
 use rayon::prelude::*;
@@ -99,7 +100,7 @@ impl NamedPair {
         let Contact { point, normal, depth, depth_lower, unknown } = contact;
         ContactResult {
             depth: depth.map(|upper| [*depth_lower, upper]),
-            reason: unknown.map(|unknown| unknown.code()),
+            reason: unknown.map(UnknownDepth::code),
             ..self.contact(point, *normal)
         }
     }
@@ -109,7 +110,7 @@ impl NamedPair {
         let reason = deepest.unknown.filter(|_| depth.is_none());
         ContactResult {
             depth: depth.map(|depth| [depth; 2]),
-            reason: reason.map(|unknown| unknown.code()),
+            reason: reason.map(UnknownDepth::code),
             ..self.contact(point, Some(*normal))
         }
     }
@@ -130,10 +131,13 @@ impl ContactResult {
     /// One line of text.
     pub fn line(&self) -> String {
         let [a, b] = &self.pair;
-        let [x, y, z] = self.position;
+        let [x, y, z] = self.position.map(|c| rounded(c, 1e4));
         let normal = self.normal.map_or_else(
             || "normal not known".to_owned(),
-            |[x, y, z]| format!("normal ({x:.3}, {y:.3}, {z:.3})"),
+            |normal| {
+                let [x, y, z] = normal.map(|c| rounded(c, 1e3));
+                format!("normal ({x:.3}, {y:.3}, {z:.3})")
+            },
         );
         let depth = match self.depth {
             Some([lower, upper]) if upper - lower <= 1e-6 => format!("depth {upper:.6} m"),
@@ -143,4 +147,9 @@ impl ContactResult {
         let reason = self.reason.map_or_else(String::new, |reason| format!(" ({reason})"));
         format!("  contact {a} – {b} at ({x:.4}, {y:.4}, {z:.4}), {normal}, {depth}{reason}")
     }
+}
+
+/// A number rounded to a fraction of one; zero has no sign.
+fn rounded(value: f64, fraction: f64) -> f64 {
+    (value * fraction).round() / fraction + 0.0
 }

@@ -23,9 +23,11 @@ mod motion_args;
 #[cfg(feature = "ros")]
 mod node;
 mod progress;
+mod recover;
 #[cfg(feature = "ros")]
 mod replay;
 mod run_args;
+mod state_args;
 mod state_files;
 mod states;
 mod summary;
@@ -68,6 +70,8 @@ enum Command {
     Check(check::CheckArgs),
     /// Check motions between configurations: proven free, contact, or undecided with the reason
     Motion(Box<motion::MotionArgs>),
+    /// Find a free state near a state that collides, and a motion to it that is proven free after its first exit
+    Recover(Box<recover::RecoverArgs>),
     /// Verify a certificate that a motion is free, with code that is independent of the checker
     Verify(Box<verify::VerifyArgs>),
     /// Measure the time of checks of a robot in a world, and compare broad-phase structures
@@ -127,6 +131,10 @@ fn dispatch(arguments: Arguments) -> Result<ExitCode, Failure> {
         Some(Command::Motion(args)) => {
             log_to_stderr(arguments.log_level.unwrap_or(LevelFilter::Warn));
             motion::run(&args)
+        }
+        Some(Command::Recover(args)) => {
+            log_to_stderr(arguments.log_level.unwrap_or(LevelFilter::Warn));
+            recover::run(&args)
         }
         Some(Command::Verify(args)) => {
             log_to_stderr(arguments.log_level.unwrap_or(LevelFilter::Warn));

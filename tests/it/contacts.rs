@@ -14,6 +14,7 @@ use serde_json::{Value, json};
 
 use crate::program::{Folder, clearance};
 use crate::random::Random;
+use crate::streams::random_state;
 use crate::tally::shared_folder;
 
 const TWO_LINK: [&str; 2] = ["--urdf", "urdf/two_link/two_link.urdf"];
@@ -130,7 +131,7 @@ fn verify_contacts(checker: &CollisionChecker, states: u32, seed: u64) -> usize 
     let mut poses = LinkPoses::new(&robot);
     let mut number = 0;
     for _ in 0..states {
-        let q = robot.random_configuration(&mut random);
+        let q = random_state(checker, &mut random);
         robot.forward_kinematics(&q, &mut poses);
         let report = checker.check(&q, Question::Pairs, &mut workspace);
         for &(a, b) in report.colliding_pairs.iter().take(20) {

@@ -27,7 +27,9 @@ mod other_shapes;
 mod penetration;
 mod program;
 mod random;
+mod recovery;
 mod reference;
+mod reference_depth;
 #[cfg(feature = "ros")]
 mod replays;
 mod requested_motions;

@@ -7,7 +7,7 @@ use clearance::geometry::{Shape, TriangleMesh};
 use clearance::proximity::{PenetrationDepth, Scratch, SolidBody, penetration_depth};
 
 use crate::random::Random;
-use crate::reference::{AxisBox, depth_of_boxes, length_along, searched_depth};
+use crate::reference_depth::{AxisBox, depth_of_boxes, length_along, searched_depth};
 
 /// Centre and half extents of boxes that overlap each other: letters and a table.
 fn unions() -> Vec<Vec<([f64; 3], [f64; 3])>> {

@@ -302,6 +302,12 @@ impl CollisionChecker {
         })
     }
 
+    /// The positions that move one body of a pair relative to the other; none if this is no pair of the pair list.
+    pub(crate) fn positions_between(&self, bodies: (BodyId, BodyId)) -> impl Iterator<Item = usize> {
+        let path = self.pairs.number_of(bodies).map(|index| self.pairs.path_between(index));
+        path.into_iter().flat_map(|path| self.pairs.robot().chain().positions_on(path))
+    }
+
     /// Evaluates a pair of the pair list, with its number, in the state `q`.
     fn in_pair<T>(
         &self,

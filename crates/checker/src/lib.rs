@@ -9,6 +9,8 @@
 //! | the same for many states | [`CollisionChecker::clearances`] |
 //! | how deep do two bodies overlap? | [`CollisionChecker::contact`] |
 //! | where do two bodies touch? | [`CollisionChecker::contacts`] |
+//! | where is the nearest free state? | [`CollisionChecker::find_free_state`] |
+//! | which way leads out of a collision? | [`CollisionChecker::retreat_direction`] |
 //! | is a motion free? | [`CollisionChecker::check_motion`], [`CollisionChecker::check_trajectory`] |
 //! | the same, with a certificate | [`CollisionChecker::certify_motion`], [`CollisionChecker::certify_trajectory`] |
 //! | for how long can nothing touch? | [`CollisionChecker::look_ahead`] |
@@ -24,6 +26,7 @@ mod collision_report;
 mod motion;
 mod pair_kind;
 mod pairs;
+mod recovery;
 mod remarks;
 mod revision;
 mod robot;
@@ -40,6 +43,9 @@ pub use motion::{
     UndecidedReason, Watch,
 };
 pub use pair_kind::PairKind;
+pub use recovery::{
+    FreeState, NoFreeState, Recovery, RecoveryError, RecoveryOptions, Retreat, RetreatDirection,
+};
 pub use remarks::{ConstantContacts, SolidMeshRemark, solid_mesh_remarks};
 pub use robot::LinkVolume;
 pub use settings_error::SettingsError;

@@ -174,7 +174,9 @@ pub fn moved(robot: &RobotModel, q: &Configuration, column: usize, step: f64) ->
         };
         let turn = &mut positions[first + 3..first + 7];
         let length = turn.iter().map(|entry| entry * entry).sum::<f64>().sqrt();
-        turn.iter_mut().for_each(|entry| *entry /= length);
+        for entry in turn {
+            *entry /= length;
+        }
     }
     robot.configuration(&positions).expect("the state moves little")
 }

@@ -3,22 +3,15 @@
 //! Plain f64, one volume and one pair of triangles at a time: per body a binary OBB tree for booleans (Gottschalk, Lin &
 //! Manocha 1996) and a binary RSS tree for distances (Larsen, Gottschalk, Lin & Manocha 1999). It shares with the engine the
 //! tests of two elements, which have their own tests, and no traversal, no volume and no rounding to f32.
-//!
-//! Penetration depths have two more slow paths, which share no code with the engine: exact ones of unions of boxes, and a dense search
-//! over directions for small meshes.
 
 mod body;
 mod bounding_volume;
-mod box_depth;
 mod collide;
-mod direction_search;
 mod distance;
 mod obb;
 mod rss;
 mod tree;
 
 pub use body::ReferenceBody;
-pub use box_depth::{AxisBox, depth_of_boxes};
 pub use collide::collide;
-pub use direction_search::{length_along, searched_depth};
 pub use distance::distance;

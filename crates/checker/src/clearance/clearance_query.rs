@@ -13,6 +13,7 @@ use clearance_proximity::{
 use clearance_robot::PointAlong;
 
 use super::pair_clearances::{Clearance, ClearanceCandidate, ClearanceOptions, PairClearance, WitnessCount};
+use crate::pair_kind::SearchedPairs;
 use crate::pairs::PosedPair;
 use crate::state::QueriedState;
 
@@ -30,7 +31,7 @@ impl ClearanceQuery<'_> {
         let influence = self.options.influence_distance;
         // touching pairs are within any limit
         let limit = influence.greater(0.0);
-        self.state.queue_candidates(limit);
+        self.state.queue_candidates(SearchedPairs::All, limit);
         for k in 0..self.state.candidates.len() {
             let index = self.state.candidates[k].index;
             let pair = self.state.pair(index);

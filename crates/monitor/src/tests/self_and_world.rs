@@ -51,8 +51,9 @@ fn a_contact_leaves_the_other_distance() {
     let mut monitor = among(&[[2.0, 3.0, 0.0]]);
     let evaluation = monitor.on_joint_state(state(0.0, COLLIDING), at(0.0));
     assert_eq!(evaluation.distance_of(PairKind::SelfPair), 0.0);
+    // from the corner (0.2, 0.2) of the base
     let of_world = evaluation.distance_of(PairKind::WorldPair);
-    assert!((of_world - (13.0_f64.sqrt() - 0.2)).abs() < 1e-9, "{of_world}");
+    assert!((of_world - (1.8_f64.hypot(2.8) - 0.1)).abs() < 1e-9, "{of_world}");
 
     let mut monitor = among(&[[2.0, 0.15, 0.0]]);
     let evaluation = monitor.on_joint_state(state(0.0, FREE), at(0.0));

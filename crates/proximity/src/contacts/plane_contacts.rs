@@ -9,6 +9,7 @@ use super::candidate::{Candidate, Local, next_patch};
 use super::manifold::{ConvexShape, PlacedSolid};
 use crate::body::{CollisionBody, Surface};
 use crate::bounding_volume::Obb;
+use crate::bvh::Tree;
 use crate::elements::{CoreShape, RoundedShape};
 use crate::penetration_depth::ConvexSolid;
 
@@ -63,14 +64,14 @@ impl PlaneContact<'_> {
     fn low_points(&self, out: &Vector, side: f64) -> Vec<Low> {
         let mut low = Vec::new();
         let height = |p: &Point| side * self.plane.height(p);
-        for leaf in self.other.solids().into_iter().flat_map(|tree| tree.leaves()) {
+        for leaf in self.other.solids().into_iter().flat_map(Tree::leaves) {
             let patch = low.last().map_or(0, |last: &Low| last.patch + 1);
             let points = lowest_of_solid(&leaf.content.shape, self.pose_other, out).into_iter();
             let points = points.map(|position| Low { position, height: height(&position), patch });
             low.extend(points.filter(|point| point.height <= self.margin));
         }
         if let Some(surface) = self.other.surface() {
-            self.add_vertices(surface, &height, &mut low);
+            self.add_vertices(surface, height, &mut low);
         }
         low
     }
@@ -100,10 +101,10 @@ impl PlaneContact<'_> {
             }
         }
         let mut names: HashMap<usize, u32> = HashMap::new();
-        for number in 0..points.len() {
+        for (number, point) in points.into_iter().enumerate() {
             let next = first + u32::try_from(names.len()).expect("vertex count fits 32 bits");
             let patch = *names.entry(root(&mut parent, number)).or_insert(next);
-            low.push(Low { patch, ..points[number] });
+            low.push(Low { patch, ..point });
         }
         low.sort_by_key(|point| point.patch);
     }

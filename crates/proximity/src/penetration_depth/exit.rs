@@ -60,12 +60,11 @@ impl ConvexSolid {
 impl RoundedShape {
     fn exit(&self, p: &Point) -> Option<Exit> {
         let own = Point::from(self.pose.rotation.tr_mul(&(p.coords - self.pose.translation)));
-        let (depth, out) = match self.core.depth(&own) {
-            Some((depth, surface)) => (depth, surface - own),
-            None => {
-                let away = own - self.core.nearest_point(&own);
-                (-away.norm(), away)
-            }
+        let (depth, out) = if let Some((depth, surface)) = self.core.depth(&own) {
+            (depth, surface - own)
+        } else {
+            let away = own - self.core.nearest_point(&own);
+            (-away.norm(), away)
         };
         let out = out.try_normalize(NEAR).unwrap_or_else(Vector::x);
         let exit = Exit { direction: self.pose.rotation * out, depth: depth + self.radius };

@@ -273,7 +273,7 @@ impl Union {
 
     /// Balls inside the body that together fill much of it; found at the first use. This is not counted as work, which would then depend
     /// on earlier queries.
-    pub fn balls(&self, scratch: &mut Scratch) -> &[Ball] {
+    pub(super) fn balls(&self, scratch: &mut Scratch) -> &[Ball] {
         let work = scratch.work;
         let balls = self.balls.get_or_init(|| inner_balls(self, scratch));
         scratch.work = work;

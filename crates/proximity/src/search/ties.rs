@@ -38,7 +38,7 @@ pub(crate) struct Tie {
 }
 
 /// The nearest pair of elements so far, and its ties.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Ties {
     tolerance: TieTolerance,
     /// Number of pairs that are kept.
@@ -46,12 +46,6 @@ pub(crate) struct Ties {
     found: Vec<Tie>,
     /// True if more pairs were found than are kept.
     is_truncated: bool,
-}
-
-impl Default for Ties {
-    fn default() -> Self {
-        Self { tolerance: TieTolerance::default(), most: 0, found: Vec::new(), is_truncated: false }
-    }
 }
 
 impl Ties {

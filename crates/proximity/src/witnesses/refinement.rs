@@ -25,7 +25,8 @@ impl PlacedCores<'_> {
         use CoreShape::{Point, Segment, Triangle};
         let is_simple = |core: &CoreShape| matches!(core, Point | Segment(_) | Triangle(_));
         let [a, b] = self.cores;
-        !matches!((a, b), (Point, _) | (_, Point)) && !(is_simple(a) && is_simple(b))
+        let is_direct = matches!((a, b), (Point, _) | (_, Point)) || (is_simple(a) && is_simple(b));
+        !is_direct
     }
 
     /// Exact nearest points, from approximate ones.

@@ -163,7 +163,9 @@ impl WitnessPairs {
                 let height = |i: &usize| pairs[*i].points[0].coords.dot(&direction);
                 let alike = (first..pairs.len()).filter(|i| is_like(&pairs[*i]));
                 let farthest = alike.max_by(|i, j| height(i).total_cmp(&height(j)).then(j.cmp(i)));
-                farthest.into_iter().for_each(|i| kept[i] = true);
+                if let Some(i) = farthest {
+                    kept[i] = true;
+                }
             }
         }
         let mut kept = kept.iter();

@@ -97,6 +97,14 @@ impl Chain {
         found
     }
 
+    /// The positions of the joints on a path, which move one body relative to the other.
+    pub fn positions_on(&self, path: KinematicPath) -> impl Iterator<Item = usize> {
+        path.sides.into_iter().flatten().flat_map(|body| match self.bodies[body - 1].step {
+            Step::Turn(_, source) | Step::Shift(_, source) => source.index..source.index + 1,
+            Step::Float(_, first) => first..first + 7,
+        })
+    }
+
     /// Computes the frames of the bodies between two bodies, and of the two, in their lowest common ancestor.
     #[inline(always)]
     pub fn frames_between<S: Simd>(

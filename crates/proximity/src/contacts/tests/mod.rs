@@ -23,8 +23,8 @@ fn contacts(
     scratch: &mut Scratch,
 ) -> Option<(Deepest, Vec<ContactPoint>)> {
     let pose_ab = &MatrixPose::from(pose);
-    let bodies = BodyPair { a: &a.body, b: &b.body, pose_ab };
-    let apart = crate::distance(&a.body, &b.body, pose_ab, margin.greater(CONTACT_DISTANCE), scratch)?;
+    let bodies = BodyPair { a: &a.hollow, b: &b.hollow, pose_ab };
+    let apart = crate::distance(&a.hollow, &b.hollow, pose_ab, margin.greater(CONTACT_DISTANCE), scratch)?;
     let deepest = if apart.distance > 0.0 {
         let [p, q] = apart.witness_points;
         let normal = (q - p).try_normalize(CONTACT_DISTANCE);
@@ -168,7 +168,7 @@ fn swapped_bodies_have_the_same_contacts() {
     for_touching_bodies(300, (4, 0.0), |a, b, pose, deepest, _| {
         let pose_ab = &MatrixPose::from(pose);
         let query = ContactQuery {
-            bodies: BodyPair { a: &a.body, b: &b.body, pose_ab },
+            bodies: BodyPair { a: &a.hollow, b: &b.hollow, pose_ab },
             solids: [&a.solid, &b.solid],
             margin: 0.0,
             deepest: deepest.contact,
@@ -181,7 +181,7 @@ fn swapped_bodies_have_the_same_contacts() {
             ..deepest.contact
         };
         let swapped = ContactQuery {
-            bodies: BodyPair { a: &b.body, b: &a.body, pose_ab: pose_ba },
+            bodies: BodyPair { a: &b.hollow, b: &a.hollow, pose_ab: pose_ba },
             solids: [&b.solid, &a.solid],
             margin: 0.0,
             deepest: seen_from_b,
@@ -230,7 +230,7 @@ fn huge_meshes_take_bounded_work_and_have_spread_contacts() {
     let pose = Pose::translation(0.3, 0.1, 0.05);
     let (deepest, _) = contacts(&a, &b, &pose, 0.0, 0, &mut scratch).unwrap();
     let pose_ab = &MatrixPose::from(&pose);
-    let bodies = BodyPair { a: &a.body, b: &b.body, pose_ab };
+    let bodies = BodyPair { a: &a.hollow, b: &b.hollow, pose_ab };
     let solids = [&a.solid, &b.solid];
     scratch.work = crate::Work::default();
     let query = ContactQuery { bodies, solids, margin: 0.0, deepest: deepest.contact };
@@ -253,7 +253,7 @@ fn a_soup_of_triangles_that_all_touch_takes_bounded_work() {
     let (a, b) = (soup(), soup());
     let deepest = DeepestContact { witness_points: [Point::origin(); 2], normal: None, depth: 0.0 };
     let pose_ab = &MatrixPose::identity();
-    let bodies = BodyPair { a: &a.body, b: &b.body, pose_ab };
+    let bodies = BodyPair { a: &a.hollow, b: &b.hollow, pose_ab };
     let query = ContactQuery { bodies, solids: [&a.solid, &b.solid], margin: 0.0, deepest };
     let found = contact_points(&query, 20, &mut scratch).others;
     assert_eq!(found.len(), 20);

@@ -11,15 +11,15 @@ use crate::{CollisionBody, SolidBody};
 /// A body in all forms.
 pub struct Body {
     pub solid: SolidBody,
-    pub body: CollisionBody,
+    pub hollow: CollisionBody,
     pub shapes: Vec<(Pose, Shape)>,
 }
 
 impl Body {
     pub fn new(shapes: Vec<(Pose, Shape)>) -> Self {
         let list = || shapes.iter().map(|(pose, shape)| (pose, shape));
-        let (solid, body) = (SolidBody::new(list()), CollisionBody::new(list()).unwrap());
-        Self { solid, body, shapes }
+        let (solid, hollow) = (SolidBody::new(list()), CollisionBody::new(list()).unwrap());
+        Self { solid, hollow, shapes }
     }
 
     pub fn of(shape: Shape) -> Self {

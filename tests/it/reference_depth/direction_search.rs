@@ -20,7 +20,7 @@ pub fn searched_depth(a: &Triangles, b: &Triangles) -> f64 {
         let (across, angle) = ((1.0 - z * z).sqrt(), golden_angle * f64::from(i));
         Vector::new(across * angle.cos(), across * angle.sin(), z)
     });
-    let normals = a.iter().map(|t| normal(t)).chain(b.iter().map(|t| -normal(t)));
+    let normals = a.iter().map(normal).chain(b.iter().map(|t| -normal(t)));
     let mut found: Vec<(f64, Vector)> = normals.chain(spread).map(|n| (length_along(a, b, &n), n)).collect();
     found.sort_by(|p, q| p.0.total_cmp(&q.0));
     found.iter().take(8).map(|(length, n)| refined(a, b, *length, *n)).fold(f64::INFINITY, f64::min)

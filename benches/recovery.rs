@@ -1,0 +1,223 @@
+//! `cargo bench --bench recovery`: free states near colliding ones, on the bundled robots and, where the folder `../shared` exists, on real
+//! ones.
+//!
+//! Random states that collide, with a free state within 0.3 (rad, m). `recovery` is `find_free_state` with default options and
+//! without clearance; `jiggles` is the method of MoveIt's request adapter: a hundred random states whose positions differ by up to 0.02. Of
+//! each: the share of states with a result, median and 90th percentile of its distance, and of the CPU time of the thread. Arguments
+//! select robots by name; `--states N` sets the number of states.
+
+#[allow(dead_code)]
+#[path = "../tests/it/random.rs"]
+mod random;
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use clearance::checker::{Recovery, RecoveryOptions, Workspace};
+use clearance::geometry::math::Vector;
+use clearance::{
+    AllowedCollisionMatrix, CollisionChecker, Configuration, Obstacle, Primitive, Question, RobotModel,
+    Settings, Shape, World,
+};
+use cpu_time::ThreadTime;
+use random::Random;
+
+/// Largest distance (rad, m) of each state from a free one.
+const NEAR: f64 = 0.3;
+
+/// Largest change (rad, m) of a jiggle, and their number.
+const JIGGLE: f64 = 0.02;
+const JIGGLES: usize = 100;
+
+fn own(name: &str) -> Option<RobotModel> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("urdf").join(name);
+    load(&folder.join(format!("{name}.urdf")), &folder.join(format!("{name}.srdf")), &folder)
+}
+
+fn shared(name: &str) -> Option<RobotModel> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/robots");
+    let listing = std::fs::read_to_string(folder.join("robots.json")).ok()?;
+    let robots: serde_json::Value = serde_json::from_str(&listing).ok()?;
+    let robot = robots.as_array()?.iter().find(|robot| robot["name"] == name)?;
+    let path = |key: &str| Some(folder.join(robot[key].as_str()?));
+    load(&path("urdf")?, &path("srdf")?, &path("package_root")?)
+}
+
+fn load(urdf: &Path, srdf: &Path, packages: &PathBuf) -> Option<RobotModel> {
+    RobotModel::load(urdf, Some(srdf), std::slice::from_ref(packages)).ok()
+}
+
+/// Boxes, balls and cylinders around a robot, not at its root.
+fn surroundings(random: &mut Random) -> World {
+    let mut world = World::default();
+    for i in 0..8 {
+        let shape = match i % 3 {
+            0 => Primitive::cuboid([0.1, 0.15, 0.2]),
+            1 => Primitive::sphere(0.08),
+            _ => Primitive::cylinder(0.06, 0.2),
+        };
+        let mut pose = random.pose(1.0);
+        let (sin, cos) = (f64::from(i) * 0.8).sin_cos();
+        pose.translation.vector = Vector::new(0.8 * cos, 0.8 * sin, random.within(0.0, 1.2));
+        let shape = Shape::Primitive(shape.expect("valid sizes"));
+        world.add(Obstacle::of_shape(format!("obstacle {i}"), pose, shape)).expect("names differ");
+    }
+    world
+}
+
+/// As a setup assistant does: pairs of links that collide in most states are allowed to.
+fn checker(robot: &Arc<RobotModel>, random: &mut Random) -> CollisionChecker {
+    let world = surroundings(random);
+    let build = |matrix: Option<&AllowedCollisionMatrix>| {
+        CollisionChecker::with_matrix(Arc::clone(robot), &world, Settings::default(), matrix)
+            .expect("valid settings")
+    };
+    let checker = build(None);
+    let states: Vec<Configuration> = (0..400).map(|_| random_state(&checker, random)).collect();
+    let mut matrix = AllowedCollisionMatrix::from_srdf(robot);
+    let reports = checker.check_states(&states, Question::Pairs);
+    for &(a, b) in checker.pairs().self_pairs() {
+        let count = reports.iter().filter(|report| report.colliding_pairs.contains(&(a, b))).count();
+        if 2 * count > states.len() {
+            matrix.set(checker.body_name(a), checker.body_name(b), true);
+        }
+    }
+    build(Some(&matrix))
+}
+
+fn random_state(checker: &CollisionChecker, random: &mut Random) -> Configuration {
+    let robot = checker.robot();
+    let mut positions = robot.default_configuration().positions().to_vec();
+    for joint in robot.joint_ids() {
+        let Some(first) = robot.first_position(joint) else { continue };
+        let limits = robot.joint(joint).limits;
+        let (low, high) = limits.map_or((-3.0, 3.0), |limits| (limits.lower, limits.upper));
+        positions[first] = random.within(low, high);
+    }
+    robot.configuration(&positions).expect("within limits")
+}
+
+/// A state with these changes, as far as the limits allow.
+fn moved(checker: &CollisionChecker, q: &Configuration, by: &[f64]) -> Option<Configuration> {
+    let robot = checker.robot();
+    let mut moved: Vec<f64> = q.positions().iter().zip(by).map(|(q, by)| q + by).collect();
+    for joint in robot.joint_ids() {
+        if let (Some(limits), Some(first)) = (robot.joint(joint).limits, robot.first_position(joint)) {
+            moved[first] = moved[first].clamp(limits.lower, limits.upper);
+        }
+    }
+    robot.configuration(&moved).ok()
+}
+
+fn distance(a: &Configuration, b: &Configuration) -> f64 {
+    a.positions().iter().zip(b.positions()).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+}
+
+/// Random states that collide, with a free state within [`NEAR`].
+fn colliding_states(checker: &CollisionChecker, random: &mut Random, count: usize) -> Vec<Configuration> {
+    let mut workspace = checker.workspace();
+    let mut states = Vec::new();
+    for _ in 0..200_000 {
+        if states.len() == count {
+            break;
+        }
+        let free = random_state(checker, random);
+        if !checker.is_free(&free, &mut workspace) {
+            continue;
+        }
+        let by: Vec<f64> = free.positions().iter().map(|_| random.within(-1.0, 1.0)).collect();
+        let length = by.iter().map(|entry| entry * entry).sum::<f64>().sqrt();
+        let by: Vec<f64> = by.iter().map(|entry| NEAR * entry / length).collect();
+        let near = moved(checker, &free, &by);
+        states.extend(near.filter(|q| !checker.is_free(q, &mut workspace)));
+    }
+    states
+}
+
+/// Results of one method: distances (rad, m) and times (ms).
+#[derive(Default)]
+struct Results {
+    distances: Vec<f64>,
+    times: Vec<f64>,
+}
+
+impl Results {
+    fn add(&mut self, search: impl FnOnce() -> Option<f64>) {
+        let start = ThreadTime::now();
+        let distance = search();
+        self.times.push(start.elapsed().as_secs_f64() * 1e3);
+        self.distances.extend(distance);
+    }
+
+    fn print(mut self, robot: &str, method: &str) {
+        #[allow(clippy::cast_precision_loss)] // few states
+        let share = 100.0 * self.distances.len() as f64 / self.times.len() as f64;
+        for list in [&mut self.distances, &mut self.times] {
+            list.sort_by(f64::total_cmp);
+        }
+        let at =
+            |list: &[f64], tenths: usize| list.get(list.len() * tenths / 10).copied().unwrap_or(f64::NAN);
+        println!(
+            "{robot:10} {method:10} {:5} states: {share:5.1} % found, distance {:.4} / {:.4}, {:8.3} / {:8.3} ms",
+            self.times.len(),
+            at(&self.distances, 5),
+            at(&self.distances, 9),
+            at(&self.times, 5),
+            at(&self.times, 9)
+        );
+    }
+}
+
+fn recovered(checker: &CollisionChecker, q: &Configuration, workspace: &mut Workspace) -> Option<f64> {
+    let options = RecoveryOptions { clearance: 0.0, ..RecoveryOptions::default() };
+    match checker.find_free_state(q, &options, workspace).expect("the options are valid") {
+        Recovery::Found(found) => Some(found.distance),
+        _ => None,
+    }
+}
+
+fn jiggled(
+    checker: &CollisionChecker,
+    q: &Configuration,
+    random: &mut Random,
+    workspace: &mut Workspace,
+) -> Option<f64> {
+    (0..JIGGLES).find_map(|_| {
+        let by: Vec<f64> = q.positions().iter().map(|_| random.within(-JIGGLE, JIGGLE)).collect();
+        let state = moved(checker, q, &by)?;
+        checker.is_free(&state, workspace).then(|| distance(q, &state))
+    })
+}
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let count = arguments.iter().skip_while(|argument| *argument != "--states").nth(1);
+    let count: usize = count.map_or(1000, |count| count.parse().expect("--states takes a number"));
+    let robots: [(&str, Option<RobotModel>); 6] = [
+        ("demo_arm", own("demo_arm")),
+        ("dual_arm", own("dual_arm")),
+        ("panda", shared("panda")),
+        ("ur5e", shared("ur5e")),
+        ("pr2", shared("pr2")),
+        ("g1", shared("g1")),
+    ];
+    let selected = |name: &str| {
+        let mut names =
+            arguments.iter().filter(|argument| argument.starts_with(|c: char| c.is_alphabetic())).peekable();
+        names.peek().is_none() || names.any(|other| other == name)
+    };
+    for (name, robot) in robots.into_iter().filter(|(name, _)| selected(name)) {
+        let Some(robot) = robot.map(Arc::new) else { continue };
+        let mut random = Random::new(11);
+        let checker = checker(&robot, &mut random);
+        let states = colliding_states(&checker, &mut random, count);
+        let mut workspace = checker.workspace();
+        let (mut recovery, mut jiggles) = (Results::default(), Results::default());
+        for q in &states {
+            recovery.add(|| recovered(&checker, q, &mut workspace));
+            jiggles.add(|| jiggled(&checker, q, &mut random, &mut workspace));
+        }
+        recovery.print(name, "recovery");
+        jiggles.print(name, "jiggles");
+    }
+}

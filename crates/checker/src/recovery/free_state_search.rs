@@ -1,0 +1,267 @@
+//! Search of a near free state: random directions at growing distances, then turns of the best direction.
+//!
+//! A state check costs so little (a microsecond) that thousands of random states are cheaper than one penetration depth of meshes. Near a
+//! smooth boundary of the free space, the free directions at twice the least distance are a cone of 60° around the shortest way out; their
+//! mean is close to it.
+
+use std::time::Instant;
+
+use clearance_robot::Configuration;
+use clearance_scene::BodyId;
+
+use super::free_state::{FreeState, NoFreeState, Recovery};
+use super::recovery_options::RecoveryOptions;
+use super::search_space::{SearchSpace, normalized};
+use crate::collision_checker::CollisionChecker;
+use crate::collision_report::Question;
+use crate::motion::MotionVerdict;
+use crate::workspace::Workspace;
+
+/// Seed of the random directions.
+const SEED: u64 = 1;
+
+/// Number of random directions at each distance, in one sweep after the other.
+const DIRECTIONS: [usize; 4] = [32, 128, 512, 2048];
+
+/// Distances of a sweep (rad, m): the first, and the ratio of two in succession.
+const FIRST_DISTANCE: f64 = 0.005;
+const NEXT_DISTANCE: f64 = 1.5;
+
+/// Directions are turned by about these angles (rad), one after the other, to come nearer.
+const TURNS: [f64; 5] = [0.8, 0.4, 0.2, 0.1, 0.05];
+
+/// Number of turned directions that are tried at once, and how much nearer the states are than the best one.
+const TURNED_DIRECTIONS: usize = 32;
+const NEARER: f64 = 0.92;
+
+/// Free states whose clearance is computed, of those that are found at once.
+const MOST_HITS: usize = 8;
+
+/// Number of states on a line that are checked at once, and how often they are refined.
+const STATES_ON_LINE: usize = 16;
+const REFINEMENTS: usize = 2;
+
+/// Largest number of steps before the first exit.
+const MOST_STEPS: f64 = 4096.0;
+
+pub struct FreeStateSearch<'s> {
+    checker: &'s CollisionChecker,
+    q: &'s Configuration,
+    options: &'s RecoveryOptions,
+    workspace: &'s mut Workspace,
+    random: fastrand::Rng,
+    checks: u64,
+}
+
+/// A free state, and the direction from the start to it.
+struct Exit {
+    direction: Vec<f64>,
+    state: Configuration,
+    distance: f64,
+}
+
+impl<'s> FreeStateSearch<'s> {
+    pub fn new(
+        checker: &'s CollisionChecker,
+        q: &'s Configuration,
+        options: &'s RecoveryOptions,
+        workspace: &'s mut Workspace,
+    ) -> Self {
+        Self { checker, q, options, workspace, random: fastrand::Rng::with_seed(SEED), checks: 0 }
+    }
+
+    pub fn run(mut self) -> Recovery {
+        let near = self.near_pairs();
+        if near.is_empty() {
+            return Recovery::AlreadyFree;
+        }
+        let allowed = self.options.movable(self.checker.robot());
+        let mut movable = vec![false; allowed.len()];
+        for pair in near {
+            let moving: Vec<usize> = self.checker.positions_between(pair).filter(|i| allowed[*i]).collect();
+            if moving.is_empty() {
+                return self.none_found(Some(pair));
+            }
+            for position in moving {
+                movable[position] = true;
+            }
+        }
+        let space = SearchSpace::new(self.checker.robot(), self.q, &movable);
+        match self.sweep(&space) {
+            Some(found) => Recovery::Found(FreeState { checks: self.checks, ..found }),
+            None => self.none_found(None),
+        }
+    }
+
+    fn none_found(&self, unmoved: Option<(BodyId, BodyId)>) -> Recovery {
+        let is_unfinished = unmoved.is_none() && self.is_over();
+        Recovery::NoneFound(NoFreeState { unmoved, is_unfinished, checks: self.checks })
+    }
+
+    /// The pairs that collide or are nearer than the clearance.
+    fn near_pairs(&mut self) -> Vec<(BodyId, BodyId)> {
+        self.checks += 1;
+        let limit = self.options.clearance;
+        let report = self.checker.check(self.q, Question::PairDistances { limit }, self.workspace);
+        let near =
+            report.pair_distances.iter().filter(|pair| pair.distance < limit).map(|pair| (pair.a, pair.b));
+        let mut pairs = report.colliding_pairs.clone();
+        pairs.extend(near.filter(|pair| !report.colliding_pairs.contains(pair)));
+        pairs
+    }
+
+    fn is_over(&self) -> bool {
+        self.checks >= self.options.most_checks
+            || self.options.deadline.is_some_and(|deadline| Instant::now() >= deadline)
+    }
+
+    /// Searches more and more directions, at growing distances, until a free state is found.
+    fn sweep(&mut self, space: &SearchSpace) -> Option<FreeState> {
+        for count in DIRECTIONS {
+            let mut distance = FIRST_DISTANCE;
+            loop {
+                if self.is_over() {
+                    return None;
+                }
+                let last = distance >= self.options.largest_distance;
+                let at = if last { self.options.largest_distance } else { distance };
+                let directions = self.directions(space.dimension(), count);
+                let hits = self.hits(space, directions, at);
+                let best = self.best_exit(space, hits, at).map(|exit| self.turned(space, exit));
+                if let Some(found) = best.and_then(|exit| self.with_first_exit(space, &exit)) {
+                    return Some(found);
+                }
+                if last {
+                    break;
+                }
+                distance *= NEXT_DISTANCE;
+            }
+        }
+        None
+    }
+
+    /// Directions along single positions, and random ones.
+    fn directions(&mut self, dimension: usize, count: usize) -> Vec<Vec<f64>> {
+        let along = (0..2 * dimension).map(|i| {
+            let mut axis = vec![0.0; dimension];
+            axis[i / 2] = if i % 2 == 0 { 1.0 } else { -1.0 };
+            axis
+        });
+        let mut directions: Vec<Vec<f64>> = along.collect();
+        directions.extend((0..count).filter_map(|_| normalized(self.normal_vector(dimension))));
+        directions
+    }
+
+    /// A vector whose entries have about a normal distribution with variance 1.
+    fn normal_vector(&mut self, dimension: usize) -> Vec<f64> {
+        (0..dimension).map(|_| (0..12).map(|_| self.random.f64()).sum::<f64>() - 6.0).collect()
+    }
+
+    /// Those of the directions in which the state at a distance is free, with the clearance.
+    fn hits(&mut self, space: &SearchSpace, directions: Vec<Vec<f64>>, distance: f64) -> Vec<Vec<f64>> {
+        let states: Vec<Configuration> = directions.iter().map(|way| space.state(way, distance)).collect();
+        let clear = self.are_clear(&states);
+        (directions.into_iter().zip(clear))
+            .filter(|(_, clear)| *clear)
+            .map(|(direction, _)| direction)
+            .collect()
+    }
+
+    /// For each state, whether it is free with the clearance; false for those after enough free ones.
+    fn are_clear(&mut self, states: &[Configuration]) -> Vec<bool> {
+        let mut clear = self.are_free(states);
+        if self.options.clearance > 0.0 {
+            let mut hits = 0;
+            for (state, clear) in states.iter().zip(&mut clear).filter(|(_, clear)| **clear) {
+                *clear = hits < MOST_HITS && self.has_clearance(state);
+                hits += usize::from(*clear);
+            }
+        }
+        clear
+    }
+
+    fn are_free(&mut self, states: &[Configuration]) -> Vec<bool> {
+        let mut free = vec![false; states.len()];
+        self.checks += states.len() as u64;
+        self.checker.are_free_with(states, self.workspace, &mut free);
+        free
+    }
+
+    fn has_clearance(&mut self, state: &Configuration) -> bool {
+        let clearance = self.options.clearance;
+        let report = self.checker.check(state, Question::Distance { limit: clearance }, self.workspace);
+        report.is_free() && report.nearest.is_none_or(|nearest| nearest.distance >= clearance)
+    }
+
+    /// The nearest exit along the mean of the directions, and along one of them.
+    fn best_exit(&mut self, space: &SearchSpace, hits: Vec<Vec<f64>>, distance: f64) -> Option<Exit> {
+        let mean = normalized((0..space.dimension()).map(|i| hits.iter().map(|hit| hit[i]).sum()).collect());
+        let of_mean = mean.filter(|_| hits.len() > 1).and_then(|mean| self.exit_along(space, mean, distance));
+        let of_first = hits.into_iter().next().and_then(|hit| self.exit_along(space, hit, distance));
+        [of_mean, of_first].into_iter().flatten().min_by(|a, b| a.distance.total_cmp(&b.distance))
+    }
+
+    /// The first free state along a direction, among states on a line that is refined, up to a distance.
+    fn exit_along(&mut self, space: &SearchSpace, direction: Vec<f64>, largest: f64) -> Option<Exit> {
+        let (mut low, mut high) = (0.0, largest);
+        let mut found = None;
+        for _ in 0..=REFINEMENTS {
+            #[allow(clippy::cast_precision_loss)] // few states
+            let at = |i: usize| low + (high - low) * ((i + 1) as f64 / STATES_ON_LINE as f64);
+            let states: Vec<Configuration> =
+                (0..STATES_ON_LINE).map(|i| space.state(&direction, at(i))).collect();
+            let Some(first) = self.are_clear(&states).iter().position(|clear| *clear) else { break };
+            (low, high) = (if first == 0 { low } else { at(first - 1) }, at(first));
+            found = states.into_iter().nth(first);
+        }
+        let state = found?;
+        Some(Exit { distance: space.distance(&state), direction, state })
+    }
+
+    /// Turns the direction of an exit such that the exit comes nearer.
+    fn turned(&mut self, space: &SearchSpace, mut best: Exit) -> Exit {
+        for turn in TURNS {
+            while !self.is_over() {
+                let directions = self.turned_directions(&best.direction, turn);
+                let hits = self.hits(space, directions, NEARER * best.distance);
+                match self.best_exit(space, hits, NEARER * best.distance) {
+                    Some(exit) if exit.distance < best.distance => best = exit,
+                    _ => break,
+                }
+            }
+        }
+        best
+    }
+
+    fn turned_directions(&mut self, direction: &[f64], turn: f64) -> Vec<Vec<f64>> {
+        let dimension = direction.len();
+        #[allow(clippy::cast_precision_loss)] // few positions
+        let share = turn / (dimension as f64).sqrt();
+        let turned = (0..TURNED_DIRECTIONS).filter_map(|_| {
+            let by = self.normal_vector(dimension);
+            normalized(direction.iter().zip(by).map(|(entry, by)| entry + share * by).collect())
+        });
+        turned.collect()
+    }
+
+    /// The free state with its first exit from collision; `None` if the motion from there on is not proven free.
+    fn with_first_exit(&mut self, space: &SearchSpace, found: &Exit) -> Option<FreeState> {
+        let end = found.state.positions();
+        let travel = self.checker.travel(self.q.positions(), end);
+        let steps = (travel / FreeState::LONGEST_STEP).ceil().clamp(1.0, MOST_STEPS);
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // at most MOST_STEPS
+        let steps = steps as u32;
+        let at = |i: u32| f64::from(i) / f64::from(steps);
+        let states: Vec<Configuration> = (0..=steps).map(|i| space.between(at(i), end)).collect();
+        let first = u32::try_from(self.are_free(&states).iter().position(|free| *free)?).ok()?;
+        let exit = space.between(at(first), end);
+        let report = self.checker.check_motion(&exit, &found.state, self.workspace);
+        let is_proven = report.verdict == MotionVerdict::Free;
+        is_proven.then(|| FreeState {
+            state: found.state.clone(),
+            distance: found.distance,
+            exit: at(first),
+            checks: self.checks,
+        })
+    }
+}
