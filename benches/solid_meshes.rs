@@ -62,11 +62,11 @@ fn robots(folder: Option<&Path>) -> Vec<Robot> {
 
 /// A round trench with a wall: a closed mesh whose bounding box contains the robot, and whose inside does not.
 fn trench(reach: f64, around: u32, across: u32) -> TriangleMesh {
-    let profile = [[0.4, -0.3], [1.4, -0.3], [1.4, 1.2], [1.3, 1.2], [1.3, -0.2], [0.4, -0.2]];
+    let profile: [[f64; 2]; 6] = [[0.4, -0.3], [1.4, -0.3], [1.4, 1.2], [1.3, 1.2], [1.3, -0.2], [0.4, -0.2]];
     let lengths: Vec<f64> = (0..6)
         .map(|i| {
             let ([a, b], [c, d]) = (profile[i], profile[(i + 1) % 6]);
-            (c - a as f64).hypot(d - b)
+            (c - a).hypot(d - b)
         })
         .collect();
     let total: f64 = lengths.iter().sum();
@@ -101,6 +101,7 @@ fn rings(reach: f64, count: usize, random: &mut Random) -> Vec<Obstacle> {
     (0..count)
         .map(|i| {
             let mut pose = random.pose(0.0);
+            #[allow(clippy::cast_precision_loss)] // few rings
             let angle = TAU * (i as f64 / count as f64);
             pose.translation =
                 [reach * angle.cos(), reach * angle.sin(), reach * random.within(-0.6, 0.6)].into();
@@ -145,6 +146,7 @@ fn succession(robot: &RobotModel, through: &[Configuration]) -> Vec<Configuratio
 }
 
 /// Best CPU times of two passes in turn: surface, solid (µs per item).
+#[allow(clippy::cast_precision_loss)] // few items
 fn race(count: usize, passes: [&mut dyn FnMut(); 2]) -> [f64; 2] {
     let mut best = [f64::INFINITY; 2];
     let [surface, solid] = passes;

@@ -175,11 +175,9 @@ mod tests {
                 }
                 for (turns, crossings) in all.iter().zip(interior.closed.iter().flat_map(|c| &c.crossings)) {
                     #[allow(clippy::cast_possible_truncation)] // a small integer
+                    let expected = turns.round() as i64;
                     let found = crossings.winding_number(&p);
-                    assert!(
-                        found.is_none_or(|found| found == turns.round() as i64),
-                        "{p}: {found:?} {turns}"
-                    );
+                    assert!(found.is_none_or(|found| found == expected), "{p}: {found:?} {turns}");
                     *(if found.is_some() { &mut counted } else { &mut added }) += 1;
                 }
                 assert_eq!(interior.holds(&p), all.iter().any(|turns| turns.abs() > 0.5));

@@ -134,7 +134,8 @@ impl PlacedGrid {
         let AxisBox { lo, hi } = self.bounds;
         let largest = lo.iter().chain(&hi).map(|c| c.abs()).fold(0.0, f32::greater);
         let error = ROUNDING * (self.scale * largest + self.farthest);
-        if !(error <= InsideGrid::MARGIN) {
+        let is_within = error <= InsideGrid::MARGIN;
+        if !is_within {
             return in_box;
         }
         let [x, y, z] = points;

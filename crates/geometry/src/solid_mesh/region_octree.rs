@@ -138,9 +138,8 @@ fn regions_of(
         if is_clear(&children[octant]) {
             let neighbours = [1, 2, 4].map(|bit| octant ^ bit).into_iter().filter(|other| *other < octant);
             let known = neighbours.map(|other| regions[other]).find(|region| *region != Region::Boundary);
-            regions[octant] = known.unwrap_or_else(|| match is_inside(&middle_of(&children[octant])) {
-                true => Region::Inside,
-                false => Region::Outside,
+            regions[octant] = known.unwrap_or_else(|| {
+                if is_inside(&middle_of(&children[octant])) { Region::Inside } else { Region::Outside }
             });
         }
     }

@@ -92,11 +92,11 @@ fn first_inside<B: BoundingVolume>(
     let mut found = None;
     for mesh in interior.closed_meshes() {
         let mut test = mesh.test();
-        for i in 0..found.unwrap_or(points.len()) {
+        for (i, point) in points.iter().enumerate().take(found.unwrap_or(points.len())) {
             if best_so_far.interrupted() {
                 return if found.is_some() { Ok(found) } else { Err(DeadlinePassed) };
             }
-            let is_inside = test.contains(&(pose_to_own * points[i]));
+            let is_inside = test.contains(&(pose_to_own * *point));
             best_so_far.work.volume_tests += 1;
             best_so_far.work.add_inside_tests(test.take_work());
             if is_inside {
