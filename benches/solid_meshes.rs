@@ -183,12 +183,9 @@ fn compare(robot: &Robot, world_name: &str, world: &World, check_self: bool) {
     let any = &all[..STATES];
     {
         let [mut a, mut b] = both.each_ref().map(CollisionChecker::workspace);
-        let times = race(
-            STATES,
-            [&mut || any.iter().for_each(|q| _ = black_box(both[0].is_free(q, &mut a))), &mut || {
-                any.iter().for_each(|q| _ = black_box(both[1].is_free(q, &mut b)))
-            }],
-        );
+        let mut surface = || any.iter().for_each(|q| _ = black_box(both[0].is_free(q, &mut a)));
+        let mut solid = || any.iter().for_each(|q| _ = black_box(both[1].is_free(q, &mut b)));
+        let times = race(STATES, [&mut surface, &mut solid]);
         tell(&format!("{title} | boolean, any state"), times);
     }
     for (name, question) in [
@@ -214,12 +211,9 @@ fn compare(robot: &Robot, world_name: &str, world: &World, check_self: bool) {
     {
         let [mut a, mut b] = both.each_ref().map(CollisionChecker::workspace);
         let (mut x, mut y) = ([false; STATES], [false; STATES]);
-        let times = race(
-            STATES,
-            [&mut || both[0].are_free_with(&apart, &mut a, black_box(&mut x)), &mut || {
-                both[1].are_free_with(&apart, &mut b, black_box(&mut y))
-            }],
-        );
+        let mut surface = || both[0].are_free_with(&apart, &mut a, black_box(&mut x));
+        let mut solid = || both[1].are_free_with(&apart, &mut b, black_box(&mut y));
+        let times = race(STATES, [&mut surface, &mut solid]);
         tell(&format!("{title} | batch"), times);
     }
     let near = succession(&robot.model, &apart);
