@@ -1,12 +1,13 @@
 //! Conversion of evaluations to ROS messages, except markers and diagnostics; and of joint state messages to monitor
 //! input.
 use clearance_checker::{CollisionChecker, CollisionReport, PairDistance, PairKind};
-use clearance_monitor::{Evaluation, Status};
+use clearance_monitor::{ContactsOfPair, Evaluation, Status};
 use clearance_scene::BodyId;
 use ros2_interfaces_jazzy_serde::std_msgs::msg::Header;
 
 use crate::messages::clearance_msgs;
 use crate::messages::clearance_msgs::{BodyPair, CollisionState, SkippedPairs};
+use crate::messages::contact::contact_messages;
 use crate::messages::time_and_geometry::point_message;
 use crate::messages::time_and_geometry::stamp_message;
 
@@ -68,6 +69,7 @@ pub fn collision_state(evaluation: &Evaluation) -> CollisionState {
         }
         message.compute_time = checked_state.compute_time.as_secs_f64();
         add_findings(&mut message, &revision.checker, &checked_state.report);
+        add_contacts(&mut message, &revision.checker, &checked_state.contacts);
         if let Some(ahead) = &checked_state.look_ahead {
             message.time_to_contact_known = true;
             message.time_to_contact = ahead.free_for;
@@ -117,6 +119,18 @@ fn add_findings(message: &mut CollisionState, checker: &CollisionChecker, report
     message.world_nearest = nearest_of(PairKind::WorldPair);
     if let Some(kind) = report.unfinished {
         message.warnings.push(format!("check_deadline passed before {} was known", distance_field(kind)));
+    }
+}
+
+/// Adds the contacts of the colliding pairs, fewer where many pairs are listed.
+fn add_contacts(message: &mut CollisionState, checker: &CollisionChecker, contacts: &[ContactsOfPair]) {
+    let listed = message.colliding_pairs.len() + message.pair_distances.len();
+    let room = PAIRS_TOLD.min((2 * PAIRS_TOLD).saturating_sub(listed));
+    let found: usize = contacts.iter().map(|of_pair| of_pair.contacts.count()).sum();
+    message.contacts =
+        contacts.iter().flat_map(|of_pair| contact_messages(checker, of_pair)).take(room).collect();
+    if found > room {
+        message.warnings.push(format!("only {room} of {found} contacts are listed"));
     }
 }
 
