@@ -3,7 +3,7 @@
 import pytest
 
 from scene import attached, box, cube_mesh, obstacle, pose, sphere, xyz
-from two_link_cell import ACCURACY, STRETCHED, cell  # noqa: F401 (a fixture)
+from two_link_srdf import ACCURACY, STRETCHED, cell  # noqa: F401 (a fixture)
 
 # The legs of a chair on the tip, and the half width of each.
 LEGS = [(1.8, -0.2), (2.2, -0.2), (1.8, 0.2), (2.2, 0.2)]

@@ -204,4 +204,41 @@ mod tests {
         assert!(evaluation.distance().is_nan());
         assert!(message.self_distance.is_nan() && message.world_distance.is_nan());
     }
+
+    /// The two-link robot folded onto its base, with this many contacts.
+    #[test]
+    fn contacts_are_in_the_order_of_the_colliding_pairs() {
+        use clearance_monitor::{JointStateInput, Monitor, MonitorSettings, Now, Revision, Time};
+        use clearance_robot::{MeshFiles, RobotModel};
+        use std::sync::Arc;
+        use std::time::Duration;
+
+        let urdf = include_str!("../../../../urdf/two_link/two_link.urdf");
+        let robot = Arc::new(RobotModel::from_urdf(urdf, &MeshFiles::default()).unwrap());
+        let world = clearance_scene::World::default();
+        let checker = CollisionChecker::new(robot, &world, clearance_scene::Settings::default()).unwrap();
+        let revision = Arc::new(Revision::new(checker, 1, 1));
+        for contacts_per_pair in [0, 3] {
+            let settings = MonitorSettings { contacts_per_pair, ..MonitorSettings::default() };
+            let mut monitor = Monitor::new(settings, || Duration::ZERO);
+            monitor.set_checker(Arc::clone(&revision));
+            let input = JointStateInput {
+                names: vec!["joint1".to_owned(), "joint2".to_owned()],
+                positions: vec![0.0, std::f64::consts::PI],
+                ..JointStateInput::default()
+            };
+            let now = Now { ros: Some(Time::from_nanoseconds(5)), steady: Duration::ZERO };
+            let message = collision_state(&monitor.on_joint_state(input, now));
+            assert_eq!(message.status, CollisionState::COLLIDING);
+            if contacts_per_pair == 0 {
+                assert_eq!(message.contacts, []);
+                continue;
+            }
+            assert!((1..=3).contains(&message.contacts.len()), "{:?}", message.contacts);
+            assert!(message.contacts.iter().all(|contact| contact.pair == message.colliding_pairs[0]));
+            let deepest = &message.contacts[0];
+            assert!(deepest.depth_known && deepest.reason.is_empty());
+            assert!(deepest.depth_lower <= deepest.depth_upper && (deepest.depth_upper - 0.3).abs() < 1e-6);
+        }
+    }
 }

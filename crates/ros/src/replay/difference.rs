@@ -120,3 +120,25 @@ fn fields(schema: &[u8]) -> Vec<String> {
         declarations.filter(|line| !line.contains('=')).filter_map(|line| line.split_whitespace().nth(1));
     names.map(str::to_owned).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn a_replay_with_all_contacts_begins_with_the_recorded_ones() {
+        let all = json!([{"depth_lower": 1.0}, {"depth_lower": 0.5}]);
+        for (recorded, is_same) in [
+            (json!([]), true),
+            (json!([{"depth_lower": 1.0}]), true),
+            (all.clone(), true),
+            (json!([{"depth_lower": 0.5}]), false),
+            (json!([{"depth_lower": 1.0}, {"depth_lower": 0.5}, {"depth_lower": 0.1}]), false),
+        ] {
+            assert_eq!(is_begun_by(&all, &recorded, "contacts"), is_same, "{recorded}");
+            assert!(!is_begun_by(&all, &recorded, "colliding_pairs"));
+        }
+    }
+}
