@@ -18,7 +18,6 @@ const INFLUENCE: f64 = 0.1;
 /// Longest step of a joint (rad, m).
 const STEP: f64 = 0.02;
 
-// ANCHOR: step
 /// A step towards `goal`, changed as little as possible such that, to first order, pairs that are nearer than the margin move apart,
 /// and no others come nearer than it: cyclic projections onto half-spaces (Kaczmarz 1937; Agmon 1954).
 fn step(clearance: &Clearance, q: &Configuration, goal: &Configuration) -> Vec<f64> {
@@ -39,7 +38,6 @@ fn step(clearance: &Clearance, q: &Configuration, goal: &Configuration) -> Vec<f
     }
     step
 }
-// ANCHOR_END: step
 
 fn shelf() -> Result<World, Box<dyn Error>> {
     let mut world = World::default();

@@ -31,7 +31,7 @@ NOT_HERE = {
     "clearance replay run.mcap --save-test": "needs a recording that differs, as test_recording.py makes one",
 }
 # Exit codes of commands by a word of the output that the page shows; others end with 0.
-EXIT_CODES = {"CONTACT": (1,), "WRONG": (0, 1)}
+EXIT_CODES = {"CONTACT": (1,), "COLLIDING": (1,), "WRONG": (0, 1)}
 
 
 def is_run(snippet):
