@@ -106,7 +106,7 @@ def test_a_script_runs(demo, home, snippet):
 
 @pytest.mark.parametrize("snippet", snippets("python"), ids=str)
 def test_a_script_without_a_node_says_so_and_ends(home, domain_id, snippet):
-    hurried = snippet.code.replace("timeout=10.0", "timeout=0.5")
+    hurried = re.sub(r"timeout ?= ?10\.0", "timeout = 0.5", snippet.code)
     assert hurried != snippet.code
     code, _, errors = run([sys.executable, "-c", hurried], home, domain_id)
     assert code == 1
