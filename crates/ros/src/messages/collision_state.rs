@@ -127,8 +127,11 @@ fn add_contacts(message: &mut CollisionState, checker: &CollisionChecker, contac
     let listed = message.colliding_pairs.len() + message.pair_distances.len();
     let room = PAIRS_TOLD.min((2 * PAIRS_TOLD).saturating_sub(listed));
     let found: usize = contacts.iter().map(|of_pair| of_pair.contacts.count()).sum();
-    message.contacts =
-        contacts.iter().flat_map(|of_pair| contact_messages(checker, of_pair)).take(room).collect();
+    for of_pair in contacts {
+        let (a, b) = of_pair.bodies;
+        message.contacts.extend(contact_messages(&pair_message(checker, a, b), of_pair));
+    }
+    message.contacts.truncate(room);
     if found > room {
         message.warnings.push(format!("only {room} of {found} contacts are listed"));
     }

@@ -1,25 +1,22 @@
 //! Conversion of contacts to `clearance_msgs/Contact`.
 
-use clearance_checker::{CollisionChecker, Contact, LocalContact};
+use clearance_checker::{Contact, LocalContact};
 use clearance_monitor::ContactsOfPair;
 use clearance_proximity::UnknownDepth;
 
 use crate::messages::clearance_msgs;
 use crate::messages::clearance_msgs::BodyPair;
-use crate::messages::collision_state::pair_message;
 use crate::messages::time_and_geometry::{point_message, vector_message};
 
 /// Messages for the contacts of a pair, the deepest first.
 pub fn contact_messages(
-    checker: &CollisionChecker,
+    pair: &BodyPair,
     of_pair: &ContactsOfPair,
 ) -> impl Iterator<Item = clearance_msgs::Contact> {
-    let (a, b) = of_pair.bodies;
-    let pair = pair_message(checker, a, b);
-    let (deepest, others) = (of_pair.contacts.deepest, of_pair.contacts.others.clone());
-    let first = deepest_message(&deepest, pair.clone());
-    std::iter::once(first)
-        .chain(others.into_iter().map(move |contact| local_message(&contact, &deepest, pair.clone())))
+    let deepest = &of_pair.contacts.deepest;
+    let others = of_pair.contacts.others.iter();
+    std::iter::once(deepest_message(deepest, pair.clone()))
+        .chain(others.map(|contact| local_message(contact, deepest, pair.clone())))
 }
 
 fn deepest_message(contact: &Contact, pair: BodyPair) -> clearance_msgs::Contact {
