@@ -5,6 +5,8 @@ use clearance_proximity::Effort;
 use clearance_robot::Configuration;
 use clearance_scene::BodyId;
 
+use super::LeftOut;
+
 /// Largest number of contacts of a state.
 const MOST_CONTACTS: usize = 1000;
 
@@ -17,48 +19,70 @@ pub struct ContactsOfPair {
     pub contacts: PairContacts,
 }
 
+/// Search for the contacts of a state.
+pub(super) struct ContactQuery<'q> {
+    pub checker: &'q CollisionChecker,
+    pub configuration: &'q Configuration,
+    pub report: &'q CollisionReport,
+    /// Largest number of contacts of each pair; 0: none are searched.
+    pub per_pair: usize,
+    /// Ends the search at its deadline, which is compared before each pair.
+    pub effort: &'q Effort,
+    /// The part of the evaluation that was left out so far.
+    pub left_out: LeftOut,
+}
+
 /// Contacts of a state, in the order of its colliding pairs.
+#[derive(Default)]
 pub(super) struct StateContacts {
     pub found: Vec<ContactsOfPair>,
     /// Whether the deadline passed before the contacts of all pairs were found.
     pub is_late: bool,
-    /// What is missing because there are too many.
+    /// What is missing.
     pub warning: Option<String>,
 }
 
-impl StateContacts {
-    /// No contacts, because none were requested, or because there was no time.
-    pub fn none(is_late: bool) -> Self {
-        Self { found: Vec::new(), is_late, warning: None }
+impl ContactQuery<'_> {
+    /// At most `per_pair` contacts of each pair, and at least one, as far as a state may have so many.
+    ///
+    /// Where the replay of a recording leaves contacts out, all are searched: the recorded ones were the first of them.
+    pub fn search(&self, workspace: &mut Workspace) -> StateContacts {
+        let pairs = &self.report.colliding_pairs;
+        let mut contacts =
+            StateContacts { is_late: self.left_out == LeftOut::Contacts, ..StateContacts::default() };
+        if self.per_pair > 0 && !pairs.is_empty() {
+            contacts.is_late |= self.left_out > LeftOut::Contacts;
+            if self.left_out <= LeftOut::Contacts {
+                self.search_pairs(&mut contacts, workspace);
+            }
+        }
+        if contacts.is_late {
+            contacts.warning =
+                Some("contacts of some colliding pairs are not known: check_deadline has passed".to_owned());
+        }
+        contacts
     }
 
-    /// At most `per_pair` contacts of each pair, at least one. The deadline is compared before each pair.
-    pub fn of_report(
-        checker: &CollisionChecker,
-        q: &Configuration,
-        report: &CollisionReport,
-        per_pair: usize,
-        effort: &Effort,
-        workspace: &mut Workspace,
-    ) -> Self {
-        let mut contacts = Self::none(false);
-        let (mut room, pairs) = (MOST_CONTACTS, report.colliding_pairs.len());
-        for (evaluated, &bodies) in report.colliding_pairs.iter().enumerate() {
+    fn search_pairs(&self, contacts: &mut StateContacts, workspace: &mut Workspace) {
+        let pairs = &self.report.colliding_pairs;
+        let mut room = MOST_CONTACTS;
+        for (searched, &bodies) in pairs.iter().enumerate() {
             if room == 0 {
+                let of = pairs.len();
                 contacts.warning = Some(format!(
-                    "contacts are listed for the first {evaluated} of {pairs} colliding pairs: {MOST_CONTACTS} in all"
+                    "contacts are listed for the first {searched} of {of} colliding pairs: {MOST_CONTACTS} in all"
                 ));
-                break;
+                return;
             }
-            if effort.is_over() {
+            if self.effort.is_over() {
                 contacts.is_late = true;
-                break;
+                return;
             }
-            if let Some(found) = checker.contacts(q, bodies, per_pair.min(room), workspace) {
+            let most = self.per_pair.min(room);
+            if let Some(found) = self.checker.contacts(self.configuration, bodies, most, workspace) {
                 room = room.saturating_sub(found.count());
                 contacts.found.push(ContactsOfPair { bodies, contacts: found });
             }
         }
-        contacts
     }
 }

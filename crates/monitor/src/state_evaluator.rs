@@ -15,7 +15,7 @@ use super::check_budget::CheckBudget;
 use super::joint_state_merger::{JointStateMerger, MergedState};
 use super::look_ahead::{LookAheadEvaluator, LookAheadInput};
 use super::obstacle_motion::ObstacleMotion;
-use super::state_contacts::StateContacts;
+use super::state_contacts::ContactQuery;
 use super::{CheckedState, LeftOut, MonitorSettings, Reason, Revision, Status};
 
 /// Time since any fixed moment. It is read before and after each check.
@@ -121,18 +121,17 @@ impl StateEvaluator {
                 Err(why) => warnings.push(why),
             }
         }
-        let contacts = if settings.contacts_per_pair == 0 || report.colliding_pairs.is_empty() {
-            StateContacts::none(false)
-        } else if left_out > LeftOut::Contacts {
-            StateContacts::none(true)
-        } else {
-            let most = settings.contacts_per_pair;
-            StateContacts::of_report(checker, &configuration, &report, most, &effort, &mut self.workspace)
+        let contacts = ContactQuery {
+            checker,
+            configuration: &configuration,
+            report: &report,
+            per_pair: settings.contacts_per_pair,
+            effort: &effort,
+            left_out,
         };
-        if contacts.is_late || fixed == Some(LeftOut::Contacts) {
+        let contacts = contacts.search(&mut self.workspace);
+        if contacts.is_late {
             left_out = left_out.max(LeftOut::Contacts);
-            warnings
-                .push("contacts of some colliding pairs are not known: check_deadline has passed".to_owned());
         }
         warnings.extend(contacts.warning);
         let compute_time = stopwatch().saturating_sub(started);
