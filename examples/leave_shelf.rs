@@ -23,7 +23,9 @@ const STEP: f64 = 0.02;
 fn step(clearance: &Clearance, q: &Configuration, goal: &Configuration) -> Vec<f64> {
     let mut step: Vec<f64> = q.positions().iter().zip(goal.positions()).map(|(q, goal)| goal - q).collect();
     let longest = step.iter().fold(STEP, |longest, s| s.abs().max(longest));
-    step.iter_mut().for_each(|s| *s *= STEP / longest);
+    for s in &mut step {
+        *s *= STEP / longest;
+    }
     for _ in 0..50 {
         for (index, pair) in clearance.pairs.iter().enumerate() {
             let row = clearance.row(index); // derivatives of this pair's signed distance (m/rad, m/m)
@@ -32,7 +34,9 @@ fn step(clearance: &Clearance, q: &Configuration, goal: &Configuration) -> Vec<f
             let needed = (0.5 * (MARGIN - pair.distance)).min(0.01);
             if squared > 1e-9 && change < needed {
                 let share = (needed - change) / squared;
-                step.iter_mut().zip(row).for_each(|(s, d)| *s += share * d);
+                for (s, d) in step.iter_mut().zip(row) {
+                    *s += share * d;
+                }
             }
         }
     }
