@@ -6,7 +6,7 @@
 //! service with the same name; a result is its response.
 
 use ros2_client::Message;
-use ros2_interfaces_jazzy_serde::geometry_msgs::msg::Point;
+use ros2_interfaces_jazzy_serde::geometry_msgs::msg::{Point, Vector3};
 use ros2_interfaces_jazzy_serde::trajectory_msgs::msg::JointTrajectory;
 use serde::{Deserialize, Serialize};
 
@@ -166,6 +166,7 @@ pub struct GetDistancesRequest {
     pub max_pairs: u32,
     pub bodies: Vec<String>,
     pub timeout: f64,
+    pub with_gradients: bool,
 }
 
 /// Distances in one state. The default status is `ERROR`; the status constants are the same as in
@@ -184,6 +185,18 @@ pub struct GetDistancesResponse {
     pub self_nearest: PairDistance,
     pub world_distance: f64,
     pub world_nearest: PairDistance,
+    pub signed_distances: Vec<f64>,
+    pub signed_distances_upper: Vec<f64>,
+    pub normals: Vec<Vector3>,
+    pub witness_counts: Vec<u8>,
+    pub gradient_joints: Vec<String>,
+    pub gradient: Vec<f64>,
+}
+
+impl GetDistancesResponse {
+    pub const MANY_UNKNOWN: u8 = 0;
+    pub const ONE: u8 = 1;
+    pub const SEVERAL: u8 = 2;
 }
 
 impl Message for CheckMotionRequest {}
@@ -278,9 +291,16 @@ mod tests {
             ("COLLIDING", CheckStatesResponse::COLLIDING),
             ("UNKNOWN", CheckStatesResponse::UNKNOWN),
         ];
-        for (request, response) in [srv!("CheckStates"), srv!("GetDistances")] {
+        let counts = [
+            ("ONE", GetDistancesResponse::ONE),
+            ("SEVERAL", GetDistancesResponse::SEVERAL),
+            ("MANY_UNKNOWN", GetDistancesResponse::MANY_UNKNOWN),
+        ];
+        for (request, response, more) in [(srv!("CheckStates"), &[][..]), (srv!("GetDistances"), &counts[..])]
+            .map(|((q, r), more)| (q, r, more))
+        {
             assert_eq!(constants_in_text(request), []);
-            assert_eq!(constants_in_text(response), expected);
+            assert_eq!(constants_in_text(response), [&expected, more].concat());
         }
     }
 }

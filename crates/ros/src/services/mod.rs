@@ -3,6 +3,7 @@
 
 pub mod action_goals; // goals of an action
 pub mod enable_service; // `~/enable`
+pub mod gradient_rows; // signed distances and derivatives of `~/get_distances`
 pub mod motion_requests; // evaluation of motion requests
 pub mod motion_services; // `~/check_motion` and `~/check_trajectory`
 pub mod parameter_services; // the standard parameter services
