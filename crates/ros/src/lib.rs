@@ -8,7 +8,7 @@
 //! ~/enable ──> services ──> monitor loop
 //! ~/check_motion, ~/check_trajectory ──> services ──> motions <─┘ the robot, the world, the current joint state
 //!                                     responses <── services <──┘ └──> ~/certificates, ~/swept_volume
-//! ~/check_states, ~/get_distances ──> services ──> states ──> services ──> responses
+//! ~/check_states, ~/get_distances, ~/find_free_state ──> services ──> states ──> services ──> responses
 //! planning scenes, octomaps, clouds, tf, services about them ──> world ──> loader
 //! monitor loop, loader, world ──> recorder, if recording is on
 //! ```

@@ -60,6 +60,24 @@ impl<'a> RequestContext<'a> {
         named.map_err(|error| bad_request(format!("{field}: {error}")))
     }
 
+    /// The state of a request about one state, and a note for the client. Without names it is the current one.
+    pub fn state(
+        &self,
+        joint_names: &[String],
+        positions: &[f64],
+    ) -> Result<(Configuration, Option<String>), Rejection> {
+        of_equal_length("positions", positions, joint_names)?;
+        match &self.now {
+            Err(why) if joint_names.is_empty() => Err(Rejection::NoJointState(why.clone())),
+            _ => {
+                let named = self.named("joint_names", joint_names)?;
+                let (rest, note) = self.rest(&named)?;
+                let state = named.configuration(&rest, positions);
+                Ok((state.map_err(|error| bad_request(format!("positions: {error}")))?, note))
+            }
+        }
+    }
+
     /// Configuration for the joints that the request does not name, and a note if it is unknown.
     ///
     /// # Errors
