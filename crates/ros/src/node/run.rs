@@ -53,7 +53,7 @@ use crate::topics::evaluation_publishers::Publishers;
 use crate::topics::link_volumes::LinkVolumes;
 use crate::topics::monitored_scene::MonitoredScene;
 use crate::topics::scene_topics::SceneTopics;
-use crate::topics::{demo_motion, marker_topic};
+use crate::topics::{demo_motion, marker_topic, retreat_topic};
 
 /// Input of a node, determined before it starts.
 pub struct NodeOptions {
@@ -137,6 +137,8 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     let motion = with_publisher(options.motion, &middleware, &joint_states)?;
     let (own_states, own_states_in) = mailbox::bounded(1);
     let (markers, marker_worker) = marker_topic::open(&middleware, &names)?;
+    let (retreat, retreat_worker) =
+        retreat_topic::open(&middleware, &names, Arc::clone(&current), Arc::clone(&clock))?;
     let monitor_loop = MonitorLoop {
         node: names.full_node_name(),
         monitor,
@@ -149,7 +151,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
             joint_states: own_states_in,
         },
         events: events_in,
-        publishers: Publishers::open(&middleware, &names, markers)?,
+        publishers: Publishers::open(&middleware, &names, markers, retreat)?,
         current: Arc::clone(&current),
         joint_state_history: Arc::clone(&shared.joint_state_history),
         observer: options.observer,
@@ -188,6 +190,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
         })
     }));
     parts.push(task("memory", &stopped, async move || memory.run().await));
+    parts.push(worker("retreat", &stopped, move || retreat_worker.run()));
     parts.push(worker("motions", &stopped, move || motion_worker.run()));
     parts.push(worker("states", &stopped, move || state_worker.run()));
     parts.push(worker("validity", &stopped, move || validity_worker.run()));

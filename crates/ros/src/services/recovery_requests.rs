@@ -71,7 +71,11 @@ impl RequestContext<'_> {
         let is_default = request.max_distance == 0.0;
         Ok(RecoveryOptions {
             locked: self.locked_joints(&request.locked_joints)?,
-            largest_distance: if is_default { RecoveryOptions::LARGEST_DISTANCE } else { request.max_distance },
+            largest_distance: if is_default {
+                RecoveryOptions::LARGEST_DISTANCE
+            } else {
+                request.max_distance
+            },
             clearance: request.clearance,
             // only the timeout ends a search
             most_checks: u64::MAX,

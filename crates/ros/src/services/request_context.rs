@@ -1,14 +1,12 @@
 //! Context of a request: the robot, its world, and its current configuration. No I/O.
 
-use std::sync::PoisonError;
 use std::time::{Duration, Instant};
 
 use clearance_checker::CollisionChecker;
-use clearance_monitor::{Evaluation, Now, Reason};
+use clearance_monitor::{Evaluation, Reason};
 use clearance_robot::quoted_list;
 use clearance_robot::{Configuration, NamedJoints, RobotModel};
 
-use crate::monitor_events::current_evaluation::CurrentEvaluation;
 use crate::services::rejection::{Rejection, bad_request};
 
 /// Context of a request: the robot, its world, and its current configuration.
@@ -19,12 +17,6 @@ pub struct RequestContext<'a> {
     /// Whether the received joint states are contradictory: then the robot is not at its default configuration, but at
     /// an unknown one.
     pub is_contradicted: bool,
-}
-
-/// The evaluation, updated to the time `now`: it may have become stale while the monitor was busy.
-pub fn known(current: &CurrentEvaluation, now: Now) -> Option<Evaluation> {
-    let evaluation = current.lock().unwrap_or_else(PoisonError::into_inner).clone();
-    evaluation.map(|evaluation| evaluation.aged(now))
 }
 
 impl<'a> RequestContext<'a> {

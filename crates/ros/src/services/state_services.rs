@@ -17,14 +17,13 @@ use crate::dds::middleware_error::MiddlewareError;
 use crate::dds::server::{RequestId, Server};
 use crate::dds::type_name::TypeName;
 use crate::messages::clearance_srvs::{
-    CheckStatesRequest, CheckStatesResponse, FindFreeStateRequest, FindFreeStateResponse, GetDistancesRequest,
-    GetDistancesResponse,
+    CheckStatesRequest, CheckStatesResponse, FindFreeStateRequest, FindFreeStateResponse,
+    GetDistancesRequest, GetDistancesResponse,
 };
-use crate::monitor_events::current_evaluation::CurrentEvaluation;
+use crate::monitor_events::current_evaluation::{CurrentEvaluation, newest};
 use crate::names::Names;
 use crate::services::recovery_requests::{rejected_search, search_free_state};
 use crate::services::rejection::Rejection;
-use crate::services::request_context::known;
 use crate::services::state_requests::{
     evaluate_distances, evaluate_states, rejected_distances, rejected_states,
 };
@@ -139,7 +138,7 @@ impl StateWorker {
     /// Processes requests until all senders are gone.
     pub fn run(mut self) {
         while let Ok(request) = self.requests.recv_blocking() {
-            let evaluation = known(&self.current, self.clock.read());
+            let evaluation = newest(&self.current, self.clock.read());
             let response = self.evaluate(request, evaluation.as_ref());
             if self.responses.send_blocking(response).is_err() {
                 return;

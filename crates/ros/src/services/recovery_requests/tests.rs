@@ -7,7 +7,7 @@ use clearance_checker::Question;
 use clearance_geometry::math::Pose;
 use clearance_geometry::{Primitive, Shape};
 use clearance_monitor::{JointStateInput, Monitor, MonitorSettings, Now, Revision, Time};
-use clearance_robot::{MeshFiles, RobotModel};
+use clearance_robot::{MeshFiles, RobotModel, RobotText};
 use clearance_scene::{Obstacle, Settings, World};
 
 use super::*;
@@ -35,7 +35,8 @@ fn names(names: &[&str]) -> Vec<String> {
 
 /// The evaluation of the robot at these positions; without positions, no joint state is received.
 fn evaluation(world: &World, positions: &[f64]) -> Evaluation {
-    let robot = RobotModel::from_urdf(URDF, &MeshFiles::default()).unwrap().with_srdf(SRDF).unwrap();
+    let text = RobotText { urdf: URDF, srdf: Some(SRDF), ..RobotText::default() };
+    let robot = RobotModel::from_text(&text, &MeshFiles::default()).unwrap();
     let checker = CollisionChecker::new(Arc::new(robot), world, Settings::default()).unwrap();
     let mut monitor = Monitor::new(MonitorSettings::default(), || Duration::ZERO);
     monitor.set_checker(Arc::new(Revision::new(checker, 3, 1)));
@@ -77,7 +78,10 @@ fn a_free_state_is_near_free_and_reached_on_a_free_line() {
         let request = FindFreeStateRequest { clearance, ..at(&ONTO) };
         let answer = search_free_state(&request, Some(&evaluation), &mut None);
         assert_eq!((answer.result, answer.reason_code.as_str()), (FindFreeStateResponse::FOUND, ""));
-        assert_eq!((answer.message.as_str(), &answer.joint_names, &answer.start), ("", &names(&JOINTS), &ONTO.to_vec()));
+        assert_eq!(
+            (answer.message.as_str(), &answer.joint_names, &answer.start),
+            ("", &names(&JOINTS), &ONTO.to_vec())
+        );
         assert_eq!((answer.model_revision, answer.world_revision), (3, 1));
 
         let q = checker.robot().configuration(&answer.free_state).unwrap();
@@ -108,7 +112,10 @@ fn without_names_the_search_begins_at_the_current_state() {
 #[test]
 fn a_free_state_stays_unless_it_lacks_the_clearance() {
     let answer = ask(&at(&STRETCHED));
-    assert_eq!((answer.result, answer.start.as_slice()), (FindFreeStateResponse::ALREADY_FREE, &STRETCHED[..]));
+    assert_eq!(
+        (answer.result, answer.start.as_slice()),
+        (FindFreeStateResponse::ALREADY_FREE, &STRETCHED[..])
+    );
     assert!(answer.free_state.is_empty() && answer.distance == 0.0);
     // stretched, the tip is 0.7 m from the base
     let near = |clearance| ask(&FindFreeStateRequest { clearance, ..at(&STRETCHED) }).result;
@@ -152,7 +159,10 @@ fn none_is_found_within_limits_that_are_too_narrow() {
 
     let evaluation = evaluation(&with_ball_in_base(), &STRETCHED);
     let answer = search_free_state(&at(&STRETCHED), Some(&evaluation), &mut None);
-    assert_eq!((answer.result, answer.reason_code.as_str()), (FindFreeStateResponse::NONE_FOUND, "not_movable"));
+    assert_eq!(
+        (answer.result, answer.reason_code.as_str()),
+        (FindFreeStateResponse::NONE_FOUND, "not_movable")
+    );
     assert!(answer.message.contains("'base'") && answer.message.contains("'ball'"), "{}", answer.message);
 }
 
@@ -188,7 +198,9 @@ fn broken_requests_are_rejected_by_name() {
 /// Numbers that are valid, but make no sense, neither panic nor hang.
 #[test]
 fn extreme_numbers_get_a_result() {
-    for (max_distance, clearance) in [(f64::MAX, 0.0), (f64::MIN_POSITIVE, 0.0), (0.5, f64::MAX), (f64::MAX, f64::MAX)] {
+    for (max_distance, clearance) in
+        [(f64::MAX, 0.0), (f64::MIN_POSITIVE, 0.0), (0.5, f64::MAX), (f64::MAX, f64::MAX)]
+    {
         let answer = ask(&FindFreeStateRequest { max_distance, clearance, timeout: 0.2, ..at(&ONTO) });
         let expected = if max_distance == f64::MAX && clearance == 0.0 {
             FindFreeStateResponse::FOUND
