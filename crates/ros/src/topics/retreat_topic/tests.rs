@@ -34,7 +34,7 @@ fn alone(positions: [f64; 2]) -> Evaluation {
 
 /// A feed at 10 Hz, with the tasks that it has queued.
 struct Feed {
-    feed: RetreatFeed,
+    sender: RetreatFeed,
     tasks: Receiver<Task>,
     parameters: Parameters,
     free: Evaluation,
@@ -43,14 +43,14 @@ struct Feed {
 
 impl Feed {
     fn new(retreat_rate: f64) -> Self {
-        let (feed, tasks) = feed();
+        let (sender, tasks) = feed();
         let parameters = Parameters { retreat_rate, ..Parameters::default() };
-        Self { feed, tasks, parameters, free: alone(STRETCHED), colliding: alone(ONTO) }
+        Self { sender, tasks, parameters, free: alone(STRETCHED), colliding: alone(ONTO) }
     }
 
     fn note(&mut self, milliseconds: u64, collides: bool) {
         let evaluation = if collides { &self.colliding } else { &self.free };
-        self.feed.note(evaluation, &self.parameters, Duration::from_millis(milliseconds));
+        self.sender.note(evaluation, &self.parameters, Duration::from_millis(milliseconds));
     }
 
     fn taken(&self) -> Option<Task> {
