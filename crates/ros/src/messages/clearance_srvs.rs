@@ -199,6 +199,42 @@ impl GetDistancesResponse {
     pub const SEVERAL: u8 = 2;
 }
 
+/// Request: is there a free state near this one?
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct FindFreeStateRequest {
+    pub joint_names: Vec<String>,
+    pub positions: Vec<f64>,
+    pub group: String,
+    pub locked_joints: Vec<String>,
+    pub max_distance: f64,
+    pub clearance: f64,
+    pub timeout: f64,
+}
+
+/// Result of the search for a free state. The default result is `ERROR`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct FindFreeStateResponse {
+    pub result: u8,
+    pub message: String,
+    pub reason_code: String,
+    pub joint_names: Vec<String>,
+    pub start: Vec<f64>,
+    pub free_state: Vec<f64>,
+    pub distance: f64,
+    pub exit: f64,
+    pub unmoved_pair: BodyPair,
+    pub model_revision: u64,
+    pub world_revision: u64,
+    pub compute_time: f64,
+}
+
+impl FindFreeStateResponse {
+    pub const ERROR: u8 = 0;
+    pub const ALREADY_FREE: u8 = 1;
+    pub const FOUND: u8 = 2;
+    pub const NONE_FOUND: u8 = 3;
+}
+
 impl Message for CheckMotionRequest {}
 impl Message for CheckTrajectoryRequest {}
 impl Message for CheckMotionResponse {}
@@ -208,6 +244,8 @@ impl Message for CheckStatesRequest {}
 impl Message for CheckStatesResponse {}
 impl Message for GetDistancesRequest {}
 impl Message for GetDistancesResponse {}
+impl Message for FindFreeStateRequest {}
+impl Message for FindFreeStateResponse {}
 
 #[cfg(test)]
 mod tests {
@@ -266,6 +304,20 @@ mod tests {
         assert_eq!(fields_in_text(result), fields_in_text(response));
         assert_eq!(constants_in_text(result), constants_in_text(response));
         assert_eq!(fields_in_rust::<CheckTrajectoryFeedback>(), fields_in_text(feedback));
+    }
+
+    #[test]
+    fn the_search_of_a_free_state_is_as_in_its_srv_file() {
+        let (request, response) = srv!("FindFreeState");
+        assert_eq!(fields_in_rust::<FindFreeStateRequest>(), fields_in_text(request));
+        assert_eq!(fields_in_rust::<FindFreeStateResponse>(), fields_in_text(response));
+        let expected = [
+            ("ERROR", FindFreeStateResponse::ERROR),
+            ("ALREADY_FREE", FindFreeStateResponse::ALREADY_FREE),
+            ("FOUND", FindFreeStateResponse::FOUND),
+            ("NONE_FOUND", FindFreeStateResponse::NONE_FOUND),
+        ];
+        assert_eq!(constants_in_text(response), expected);
     }
 
     #[test]

@@ -271,6 +271,13 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             "Whether the world is unknown until a whole planning scene is received.",
         ),
         double(
+            "retreat_rate",
+            "Hz",
+            (0.0, 100.0),
+            |p| &mut p.retreat_rate,
+            "Highest rate at which ~/retreat_direction is computed while the robot collides; 0 turns it off.",
+        ),
+        double(
             "self_filter_padding",
             "m",
             (0.0, 1.0),

@@ -19,7 +19,7 @@ use crate::messages::clearance_srvs::{
 use crate::messages::collision_state::{body_type, distance_message};
 use crate::services::gradient_rows::{add_gradients, bytes_of_gradient};
 use crate::services::rejection::{Rejection, bad_request, shortened};
-use crate::services::request_context::{RequestContext, deadline, not_negative, of_equal_length, revisions};
+use crate::services::request_context::{RequestContext, deadline, not_negative, revisions};
 
 /// Maximum number of states per request: with distances they take about a second, while other requests wait.
 const STATES: usize = 10_000;
@@ -37,7 +37,7 @@ const LONGEST_BATCH: Duration = Duration::from_secs(60);
 const LONGEST_DISTANCES: Duration = Duration::from_secs(10);
 
 /// Number of pairs above which the memory is freed after the request.
-const MANY_PAIRS: usize = 100_000;
+pub const MANY_PAIRS: usize = 100_000;
 
 /// Size of a pair without the names of its bodies (bytes).
 const BYTES_OF_PAIR: usize = 96;
@@ -95,7 +95,7 @@ pub fn evaluate_distances(
         let effort = Effort { deadline, ..Effort::default() };
         let limit = limit("max_distance", request.max_distance)?;
         let requested_bodies = context.requested_bodies(&request.bodies)?;
-        let (state, note) = context.state(request)?;
+        let (state, note) = context.state(&request.joint_names, &request.positions)?;
         let memory = workspace.get_or_insert_with(|| context.checker.workspace());
         let question = Question::PairDistances { limit };
         let report = context.checker.check_with(&state, question, &effort, memory);
@@ -182,21 +182,6 @@ impl RequestContext<'_> {
         };
         let states = positions.chunks_exact(joints).enumerate().map(state);
         Ok((states.collect::<Result<_, _>>()?, note))
-    }
-
-    /// The state of a request, and a note for the client.
-    fn state(&self, request: &GetDistancesRequest) -> Result<(Configuration, Option<String>), Rejection> {
-        let GetDistancesRequest { joint_names, positions, .. } = request;
-        of_equal_length("positions", positions, joint_names)?;
-        match &self.now {
-            Err(why) if joint_names.is_empty() => Err(Rejection::NoJointState(why.clone())),
-            _ => {
-                let named = self.named("joint_names", joint_names)?;
-                let (rest, note) = self.rest(&named)?;
-                let state = named.configuration(&rest, positions);
-                Ok((state.map_err(|error| bad_request(format!("positions: {error}")))?, note))
-            }
-        }
     }
 
     /// The names of the bodies whose pairs are requested.
@@ -423,7 +408,7 @@ fn pair_messages(
 }
 
 /// Notes for the client as text.
-fn message(checker: &CollisionChecker, notes: impl IntoIterator<Item = Option<String>>) -> String {
+pub fn message(checker: &CollisionChecker, notes: impl IntoIterator<Item = Option<String>>) -> String {
     let nothing = (checker.pairs().is_empty())
         .then(|| "there is no pair to check: every state counts as free".to_owned());
     let notes: Vec<String> = notes.into_iter().chain([nothing]).flatten().collect();
