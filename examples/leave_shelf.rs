@@ -1,5 +1,5 @@
-//! An arm reaches into a shelf and touches a board. It moves to its home position by derivatives of signed distances, and a check of the
-//! motion proves that nothing touches on the way.
+//! An arm reaches into a shelf and touches a board. It moves out by the derivatives of signed distances, then home, and a check of every
+//! step proves that nothing touches from the first free state on.
 
 use std::error::Error;
 use std::path::Path;
@@ -11,32 +11,32 @@ use clearance::{
     CollisionChecker, Configuration, MotionVerdict, Obstacle, Primitive, RobotModel, Settings, Shape, World,
 };
 
-/// Pairs keep this distance (m).
+/// Distance that pairs keep (m).
 const MARGIN: f64 = 0.02;
-
-/// Pairs up to this distance (m) limit the motion.
+/// Distance up to which pairs limit a step (m).
 const INFLUENCE: f64 = 0.1;
-
 /// Longest step of a joint (rad, m).
 const STEP: f64 = 0.02;
 
-/// One step towards `goal`, changed as little as possible such that no pair comes nearer than the margin, to first order.
+/// A step towards `goal`, changed as little as possible such that, to first order, pairs that are nearer than the margin move apart,
+/// and no others come nearer than it: cyclic projections onto half-spaces (Kaczmarz 1937; Agmon 1954).
 fn step(clearance: &Clearance, q: &Configuration, goal: &Configuration) -> Vec<f64> {
     let mut step: Vec<f64> = q.positions().iter().zip(goal.positions()).map(|(q, goal)| goal - q).collect();
     let longest = step.iter().fold(STEP, |longest, s| s.abs().max(longest));
     for s in &mut step {
         *s *= STEP / longest;
     }
-    // projections on the half-spaces row · step >= needed, in turn (Kaczmarz)
     for _ in 0..50 {
-        for (i, pair) in clearance.pairs.iter().enumerate() {
-            let row = clearance.row(i);
+        for (index, pair) in clearance.pairs.iter().enumerate() {
+            let row = clearance.row(index); // derivatives of this pair's signed distance (m/rad, m/m)
             let squared: f64 = row.iter().map(|d| d * d).sum();
             let change: f64 = row.iter().zip(&step).map(|(d, s)| d * s).sum();
             let needed = (0.5 * (MARGIN - pair.distance)).min(0.01);
             if squared > 1e-9 && change < needed {
                 let share = (needed - change) / squared;
-                step.iter_mut().zip(row).for_each(|(s, d)| *s += share * d);
+                for (s, d) in step.iter_mut().zip(row) {
+                    *s += share * d;
+                }
             }
         }
     }
@@ -45,17 +45,25 @@ fn step(clearance: &Clearance, q: &Configuration, goal: &Configuration) -> Vec<f
 
 fn shelf() -> Result<World, Box<dyn Error>> {
     let mut world = World::default();
-    for (name, size, at) in [
+    for (name, size, [x, y, z]) in [
         ("lower board", [0.4, 0.5, 0.02], [0.75, 0.0, 0.33]),
         ("upper board", [0.4, 0.5, 0.02], [0.75, 0.0, 0.66]),
         ("left side", [0.4, 0.02, 0.35], [0.75, 0.25, 0.495]),
         ("right side", [0.4, 0.02, 0.35], [0.75, -0.25, 0.495]),
     ] {
-        let [x, y, z] = at;
         let board = Shape::Primitive(Primitive::cuboid(size)?);
         world.add(Obstacle::of_shape(name, Pose::translation(x, y, z), board))?;
     }
     Ok(world)
+}
+
+/// The least signed distance (m) and its pair, as text.
+fn nearest(checker: &CollisionChecker, clearance: &Clearance) -> String {
+    let least = clearance.pairs.iter().min_by(|a, b| a.distance.total_cmp(&b.distance));
+    least.map_or("nothing near".to_owned(), |pair| {
+        let [a, b] = [pair.a, pair.b].map(|body| checker.body_name(body));
+        format!("{:.4} m, {a} and {b}", pair.distance)
+    })
 }
 
 pub fn main() -> Result<(), Box<dyn Error>> {
@@ -64,33 +72,37 @@ pub fn main() -> Result<(), Box<dyn Error>> {
     let robot = Arc::new(RobotModel::load(&folder.join("demo_arm.urdf"), Some(&srdf), &[])?);
     let checker = CollisionChecker::new(Arc::clone(&robot), &shelf()?, Settings::default())?;
     let mut workspace = checker.workspace();
-
     let named = |positions: [f64; 7]| {
         let names = ["joint1", "joint2", "joint3", "joint4", "joint5", "joint6", "joint7"];
         robot.configuration_from_names(names.into_iter().zip(positions))
     };
-    let mut q = named([0.0, 0.35, 0.0, -1.8, 0.0, 3.6, 0.785])?;
+    let mut q = named([0.0, 0.3, 0.0, -1.75, 0.0, 3.6, 0.785])?;
     let home = named([0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785])?;
-    for k in 0..300 {
-        let clearance = checker.clearance(&q, INFLUENCE, &mut workspace);
-        let nearest = clearance.pairs.iter().min_by(|a, b| a.distance.total_cmp(&b.distance));
-        if k % 10 == 0 {
-            println!(
-                "{k}: {:?} {:?}",
-                nearest.map(|n| (checker.body_name(n.a), checker.body_name(n.b), n.distance)),
-                q.positions()
-            );
-        }
-        let step = step(&clearance, &q, &home);
-        let moved: Vec<f64> = q.positions().iter().zip(&step).map(|(q, s)| q + s).collect();
-        let next = robot.configuration(&moved)?;
-        if nearest.is_none_or(|nearest| nearest.distance > 0.0) {
-            let verdict = checker.check_motion(&q, &next, &mut workspace).verdict;
-            if verdict != MotionVerdict::Free {
-                println!("step {k}: {verdict:?}");
-            }
-        }
-        q = next;
+
+    let mut clearance = checker.clearance(&q, INFLUENCE, &mut workspace);
+    println!("in the shelf: {}", nearest(&checker, &clearance));
+    let mut was_free = checker.is_free(&q, &mut workspace);
+    if was_free {
+        return Err("the arm does not touch the shelf at the beginning".into());
     }
-    Ok(())
+    for steps in 0..300 {
+        if q.positions().iter().zip(home.positions()).all(|(q, home)| (q - home).abs() < 1e-9) {
+            println!("home after {steps} steps: {}", nearest(&checker, &clearance));
+            return if was_free { Ok(()) } else { Err("home is not free".into()) };
+        }
+        let moved: Vec<f64> =
+            q.positions().iter().zip(step(&clearance, &q, &home)).map(|(q, s)| q + s).collect();
+        let next = robot.configuration(&moved)?;
+        let verdict = checker.check_motion(&q, &next, &mut workspace).verdict;
+        if was_free && verdict != MotionVerdict::Free {
+            return Err(format!("step {steps} is not free: {verdict:?}").into());
+        }
+        clearance = checker.clearance(&next, INFLUENCE, &mut workspace);
+        let is_free = checker.is_free(&next, &mut workspace);
+        if is_free && !was_free {
+            println!("free after {} steps: {}", steps + 1, nearest(&checker, &clearance));
+        }
+        (q, was_free) = (next, is_free);
+    }
+    Err("the arm did not come home".into())
 }

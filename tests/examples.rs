@@ -10,6 +10,8 @@ mod check_batch;
 mod check_state;
 #[path = "../examples/check_trajectory.rs"]
 mod check_trajectory;
+#[path = "../examples/leave_shelf.rs"]
+mod leave_shelf;
 
 #[test]
 fn all_run() {
@@ -19,6 +21,7 @@ fn all_run() {
         ("check_batch", check_batch::main),
         ("check_state", check_state::main),
         ("check_trajectory", check_trajectory::main),
+        ("leave_shelf", leave_shelf::main),
     ] {
         println!("{name}");
         run().unwrap_or_else(|error| panic!("{name}: {error}"));

@@ -1,9 +1,11 @@
 """Contacts as MoveIt's clients know them: several for each pair of bodies, with position, normal and depth."""
 
 import pytest
+from clearance_msgs.msg import CollisionState
+from visualization_msgs.msg import Marker, MarkerArray
 
 from scene import attached, box, cube_mesh, obstacle, pose, sphere, xyz
-from two_link_cell import ACCURACY, STRETCHED, cell  # noqa: F401 (a fixture)
+from two_link_srdf import ACCURACY, STRETCHED, cell  # noqa: F401 (a fixture)
 
 # The legs of a chair on the tip, and the half width of each.
 LEGS = [(1.8, -0.2), (2.2, -0.2), (1.8, 0.2), (2.2, 0.2)]
@@ -69,3 +71,59 @@ def test_contacts_of_many_pairs_are_limited(scene):
     of_floor = {c.contact_body_1 for c in answer.contacts if c.contact_body_2 == "floor"}
     assert len(answer.contacts) <= 200
     assert not answer.valid and of_floor
+
+
+def state_with_contacts(scene, cell, contacts):
+    """The state of the stretched arm whose tip is 0.02 m deep in a floor, with so many contacts of each pair."""
+    cell.parameters.succeed(contacts_per_pair=contacts)
+    scene.change(obstacle("floor", box(3, 3, 1), at=pose(2, 0, -0.58)))
+    return cell.judged(**STRETCHED)
+
+
+def test_the_state_has_contacts_of_its_colliding_pairs(scene, cell):
+    state = state_with_contacts(scene, cell, 4)
+    assert state.status == CollisionState.COLLIDING
+    pairs = [contact.pair for contact in state.contacts]
+    assert [pair for i, pair in enumerate(pairs) if pair not in pairs[:i]] == state.colliding_pairs
+    (contact, *_) = [contact for contact in state.contacts if contact.pair.body_a == "tip"]
+    assert (contact.pair.body_b, contact.depth_known, contact.reason) == ("floor", True, "")
+    assert 0 < contact.depth_lower <= contact.depth_upper
+    assert contact.depth_upper == pytest.approx(0.02, abs=ACCURACY)
+    assert xyz(contact.normal) == pytest.approx([0, 0, -1], abs=ACCURACY)
+    assert -0.1 - ACCURACY <= contact.position.z <= -0.08 + ACCURACY
+
+
+def test_without_the_parameter_the_state_has_none(scene, cell):
+    state = state_with_contacts(scene, cell, 0)
+    assert (state.status, state.contacts) == (CollisionState.COLLIDING, [])
+    state = state_with_contacts(scene, cell, 1)
+    assert len(state.contacts) == len(state.colliding_pairs)
+    assert state_with_contacts(scene, cell, 0).contacts == []
+
+
+def test_a_free_state_has_no_contacts(scene, cell):
+    cell.parameters.succeed(contacts_per_pair=4)
+    assert cell.judged(**STRETCHED).contacts == []
+
+
+def test_markers_show_contacts(scene, cell):
+    recorded = cell.peer.record(MarkerArray, cell.node.private("markers"))
+    state = state_with_contacts(scene, cell, 4)
+
+    def shown(array, action=Marker.ADD):
+        return [marker for marker in array.markers if (marker.ns, marker.action) == ("contacts", action)]
+
+    array = recorded.ever(shown, "markers of contacts")
+    points, *arrows = shown(array)
+    assert (points.type, len(points.points)) == (Marker.SPHERE_LIST, len(state.contacts))
+    assert [xyz(point) for point in points.points] == [xyz(contact.position) for contact in state.contacts]
+    assert len(arrows) == len(state.contacts)
+    for arrow, contact in zip(arrows, state.contacts, strict=True):
+        start, end = map(xyz, arrow.points)
+        length = max(contact.depth_upper, 0.03)
+        assert [e - s for s, e in zip(start, end, strict=True)] == pytest.approx(
+            [length * n for n in xyz(contact.normal)], abs=ACCURACY
+        )
+    cell.parameters.succeed(contacts_per_pair=0)
+    cell.judged(**STRETCHED)
+    recorded.ever(lambda array: shown(array, Marker.DELETE), "the markers of contacts are taken away")

@@ -23,6 +23,8 @@ def cell(module_peer):
         ("padding", float("nan")),
         ("heartbeat_rate", "fast"),
         ("publish_markers", 1),
+        ("contacts_per_pair", -1),
+        ("contacts_per_pair", 101),
     ],
 )
 def test_a_bad_value_is_refused_with_a_reason(cell, name, value):

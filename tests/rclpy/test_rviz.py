@@ -70,7 +70,8 @@ def test_what_it_listens_to_is_said_in_a_way_it_can_hear(config, peer, start):
 
 
 def test_every_namespace_of_markers_is_listed(config):
-    source = (CONFIG.parents[1] / "crates/ros/src/topics/markers.rs").read_text()
+    topics = CONFIG.parents[1] / "crates/ros/src/topics"
+    source = "".join(path.read_text() for path in [topics / "markers.rs", *sorted(topics.glob("markers/*.rs"))])
     (findings,) = (d for d in config["Visualization Manager"]["Displays"] if d["Name"] == "Findings")
     namespaces = re.findall(r'^const \w+: &str = "(\w+)";', source, re.MULTILINE)
     assert sorted(findings["Namespaces"]) == sorted(namespaces)

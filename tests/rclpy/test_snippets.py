@@ -31,7 +31,7 @@ NOT_HERE = {
     "clearance replay run.mcap --save-test": "needs a recording that differs, as test_recording.py makes one",
 }
 # Exit codes of commands by a word of the output that the page shows; others end with 0.
-EXIT_CODES = {"CONTACT": (1,), "WRONG": (0, 1)}
+EXIT_CODES = {"CONTACT": (1,), "COLLIDING": (1,), "WRONG": (0, 1)}
 
 
 def is_run(snippet):
@@ -106,7 +106,7 @@ def test_a_script_runs(demo, home, snippet):
 
 @pytest.mark.parametrize("snippet", snippets("python"), ids=str)
 def test_a_script_without_a_node_says_so_and_ends(home, domain_id, snippet):
-    hurried = snippet.code.replace("timeout=10.0", "timeout=0.5")
+    hurried = re.sub(r"timeout ?= ?10\.0", "timeout = 0.5", snippet.code)
     assert hurried != snippet.code
     code, _, errors = run([sys.executable, "-c", hurried], home, domain_id)
     assert code == 1

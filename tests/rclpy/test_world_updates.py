@@ -9,16 +9,22 @@ from cell import Companions
 from clouds import cloud
 from fail_safe import NOTHING_KNOWN, ZERO
 from motions import Motions
-from scene import diff, fine_mesh, obstacle, pose, sphere
+from scene import diff, fine_mesh, obstacle, pose, removal, sphere
 from scene_client import SceneClient
 from states import States
 
 FINE = 200_000  # triangles that take much longer than 0.1 s to build
 PATIENCE = 100.0  # [s]
+ATTEMPTS = 10
 
 
 def is_late(state):
     return state.status == CollisionState.UNKNOWN and state.reason_code == "world_update"
+
+
+def waits_for_both(state):
+    """Both messages were received: a slow machine may deliver the second one when the first is in force already."""
+    return is_late(state) and "2 messages" in state.reason
 
 
 def test_nothing_is_free_until_what_was_received_is_in_force(start):
@@ -26,18 +32,25 @@ def test_nothing_is_free_until_what_was_received_is_in_force(start):
     assert cell.judged(**ZERO).status == CollisionState.FREE
     companions = Companions(cell)
     scene = SceneClient(cell)
-    begin = cell.peer.now()
-    scene.publish(obstacle("fine", fine_mesh(FINE), at=pose(9.0)))
-    scene.publish(obstacle("onto the tip", sphere(0.2), at=pose(2.0)))
-    late = cell.states.wait_for(is_late, "UNKNOWN for a world that is being built", begin, PATIENCE)
-    said = companions.of(late)
-    assert all(is_nothing(said[name]) for name, is_nothing in NOTHING_KNOWN.items()), said
-    assert "the world is being built" in late.reason
-    colliding = cell.states.wait_for(
-        lambda state: state.status == CollisionState.COLLIDING, "COLLIDING with the ball", late, PATIENCE
-    )
-    states = cell.states.after(late)
-    assert all(state.status != CollisionState.FREE for state in states[: states.index(colliding)])
+    for _ in range(ATTEMPTS):
+        begin = cell.peer.now()
+        scene.publish(obstacle("fine", fine_mesh(FINE), at=pose(9.0)))
+        scene.publish(obstacle("onto the tip", sphere(0.2), at=pose(2.0)))
+        late = cell.states.wait_for(is_late, "UNKNOWN for a world that is being built", begin, PATIENCE)
+        said = companions.of(late)
+        assert all(is_nothing(said[name]) for name, is_nothing in NOTHING_KNOWN.items()), said
+        assert "the world is being built" in late.reason
+        colliding = cell.states.wait_for(
+            lambda state: state.status == CollisionState.COLLIDING, "COLLIDING with the ball", late, PATIENCE
+        )
+        states = cell.states.after(late)
+        both = [waits_for_both(state) for state in [late, *states]]
+        if any(both):
+            last = states[both.index(True) : states.index(colliding)]
+            assert all(state.status != CollisionState.FREE for state in last)
+            return
+        scene.change(removal("fine"), removal("onto the tip"))
+    raise AssertionError(f"the node never waited for both messages in {ATTEMPTS} attempts")
 
 
 def test_services_prove_nothing_about_a_world_that_is_being_built(start):

@@ -149,6 +149,32 @@ async function keepPicture(page) {
   await writeFile(process.env.CLEARANCE_VIEW_PICTURE, await page.screenshot());
 }
 
+test("contacts: the depth in the list, a dot and a line in the picture", { timeout: TIMEOUT }, async (t) => {
+  process.env.ROS_DOMAIN_ID = "8";
+  const parameters = ["-p", "stale_after:=3600.0", "-p", "contacts_per_pair:=3"];
+  const node = new NodeProcess("node", "--urdf", TWO_LINK, "--view", "0", "--ros-args", ...parameters);
+  t.after(() => {
+    node.kill();
+    delete process.env.ROS_DOMAIN_ID;
+  });
+  const { page, faults } = await open(t, await node.url());
+  const driver = new Driver(t);
+  const isContact = (r, g, b) => r > 150 && b > 130 && g < 90;
+
+  driver.report(0, 0);
+  await until(async () => (await seen(page)).status === "FREE", "the stretched robot");
+  await until(async () => colours(await picture(page, "#scene")) > 100, "a picture of the robot");
+  assert.equal(count(await picture(page, "#scene"), isContact), 0);
+  driver.report(0, Math.PI);
+  const collision = await until(async () => {
+    const now = await seen(page);
+    return now.status === "COLLIDING" && now;
+  }, "the collision");
+  assert.equal(collision.pairs, "base – tiptouches, 300.0 mm deep");
+  await until(async () => count(await picture(page, "#scene"), isContact) > 20, "a contact");
+  assert.deepEqual(faults, []);
+});
+
 test("joint states of rclpy: distances, collision, silence", { timeout: TIMEOUT }, async (t) => {
   process.env.ROS_DOMAIN_ID = "7";
   const node = new NodeProcess("node", "--urdf", TWO_LINK, "--view", "0", "--ros-args", "-p", "stale_after:=2.0");

@@ -22,6 +22,16 @@ export interface Nearest {
   pair: Pair | null;
 }
 
+/** A contact of a colliding pair. */
+export interface Contact {
+  /** Index of the pair in `colliding`. */
+  pair: number;
+  position: Point;
+  /** Unit vector towards the second body, where it is known. */
+  normal: Point | null;
+  depth: number | null;
+}
+
 /** Lengths in metres, times in seconds. */
 export interface Update {
   status: Status;
@@ -43,6 +53,8 @@ export interface Update {
   near_count?: number;
   colliding?: [BodyName, BodyName][];
   colliding_count?: number;
+  /** In the order of `colliding`, the deepest of a pair first; absent where no contacts are computed. */
+  contacts?: Contact[];
 }
 
 /** Numbers behind the text: the first and how many. */

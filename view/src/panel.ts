@@ -72,13 +72,19 @@ function distanceAndPair(nearest: Nearest | undefined): string {
 }
 
 function showPairs(update: Update): void {
-  const colliding = (update.colliding ?? []).map((bodies) => row(pairName(bodies), "touches", "colliding"));
+  const colliding = (update.colliding ?? []).map((bodies, i) => row(pairName(bodies), touch(update, i), "colliding"));
   const near = (update.near ?? []).filter((pair) => pair.distance > 0);
   const apart = near.map((pair) => row(pairName(pair.bodies), length(pair.distance), ""));
   element("pairs").replaceChildren(...[...colliding, ...apart].slice(0, LISTED));
   const touchingOfNear = (update.near?.length ?? 0) - near.length;
   const all = (update.colliding_count ?? 0) + (update.near_count ?? 0) - touchingOfNear;
   write("more-pairs", all > LISTED ? `and ${all - LISTED} more` : "");
+}
+
+/** The depth of a colliding pair: that of its first contact, if it is known. */
+function touch({ contacts }: Update, pair: number): string {
+  const depth = contacts?.find((contact) => contact.pair === pair)?.depth;
+  return typeof depth === "number" ? `touches, ${length(depth)} deep` : "touches";
 }
 
 function row(name: string, value: string, kind: string): HTMLElement {

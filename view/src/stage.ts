@@ -1,4 +1,4 @@
-// The picture: bodies, colours, and lines between nearest points.
+// The picture: bodies, colours, lines between nearest points, and contacts.
 
 import {
   AmbientLight,
@@ -27,6 +27,7 @@ import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js
 import { CSS2DObject, CSS2DRenderer } from "three/addons/renderers/CSS2DRenderer.js";
 
 import { FittingCamera } from "./camera";
+import { drawContacts } from "./contacts";
 import type { Geometry } from "./geometry";
 import type { Body, BodyName, Document, Pair, Pose, Robot, Update } from "./messages";
 import { draw, place, pointsMaterial } from "./shapes";
@@ -216,6 +217,7 @@ export class Stage {
 
   private showFindings(update: Update): void {
     dispose(this.findings);
+    if (update.contacts?.length) this.findings.add(...drawContacts(update.contacts));
     const pairs = [...(update.near ?? [])];
     for (const nearest of [update.world_nearest?.pair, update.self_nearest?.pair, update.nearest]) {
       if (nearest && !pairs.some((pair) => isSame(pair, nearest))) pairs.unshift(nearest);

@@ -9,6 +9,7 @@ use clearance_robot::{Configuration, LinkPoses};
 use clearance_scene::AnchorFrames;
 
 use super::obstacle_motion::ObstacleMotion;
+use super::state_contacts::ContactsOfPair;
 use super::{Now, Reason, Status, Time, WorldSource};
 
 /// A checker with its version numbers.
@@ -76,6 +77,8 @@ pub struct CheckedState {
     pub report: CollisionReport,
     /// Pairs beyond the reporting distance that may come near before the robot has slowed down.
     pub approaching_pairs: Vec<PairDistance>,
+    /// Contacts of the colliding pairs, in their order; empty unless the settings request contacts.
+    pub contacts: Vec<ContactsOfPair>,
     /// The configuration that was checked.
     pub configuration: Configuration,
     /// The link poses of that configuration.
@@ -106,9 +109,11 @@ pub enum LeftOut {
     #[default]
     /// Everything was computed.
     Nothing,
-    /// The time to contact was not computed.
+    /// Contacts of some colliding pairs were not computed.
+    Contacts,
+    /// The time to contact, and contacts, were not computed.
     LookAhead,
-    /// The look-ahead, and the larger one of the least distances to itself and to the world, were not computed.
+    /// These, and the larger one of the least distances to itself and to the world, were not computed.
     FartherDistance,
     /// Some pairs were not checked.
     Pairs,

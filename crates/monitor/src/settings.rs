@@ -38,6 +38,8 @@ pub struct MonitorSettings {
     /// Share of the time between joint states that exact distances may take, in [0, 1]. Beyond it, distances have a
     /// tolerance of a tenth or a millimetre. 0: no limit.
     pub exact_distance_share: f64,
+    /// Largest number of contacts that are computed of each colliding pair; 0: none.
+    pub contacts_per_pair: usize,
     /// When the robot has to be slower.
     pub speed: SpeedSettings,
     /// Horizon (s) of the time to contact; 0 switches it off.
@@ -61,6 +63,7 @@ impl Default for MonitorSettings {
             distance_absolute_tolerance: 0.0,
             distance_relative_tolerance: 0.0,
             exact_distance_share: 0.1,
+            contacts_per_pair: 0,
             speed: SpeedSettings::default(),
             look_ahead_horizon: 0.0,
             look_ahead_acceleration: 10.0,

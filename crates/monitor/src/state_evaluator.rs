@@ -15,6 +15,7 @@ use super::check_budget::CheckBudget;
 use super::joint_state_merger::{JointStateMerger, MergedState};
 use super::look_ahead::{LookAheadEvaluator, LookAheadInput};
 use super::obstacle_motion::ObstacleMotion;
+use super::state_contacts::ContactQuery;
 use super::{CheckedState, LeftOut, MonitorSettings, Reason, Revision, Status};
 
 /// Time since any fixed moment. It is read before and after each check.
@@ -104,7 +105,7 @@ impl StateEvaluator {
             left_out = LeftOut::Pairs;
         }
         let mut look_ahead = None;
-        if settings.look_ahead_horizon > 0.0 && (left_out != LeftOut::Nothing || effort.is_over()) {
+        if settings.look_ahead_horizon > 0.0 && (left_out > LeftOut::Contacts || effort.is_over()) {
             left_out = left_out.max(LeftOut::LookAhead);
             warnings.push("the time to contact is not known: check_deadline has passed".to_owned());
         } else if settings.look_ahead_horizon > 0.0 {
@@ -120,6 +121,19 @@ impl StateEvaluator {
                 Err(why) => warnings.push(why),
             }
         }
+        let contacts = ContactQuery {
+            checker,
+            configuration: &configuration,
+            report: &report,
+            per_pair: settings.contacts_per_pair,
+            effort: &effort,
+            left_out,
+        };
+        let contacts = contacts.search(&mut self.workspace);
+        if contacts.is_late {
+            left_out = left_out.max(LeftOut::Contacts);
+        }
+        warnings.extend(contacts.warning);
         let compute_time = stopwatch().saturating_sub(started);
         let mut status = status_of(&report, checker, settings);
         if fixed == Some(LeftOut::Pairs) {
@@ -129,6 +143,7 @@ impl StateEvaluator {
         let checked_state = Some(Arc::new(CheckedState {
             report,
             approaching_pairs,
+            contacts: contacts.found,
             configuration,
             poses,
             look_ahead,

@@ -15,7 +15,7 @@ use ros2_interfaces_jazzy_serde::moveit_msgs::srv::GetStateValidityRequest;
 use crate::dds::cdr;
 use crate::loading::loader::Loader;
 use crate::loading::loader_inputs::Pass;
-use crate::messages::clearance_srvs::{CheckMotionRequest, CheckTrajectoryRequest, MotionTerms};
+use crate::messages::clearance_srvs::{CheckMotionRequest, CheckTrajectoryRequest, FindFreeStateRequest};
 use crate::messages::collision_state::collision_state;
 use crate::messages::joint_state::joint_state_input;
 use crate::monitor_events::monitor_event::MonitorEvent;
@@ -32,6 +32,7 @@ use crate::scene::scene_update_context::{SceneUpdateContext, robots_at_stamps};
 use crate::scene::transform_messages::note_transforms;
 use crate::services::motion_requests::{evaluate_motion, evaluate_trajectory};
 use crate::services::parameter_services::changes;
+use crate::services::recovery_requests::search_free_state;
 use crate::services::state_requests::{evaluate_distances, evaluate_states};
 use crate::services::state_validity::{ValidityContext, state_validity};
 pub use crate::view::in_memory::respond_in_memory;
@@ -62,10 +63,11 @@ pub enum MessageKind {
     GetDistances,
     GetStateValidity,
     SetParameters,
+    FindFreeState,
 }
 
 impl MessageKind {
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 18] = [
         Self::Description,
         Self::Semantic,
         Self::JointState,
@@ -83,6 +85,7 @@ impl MessageKind {
         Self::GetDistances,
         Self::GetStateValidity,
         Self::SetParameters,
+        Self::FindFreeState,
     ];
 }
 
@@ -182,14 +185,14 @@ impl OfflineNode {
         match kind {
             MessageKind::CheckMotion => {
                 let mut request: CheckMotionRequest = cdr::decode(bytes)?;
-                limit_time(&mut request.terms);
+                limit_time(&mut request.terms.timeout);
                 let response =
                     evaluate_motion(&request, ContinuousDirection::Shortest, evaluation, workspace);
                 cdr::encode(&response.response).map(drop)
             }
             MessageKind::CheckTrajectory => {
                 let mut request: CheckTrajectoryRequest = cdr::decode(bytes)?;
-                limit_time(&mut request.terms);
+                limit_time(&mut request.terms.timeout);
                 let response = evaluate_trajectory(&request, None, evaluation, workspace);
                 cdr::encode(&response.response).map(drop)
             }
@@ -198,6 +201,11 @@ impl OfflineNode {
             }
             MessageKind::GetDistances => {
                 cdr::encode(&evaluate_distances(&cdr::decode(bytes)?, evaluation, workspace)).map(drop)
+            }
+            MessageKind::FindFreeState => {
+                let mut request: FindFreeStateRequest = cdr::decode(bytes)?;
+                limit_time(&mut request.timeout);
+                cdr::encode(&search_free_state(&request, evaluation, workspace)).map(drop)
             }
             _ => self.respond_validity(&cdr::decode(bytes)?),
         }
@@ -255,8 +263,8 @@ fn text(bytes: &[u8]) -> Result<String, String> {
 }
 
 /// Requests may ask for minutes; fuzzing runs thousands of them.
-fn limit_time(terms: &mut MotionTerms) {
-    if terms.timeout == 0.0 || terms.timeout > CHECK_TIME {
-        terms.timeout = CHECK_TIME;
+fn limit_time(timeout: &mut f64) {
+    if *timeout == 0.0 || *timeout > CHECK_TIME {
+        *timeout = CHECK_TIME;
     }
 }

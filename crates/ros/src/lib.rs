@@ -5,10 +5,11 @@
 //! robot_description, parameters ──> loader ──────┐ checkers
 //! joint_states ──────────────────────────────> monitor loop ──> ~/state, ~/is_free, ~/distance, /diagnostics, ~/time_to_contact,
 //! parameter services, /clock ──> services ───────┘ settings │   ~/speed_scale; markers ──> ~/markers
+//!                                                           │   retreat ──> ~/retreat_direction
 //! ~/enable ──> services ──> monitor loop
 //! ~/check_motion, ~/check_trajectory ──> services ──> motions <─┘ the robot, the world, the current joint state
 //!                                     responses <── services <──┘ └──> ~/certificates, ~/swept_volume
-//! ~/check_states, ~/get_distances ──> services ──> states ──> services ──> responses
+//! ~/check_states, ~/get_distances, ~/find_free_state ──> services ──> states ──> services ──> responses
 //! planning scenes, octomaps, clouds, tf, services about them ──> world ──> loader
 //! monitor loop, loader, world ──> recorder, if recording is on
 //! ```

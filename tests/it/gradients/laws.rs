@@ -61,6 +61,31 @@ fn distances_and_depths_are_those_of_other_queries() {
     assert!(apart > 500 && overlapping > 100, "{apart} {overlapping}");
 }
 
+/// Given pairs have the same results, bit by bit, in the order in which they are given, also beyond the influence distance.
+#[test]
+fn given_pairs_have_the_results_of_all() {
+    let mut random = Random::new(14);
+    let mut compared = 0;
+    for _ in 0..30 {
+        let checker = checker(&mut random, Shapes::All);
+        let mut workspace = checker.workspace();
+        let q = configuration(checker.robot(), &mut random);
+        let all = checker.clearance(&q, f64::INFINITY, &mut workspace);
+        let given: Vec<_> = all.pairs.iter().rev().step_by(2).map(bodies).collect();
+        let found = checker.clearance_of_pairs(&q, &given, None, &mut checker.workspace());
+        assert_eq!(found.pairs.iter().map(bodies).collect::<Vec<_>>(), given);
+        for (row, pair) in found.pairs.iter().enumerate() {
+            let same = all.pairs.iter().position(|other| bodies(other) == bodies(pair)).unwrap();
+            assert_eq!((pair, found.row(row)), (&all.pairs[same], all.row(same)));
+            compared += 1;
+        }
+        let swapped: Vec<_> = given.iter().map(|(a, b)| (*b, *a)).collect();
+        let none = checker.clearance_of_pairs(&q, &swapped, None, &mut workspace);
+        assert_eq!((none.pairs.len(), none.gradient.len()), (0, 0), "these are no pairs of the list");
+    }
+    assert!(compared > 200, "{compared}");
+}
+
 /// Witness points of bodies that are apart have the distance, along the normal; those of a depth lie within it.
 #[test]
 fn points_and_normals_belong_to_the_distance() {

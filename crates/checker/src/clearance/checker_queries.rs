@@ -1,6 +1,9 @@
 //! Clearance queries of a collision checker.
 
+use std::time::Instant;
+
 use clearance_robot::Configuration;
+use clearance_scene::BodyId;
 use rayon::prelude::*;
 
 use super::pair_clearances::{Clearance, ClearanceOptions};
@@ -48,6 +51,24 @@ impl CollisionChecker {
         let pairs = self.begin(workspace);
         result.clear(q.positions().len());
         workspace.clearance_query(pairs, q, options, result).evaluate();
+    }
+
+    /// As [`Self::clearance`], of these pairs of bodies at any distance, in their order. A pair whose evaluation would begin after the
+    /// deadline is left out, and so are all that follow it; one that is not in the pair list is left out, too.
+    #[must_use]
+    pub fn clearance_of_pairs(
+        &self,
+        q: &Configuration,
+        bodies: &[(BodyId, BodyId)],
+        deadline: Option<Instant>,
+        workspace: &mut Workspace,
+    ) -> Clearance {
+        let pairs = self.begin(workspace);
+        let (mut result, options) = (Clearance::default(), ClearanceOptions::new(f64::INFINITY));
+        result.clear(q.positions().len());
+        let is_over = || deadline.is_some_and(|deadline| Instant::now() >= deadline);
+        workspace.clearance_query(pairs, q, &options, &mut result).evaluate_pairs(bodies, is_over);
+        result
     }
 
     /// The result of [`Self::clearance`] for each state, in their order: the same for any number of threads.

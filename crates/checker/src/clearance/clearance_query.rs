@@ -11,6 +11,7 @@ use clearance_proximity::{
     distance_with_witnesses, penetration_depth,
 };
 use clearance_robot::PointAlong;
+use clearance_scene::BodyId;
 
 use super::pair_clearances::{Clearance, ClearanceCandidate, ClearanceOptions, PairClearance, WitnessCount};
 use crate::pair_kind::SearchedPairs;
@@ -40,6 +41,23 @@ impl ClearanceQuery<'_> {
                 continue;
             }
             self.add(&pair, index, found);
+        }
+        self.result.work = self.state.scratch.work;
+    }
+
+    /// Writes these pairs of bodies to the result, as far as they are in the pair list, until the time is over.
+    pub fn evaluate_pairs(mut self, bodies: &[(BodyId, BodyId)], is_over: impl Fn() -> bool) {
+        let QueriedState { pairs, q, robot, scratch, .. } = &mut self.state;
+        robot.place(pairs, q.positions(), scratch.level());
+        for &bodies in bodies {
+            if is_over() {
+                break;
+            }
+            let Some(index) = self.state.pairs.number_of(bodies) else { continue };
+            let pair = self.state.pair(index);
+            if let Some(found) = self.pair_clearance(&pair, index, self.options.influence_distance) {
+                self.add(&pair, index, found);
+            }
         }
         self.result.work = self.state.scratch.work;
     }

@@ -6,6 +6,7 @@
 
 use std::time::Instant;
 
+use clearance_motion::MotionSegment;
 use clearance_robot::Configuration;
 use clearance_scene::BodyId;
 
@@ -14,7 +15,7 @@ use super::recovery_options::RecoveryOptions;
 use super::search_space::{SearchSpace, normalized};
 use crate::collision_checker::CollisionChecker;
 use crate::collision_report::Question;
-use crate::motion::MotionVerdict;
+use crate::motion::{MotionOptions, MotionVerdict};
 use crate::workspace::Workspace;
 
 /// Seed of the random directions.
@@ -255,7 +256,9 @@ impl<'s> FreeStateSearch<'s> {
         let states: Vec<Configuration> = (0..=steps).map(|i| space.between(at(i), end)).collect();
         let first = u32::try_from(self.are_free(&states).iter().position(|free| *free)?).ok()?;
         let exit = space.between(at(first), end);
-        let report = self.checker.check_motion(&exit, &found.state, self.workspace);
+        let segment = MotionSegment::straight(self.checker.robot(), &exit, &found.state);
+        let options = MotionOptions { deadline: self.options.deadline, ..MotionOptions::default() };
+        let report = self.checker.check_motion_with(&segment, &options, self.workspace);
         let is_proven = report.verdict == MotionVerdict::Free;
         is_proven.then(|| FreeState {
             state: found.state.clone(),

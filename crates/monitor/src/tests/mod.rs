@@ -4,6 +4,7 @@
 
 mod check_budget;
 mod contact;
+mod contacts;
 mod held;
 mod incomplete;
 mod laws;

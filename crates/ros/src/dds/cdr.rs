@@ -61,7 +61,7 @@ mod tests {
 
     use super::*;
     use crate::messages::clearance_srvs::{
-        CheckStatesResponse, CheckTrajectoryResponse, GetDistancesResponse,
+        CheckStatesResponse, CheckTrajectoryResponse, FindFreeStateResponse, GetDistancesResponse,
     };
 
     /// Whether a blank message is short and does not change when it is encoded and decoded.
@@ -74,7 +74,7 @@ mod tests {
     fn every_response_that_may_be_long_has_a_blank_one() {
         assert!(is_blank::<GetPlanningSceneResponse>() && is_blank::<GetStateValidityResponse>());
         assert!(is_blank::<CheckStatesResponse>() && is_blank::<GetDistancesResponse>());
-        assert!(is_blank::<CheckTrajectoryResponse>());
+        assert!(is_blank::<CheckTrajectoryResponse>() && is_blank::<FindFreeStateResponse>());
         assert!(is_blank::<GetParametersResponse>());
         assert!(is_blank::<ListParametersResponse>());
     }

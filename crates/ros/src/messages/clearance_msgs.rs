@@ -4,7 +4,8 @@
 //! `interfaces/clearance_msgs/msg/*.msg`. Those files also define the unit, the frame and the meaning of every field.
 
 use ros2_client::Message;
-use ros2_interfaces_jazzy_serde::{geometry_msgs::msg::Point, std_msgs::msg::Header};
+use ros2_interfaces_jazzy_serde::geometry_msgs::msg::{Point, Vector3};
+use ros2_interfaces_jazzy_serde::std_msgs::msg::Header;
 use serde::{Deserialize, Serialize};
 
 /// Two bodies that are checked against each other.
@@ -28,6 +29,18 @@ pub struct PairDistance {
     pub pair: BodyPair,
     pub distance: f64,
     pub witness_points: [Point; 2],
+}
+
+/// A contact of two bodies that collide.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Contact {
+    pub pair: BodyPair,
+    pub position: Point,
+    pub normal: Vector3,
+    pub depth_known: bool,
+    pub depth_lower: f64,
+    pub depth_upper: f64,
+    pub reason: String,
 }
 
 /// Numbers of pairs that were not checked, by reason.
@@ -65,6 +78,7 @@ pub struct CollisionState {
     pub self_nearest: PairDistance,
     pub world_distance: f64,
     pub world_nearest: PairDistance,
+    pub contacts: Vec<Contact>,
 }
 
 impl CollisionState {
@@ -75,6 +89,7 @@ impl CollisionState {
 
 impl Message for BodyPair {}
 impl Message for PairDistance {}
+impl Message for Contact {}
 impl Message for SkippedPairs {}
 impl Message for CollisionState {}
 
@@ -93,6 +108,7 @@ mod tests {
     fn fields_stand_in_the_order_of_the_msg_files() {
         assert_eq!(fields_in_rust::<BodyPair>(), fields_in_text(msg!("BodyPair")));
         assert_eq!(fields_in_rust::<PairDistance>(), fields_in_text(msg!("PairDistance")));
+        assert_eq!(fields_in_rust::<Contact>(), fields_in_text(msg!("Contact")));
         assert_eq!(fields_in_rust::<SkippedPairs>(), fields_in_text(msg!("SkippedPairs")));
         assert_eq!(fields_in_rust::<CollisionState>(), fields_in_text(msg!("CollisionState")));
     }

@@ -6,7 +6,7 @@
 //! service with the same name; a result is its response.
 
 use ros2_client::Message;
-use ros2_interfaces_jazzy_serde::geometry_msgs::msg::Point;
+use ros2_interfaces_jazzy_serde::geometry_msgs::msg::{Point, Vector3};
 use ros2_interfaces_jazzy_serde::trajectory_msgs::msg::JointTrajectory;
 use serde::{Deserialize, Serialize};
 
@@ -166,6 +166,7 @@ pub struct GetDistancesRequest {
     pub max_pairs: u32,
     pub bodies: Vec<String>,
     pub timeout: f64,
+    pub with_gradients: bool,
 }
 
 /// Distances in one state. The default status is `ERROR`; the status constants are the same as in
@@ -184,6 +185,54 @@ pub struct GetDistancesResponse {
     pub self_nearest: PairDistance,
     pub world_distance: f64,
     pub world_nearest: PairDistance,
+    pub signed_distances: Vec<f64>,
+    pub signed_distances_upper: Vec<f64>,
+    pub normals: Vec<Vector3>,
+    pub witness_counts: Vec<u8>,
+    pub gradient_joints: Vec<String>,
+    pub gradient: Vec<f64>,
+}
+
+impl GetDistancesResponse {
+    pub const MANY_UNKNOWN: u8 = 0;
+    pub const ONE: u8 = 1;
+    pub const SEVERAL: u8 = 2;
+}
+
+/// Request: is there a free state near this one?
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct FindFreeStateRequest {
+    pub joint_names: Vec<String>,
+    pub positions: Vec<f64>,
+    pub group: String,
+    pub locked_joints: Vec<String>,
+    pub max_distance: f64,
+    pub clearance: f64,
+    pub timeout: f64,
+}
+
+/// Result of the search for a free state. The default result is `ERROR`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct FindFreeStateResponse {
+    pub result: u8,
+    pub message: String,
+    pub reason_code: String,
+    pub joint_names: Vec<String>,
+    pub start: Vec<f64>,
+    pub free_state: Vec<f64>,
+    pub distance: f64,
+    pub exit: f64,
+    pub unmoved_pair: BodyPair,
+    pub model_revision: u64,
+    pub world_revision: u64,
+    pub compute_time: f64,
+}
+
+impl FindFreeStateResponse {
+    pub const ERROR: u8 = 0;
+    pub const ALREADY_FREE: u8 = 1;
+    pub const FOUND: u8 = 2;
+    pub const NONE_FOUND: u8 = 3;
 }
 
 impl Message for CheckMotionRequest {}
@@ -195,6 +244,8 @@ impl Message for CheckStatesRequest {}
 impl Message for CheckStatesResponse {}
 impl Message for GetDistancesRequest {}
 impl Message for GetDistancesResponse {}
+impl Message for FindFreeStateRequest {}
+impl Message for FindFreeStateResponse {}
 
 #[cfg(test)]
 mod tests {
@@ -256,6 +307,20 @@ mod tests {
     }
 
     #[test]
+    fn the_search_of_a_free_state_is_as_in_its_srv_file() {
+        let (request, response) = srv!("FindFreeState");
+        assert_eq!(fields_in_rust::<FindFreeStateRequest>(), fields_in_text(request));
+        assert_eq!(fields_in_rust::<FindFreeStateResponse>(), fields_in_text(response));
+        let expected = [
+            ("ERROR", FindFreeStateResponse::ERROR),
+            ("ALREADY_FREE", FindFreeStateResponse::ALREADY_FREE),
+            ("FOUND", FindFreeStateResponse::FOUND),
+            ("NONE_FOUND", FindFreeStateResponse::NONE_FOUND),
+        ];
+        assert_eq!(constants_in_text(response), expected);
+    }
+
+    #[test]
     fn constants_have_the_values_of_the_srv_files() {
         let expected = [
             ("ERROR", MotionFindings::ERROR),
@@ -278,9 +343,16 @@ mod tests {
             ("COLLIDING", CheckStatesResponse::COLLIDING),
             ("UNKNOWN", CheckStatesResponse::UNKNOWN),
         ];
-        for (request, response) in [srv!("CheckStates"), srv!("GetDistances")] {
+        let counts = [
+            ("ONE", GetDistancesResponse::ONE),
+            ("SEVERAL", GetDistancesResponse::SEVERAL),
+            ("MANY_UNKNOWN", GetDistancesResponse::MANY_UNKNOWN),
+        ];
+        for (request, response, more) in [(srv!("CheckStates"), &[][..]), (srv!("GetDistances"), &counts[..])]
+            .map(|((q, r), more)| (q, r, more))
+        {
             assert_eq!(constants_in_text(request), []);
-            assert_eq!(constants_in_text(response), expected);
+            assert_eq!(constants_in_text(response), [&expected, more].concat());
         }
     }
 }

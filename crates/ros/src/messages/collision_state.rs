@@ -1,12 +1,13 @@
 //! Conversion of evaluations to ROS messages, except markers and diagnostics; and of joint state messages to monitor
 //! input.
 use clearance_checker::{CollisionChecker, CollisionReport, PairDistance, PairKind};
-use clearance_monitor::{Evaluation, Status};
+use clearance_monitor::{ContactsOfPair, Evaluation, Status};
 use clearance_scene::BodyId;
 use ros2_interfaces_jazzy_serde::std_msgs::msg::Header;
 
 use crate::messages::clearance_msgs;
 use crate::messages::clearance_msgs::{BodyPair, CollisionState, SkippedPairs};
+use crate::messages::contact::contact_messages;
 use crate::messages::time_and_geometry::point_message;
 use crate::messages::time_and_geometry::stamp_message;
 
@@ -68,6 +69,7 @@ pub fn collision_state(evaluation: &Evaluation) -> CollisionState {
         }
         message.compute_time = checked_state.compute_time.as_secs_f64();
         add_findings(&mut message, &revision.checker, &checked_state.report);
+        add_contacts(&mut message, &revision.checker, &checked_state.contacts);
         if let Some(ahead) = &checked_state.look_ahead {
             message.time_to_contact_known = true;
             message.time_to_contact = ahead.free_for;
@@ -117,6 +119,21 @@ fn add_findings(message: &mut CollisionState, checker: &CollisionChecker, report
     message.world_nearest = nearest_of(PairKind::WorldPair);
     if let Some(kind) = report.unfinished {
         message.warnings.push(format!("check_deadline passed before {} was known", distance_field(kind)));
+    }
+}
+
+/// Adds the contacts of the colliding pairs, fewer where many pairs are listed.
+fn add_contacts(message: &mut CollisionState, checker: &CollisionChecker, contacts: &[ContactsOfPair]) {
+    let listed = message.colliding_pairs.len() + message.pair_distances.len();
+    let room = PAIRS_TOLD.min((2 * PAIRS_TOLD).saturating_sub(listed));
+    let found: usize = contacts.iter().map(|of_pair| of_pair.contacts.count()).sum();
+    for of_pair in contacts {
+        let (a, b) = of_pair.bodies;
+        message.contacts.extend(contact_messages(&pair_message(checker, a, b), of_pair));
+    }
+    message.contacts.truncate(room);
+    if found > room {
+        message.warnings.push(format!("only {room} of {found} contacts are listed"));
     }
 }
 
@@ -189,5 +206,42 @@ mod tests {
         assert!(!message.distance_known);
         assert!(evaluation.distance().is_nan());
         assert!(message.self_distance.is_nan() && message.world_distance.is_nan());
+    }
+
+    /// The two-link robot folded onto its base, with this many contacts.
+    #[test]
+    fn contacts_are_in_the_order_of_the_colliding_pairs() {
+        use clearance_monitor::{JointStateInput, Monitor, MonitorSettings, Now, Revision, Time};
+        use clearance_robot::{MeshFiles, RobotModel};
+        use std::sync::Arc;
+        use std::time::Duration;
+
+        let urdf = include_str!("../../../../urdf/two_link/two_link.urdf");
+        let robot = Arc::new(RobotModel::from_urdf(urdf, &MeshFiles::default()).unwrap());
+        let world = clearance_scene::World::default();
+        let checker = CollisionChecker::new(robot, &world, clearance_scene::Settings::default()).unwrap();
+        let revision = Arc::new(Revision::new(checker, 1, 1));
+        for contacts_per_pair in [0, 3] {
+            let settings = MonitorSettings { contacts_per_pair, ..MonitorSettings::default() };
+            let mut monitor = Monitor::new(settings, || Duration::ZERO);
+            monitor.set_checker(Arc::clone(&revision));
+            let input = JointStateInput {
+                names: vec!["joint1".to_owned(), "joint2".to_owned()],
+                positions: vec![0.0, std::f64::consts::PI],
+                ..JointStateInput::default()
+            };
+            let now = Now { ros: Some(Time::from_nanoseconds(5)), steady: Duration::ZERO };
+            let message = collision_state(&monitor.on_joint_state(input, now));
+            assert_eq!(message.status, CollisionState::COLLIDING);
+            if contacts_per_pair == 0 {
+                assert_eq!(message.contacts, []);
+                continue;
+            }
+            assert!((1..=3).contains(&message.contacts.len()), "{:?}", message.contacts);
+            assert!(message.contacts.iter().all(|contact| contact.pair == message.colliding_pairs[0]));
+            let deepest = &message.contacts[0];
+            assert!(deepest.depth_known && deepest.reason.is_empty());
+            assert!(deepest.depth_lower <= deepest.depth_upper && (deepest.depth_upper - 0.3).abs() < 1e-6);
+        }
     }
 }

@@ -1,11 +1,17 @@
 //! Access to the last evaluation for the other parts of the program.
 
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, PoisonError};
 
-use clearance_monitor::{Evaluation, MonitorSettings};
+use clearance_monitor::{Evaluation, MonitorSettings, Now};
 
 /// The last evaluation, for services that evaluate requests about the same robot and world.
 pub type CurrentEvaluation = Arc<Mutex<Option<Evaluation>>>;
+
+/// The evaluation, updated to the time `now`: it may have become stale while the monitor was busy.
+pub fn newest(current: &CurrentEvaluation, now: Now) -> Option<Evaluation> {
+    let evaluation = current.lock().unwrap_or_else(PoisonError::into_inner).clone();
+    evaluation.map(|evaluation| evaluation.aged(now))
+}
 
 /// Callback that receives every evaluation and its settings, for a display outside of ROS. It must return quickly.
 pub type Observer = Box<dyn FnMut(&Evaluation, &MonitorSettings) + Send>;

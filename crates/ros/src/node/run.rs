@@ -53,7 +53,7 @@ use crate::topics::evaluation_publishers::Publishers;
 use crate::topics::link_volumes::LinkVolumes;
 use crate::topics::monitored_scene::MonitoredScene;
 use crate::topics::scene_topics::SceneTopics;
-use crate::topics::{demo_motion, marker_topic};
+use crate::topics::{demo_motion, marker_topic, retreat_topic};
 
 /// Input of a node, determined before it starts.
 pub struct NodeOptions {
@@ -136,7 +136,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     let joint_states = names.resolve("joint_states")?;
     let motion = with_publisher(options.motion, &middleware, &joint_states)?;
     let (own_states, own_states_in) = mailbox::bounded(1);
-    let (markers, marker_worker) = marker_topic::open(&middleware, &names)?;
+    let (publishers, slow_topics) = open_publishers(&middleware, &names, &current, &clock, &stopped)?;
     let monitor_loop = MonitorLoop {
         node: names.full_node_name(),
         monitor,
@@ -149,7 +149,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
             joint_states: own_states_in,
         },
         events: events_in,
-        publishers: Publishers::open(&middleware, &names, markers)?,
+        publishers,
         current: Arc::clone(&current),
         joint_state_history: Arc::clone(&shared.joint_state_history),
         observer: options.observer,
@@ -179,7 +179,6 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     let services = ServicesThread::open(&middleware, &names, inputs_of_services)?;
     let mut parts = vec![
         Part::new("monitor", move || run_first(monitor_loop, priority)),
-        Part::new("markers", move || marker_worker.run()),
         Part::new("loader", move || loader.run(&commands_in, &events, &inputs)),
     ];
     parts.extend(motion.map(|(motion, publisher)| {
@@ -188,6 +187,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
         })
     }));
     parts.push(task("memory", &stopped, async move || memory.run().await));
+    parts.extend(slow_topics);
     parts.push(worker("motions", &stopped, move || motion_worker.run()));
     parts.push(worker("states", &stopped, move || state_worker.run()));
     parts.push(worker("validity", &stopped, move || validity_worker.run()));
@@ -249,6 +249,22 @@ fn task<T>(
 /// Part of the node that runs checks for requests. A check that takes hours does not delay the end of the node.
 fn worker(name: &'static str, stopped: &Receiver<()>, work: impl FnOnce() + Send + 'static) -> Part {
     task(name, stopped, || smol::unblock(work))
+}
+
+/// Publishers of the evaluations, and the parts that publish what takes longer than a check.
+fn open_publishers(
+    middleware: &Middleware,
+    names: &Names,
+    current: &CurrentEvaluation,
+    clock: &Arc<RosClock>,
+    stopped: &Receiver<()>,
+) -> Result<(Publishers, [Part; 2]), MiddlewareError> {
+    let (markers, marker_worker) = marker_topic::open(middleware, names)?;
+    let (retreat, retreat_worker) =
+        retreat_topic::open(middleware, names, Arc::clone(current), Arc::clone(clock))?;
+    let publishers = Publishers::open(middleware, names, markers, retreat)?;
+    let markers = Part::new("markers", move || marker_worker.run());
+    Ok((publishers, [markers, worker("retreat", stopped, move || retreat_worker.run())]))
 }
 
 /// Motion with its publisher.

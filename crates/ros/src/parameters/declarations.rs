@@ -70,6 +70,12 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             |p| &mut p.cloud_voxel_size,
             "Edge of the voxels to which clouds are reduced; 0 turns it off.",
         ),
+        integer(
+            "contacts_per_pair",
+            (0, 100),
+            |p| &mut p.contacts_per_pair,
+            "Largest number of contacts of each colliding pair in ~/state; 0: none. Contacts delay the result: by a few queries of distances for each pair, tens of milliseconds for large meshes, and more for the first contact of a mesh.",
+        ),
         Declaration {
             range: Range::Word(CONTINUOUS_DIRECTIONS),
             access: Access::Word(|p| &mut p.continuous_joint_direction),
@@ -263,6 +269,13 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             "require_planning_scene",
             |p| &mut p.require_planning_scene,
             "Whether the world is unknown until a whole planning scene is received.",
+        ),
+        double(
+            "retreat_rate",
+            "Hz",
+            (0.0, 100.0),
+            |p| &mut p.retreat_rate,
+            "Highest rate at which ~/retreat_direction is computed while the robot collides; 0 turns it off.",
         ),
         double(
             "self_filter_padding",

@@ -15,7 +15,7 @@ macro_rules! ours {
     };
 }
 
-const OURS: [(&str, &str); 4] = ours! { "BodyPair" "CollisionState" "PairDistance" "SkippedPairs" };
+const OURS: [(&str, &str); 5] = ours! { "BodyPair" "CollisionState" "Contact" "PairDistance" "SkippedPairs" };
 
 /// Definition of each message, by its full name.
 static DECLARATIONS: LazyLock<BTreeMap<&'static str, &'static str>> = LazyLock::new(|| {

@@ -74,6 +74,7 @@ pub enum RecordStep {
 pub enum Late {
     #[default]
     Nothing,
+    Contacts,
     LookAhead,
     FartherDistance,
     Pairs,
@@ -193,6 +194,7 @@ impl From<LeftOut> for Late {
     fn from(left_out: LeftOut) -> Self {
         match left_out {
             LeftOut::Nothing => Self::Nothing,
+            LeftOut::Contacts => Self::Contacts,
             LeftOut::LookAhead => Self::LookAhead,
             LeftOut::FartherDistance => Self::FartherDistance,
             LeftOut::Pairs => Self::Pairs,
@@ -204,6 +206,7 @@ impl From<Late> for LeftOut {
     fn from(late: Late) -> Self {
         match late {
             Late::Nothing => Self::Nothing,
+            Late::Contacts => Self::Contacts,
             Late::LookAhead => Self::LookAhead,
             Late::FartherDistance => Self::FartherDistance,
             Late::Pairs => Self::Pairs,

@@ -37,7 +37,11 @@ pub(super) fn difference(
         if late == Late::Pairs || field == "compute_time" || !names.contains(field) {
             continue;
         }
-        let is_older = !names.iter().any(|name| name == NEWEST_FIELD);
+        // where the deadline left contacts open, the first ones are compared
+        if late == Late::Contacts && is_begun_by(replayed, &recorded[field], field) {
+            continue;
+        }
+        let is_older = !names.iter().any(|name| name == FIELD_OF_BOTH_DISTANCES);
         if is_older && field == "warnings" && warns_of_all(replayed, &recorded[field]) {
             continue;
         }
@@ -72,8 +76,18 @@ pub(super) fn difference(
     Ok(number("speed_scale", speed_scale.data, evaluation.speed_scale))
 }
 
-/// A field that this version records. Versions without it have fewer warnings and fewer distances.
-const NEWEST_FIELD: &str = "world_nearest";
+/// Versions without this field have fewer warnings and fewer distances.
+const FIELD_OF_BOTH_DISTANCES: &str = "world_nearest";
+
+/// Whether a replay with all contacts has those that were recorded, and their warnings.
+fn is_begun_by(replayed: &Json, recorded: &Json, field: &str) -> bool {
+    let (Some(all), Some(first)) = (replayed.as_array(), recorded.as_array()) else { return false };
+    match field {
+        "contacts" => all.starts_with(first),
+        "warnings" => warns_of_all(replayed, recorded),
+        _ => false,
+    }
+}
 
 /// Whether `list` contains every element of `other`.
 fn warns_of_all(list: &Json, other: &Json) -> bool {
@@ -105,4 +119,26 @@ fn fields(schema: &[u8]) -> Vec<String> {
     let names =
         declarations.filter(|line| !line.contains('=')).filter_map(|line| line.split_whitespace().nth(1));
     names.map(str::to_owned).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn a_replay_with_all_contacts_begins_with_the_recorded_ones() {
+        let all = json!([{"depth_lower": 1.0}, {"depth_lower": 0.5}]);
+        for (recorded, is_same) in [
+            (json!([]), true),
+            (json!([{"depth_lower": 1.0}]), true),
+            (all.clone(), true),
+            (json!([{"depth_lower": 0.5}]), false),
+            (json!([{"depth_lower": 1.0}, {"depth_lower": 0.5}, {"depth_lower": 0.1}]), false),
+        ] {
+            assert_eq!(is_begun_by(&all, &recorded, "contacts"), is_same, "{recorded}");
+            assert!(!is_begun_by(&all, &recorded, "colliding_pairs"));
+        }
+    }
 }

@@ -1,5 +1,6 @@
 //! Runs of a node without a network: recorded, replayed, modified, and cut off.
 
+mod contacts;
 mod limits;
 
 use std::collections::BTreeMap;

@@ -3,14 +3,16 @@
 
 pub mod action_goals; // goals of an action
 pub mod enable_service; // `~/enable`
+pub mod gradient_rows; // signed distances and derivatives of `~/get_distances`
 pub mod motion_requests; // evaluation of motion requests
 pub mod motion_services; // `~/check_motion` and `~/check_trajectory`
 pub mod parameter_services; // the standard parameter services
+pub mod recovery_requests; // evaluation of requests for free states
 pub mod rejection; // reasons for which requests are rejected
 pub mod request_context; // robot, world and configuration for a request
 pub mod scene_services; // `get_planning_scene`, `apply_planning_scene`, `clear_octomap`, `check_state_validity`
 pub mod state_requests; // evaluation of state requests
-pub mod state_services; // `~/check_states` and `~/get_distances`
+pub mod state_services; // `~/check_states`, `~/get_distances` and `~/find_free_state`
 pub mod state_validity; // evaluation of `check_state_validity` requests
 pub mod trajectory_action; // `~/check_trajectory` as an action
 pub mod validity_contacts; // contacts of `check_state_validity`

@@ -24,12 +24,11 @@ use crate::dds::type_name::TypeName;
 use crate::messages::clearance_srvs::{
     CheckMotionRequest, CheckMotionResponse, CheckTrajectoryRequest, CheckTrajectoryResponse,
 };
-use crate::monitor_events::current_evaluation::CurrentEvaluation;
+use crate::monitor_events::current_evaluation::{CurrentEvaluation, newest};
 use crate::names::Names;
 use crate::parameters::parameter_store::ParameterStore;
 use crate::services::motion_requests::{MotionResponse, evaluate_motion, evaluate_trajectory};
 use crate::services::rejection::Rejection;
-use crate::services::request_context::known;
 use crate::services::trajectory_action::{Goal, StartedGoal, TrajectoryAction};
 
 /// Maximum length of the request queue. Further requests get the response that the node is busy.
@@ -180,7 +179,7 @@ impl MotionWorker {
     /// Processes requests until all senders are gone.
     pub fn run(mut self) {
         while let Ok(request) = self.requests.recv_blocking() {
-            let evaluation = known(&self.current, self.clock.read());
+            let evaluation = newest(&self.current, self.clock.read());
             // a goal that was canceled in the queue has its result already
             if matches!(&request, Request::Goal(goal) if goal.watch.is_stopped()) {
                 continue;

@@ -1,14 +1,12 @@
 //! Context of a request: the robot, its world, and its current configuration. No I/O.
 
-use std::sync::PoisonError;
 use std::time::{Duration, Instant};
 
 use clearance_checker::CollisionChecker;
-use clearance_monitor::{Evaluation, Now, Reason};
+use clearance_monitor::{Evaluation, Reason};
 use clearance_robot::quoted_list;
 use clearance_robot::{Configuration, NamedJoints, RobotModel};
 
-use crate::monitor_events::current_evaluation::CurrentEvaluation;
 use crate::services::rejection::{Rejection, bad_request};
 
 /// Context of a request: the robot, its world, and its current configuration.
@@ -19,12 +17,6 @@ pub struct RequestContext<'a> {
     /// Whether the received joint states are contradictory: then the robot is not at its default configuration, but at
     /// an unknown one.
     pub is_contradicted: bool,
-}
-
-/// The evaluation, updated to the time `now`: it may have become stale while the monitor was busy.
-pub fn known(current: &CurrentEvaluation, now: Now) -> Option<Evaluation> {
-    let evaluation = current.lock().unwrap_or_else(PoisonError::into_inner).clone();
-    evaluation.map(|evaluation| evaluation.aged(now))
 }
 
 impl<'a> RequestContext<'a> {
@@ -58,6 +50,24 @@ impl<'a> RequestContext<'a> {
     pub fn named(&self, field: &str, names: &[String]) -> Result<NamedJoints<'a>, Rejection> {
         let named = self.robot().named_joints(names.iter().map(String::as_str));
         named.map_err(|error| bad_request(format!("{field}: {error}")))
+    }
+
+    /// The state of a request about one state, and a note for the client. Without names it is the current one.
+    pub fn state(
+        &self,
+        joint_names: &[String],
+        positions: &[f64],
+    ) -> Result<(Configuration, Option<String>), Rejection> {
+        of_equal_length("positions", positions, joint_names)?;
+        match &self.now {
+            Err(why) if joint_names.is_empty() => Err(Rejection::NoJointState(why.clone())),
+            _ => {
+                let named = self.named("joint_names", joint_names)?;
+                let (rest, note) = self.rest(&named)?;
+                let state = named.configuration(&rest, positions);
+                Ok((state.map_err(|error| bad_request(format!("positions: {error}")))?, note))
+            }
+        }
     }
 
     /// Configuration for the joints that the request does not name, and a note if it is unknown.

@@ -22,7 +22,7 @@ use crate::dds::middleware_error::MiddlewareError;
 use crate::dds::server::{RequestId, Server};
 use crate::dds::type_name::TypeName;
 use crate::log_rate_limiter::LogRateLimiter;
-use crate::monitor_events::current_evaluation::CurrentEvaluation;
+use crate::monitor_events::current_evaluation::{CurrentEvaluation, newest};
 use crate::names::Names;
 use crate::recording::step::{RecordedCommand, SceneSource};
 use crate::scene::active_scene::{ActiveScene, CurrentScene};
@@ -31,7 +31,6 @@ use crate::scene::scene_command_sender::SceneCommandSender;
 use crate::scene::scene_message_writer::{SceneMessages, scene_message};
 use crate::scene::shared_state::SharedState;
 use crate::services::rejection::shortened;
-use crate::services::request_context::known;
 use crate::services::state_validity::{StateValidity, ValidityContext, constraints_given, state_validity};
 
 /// Largest number of state queries in the queue. Further queries are rejected at once as not valid.
@@ -230,7 +229,7 @@ impl ValidityWorker {
         let scene = self.scene.lock().unwrap_or_else(PoisonError::into_inner).clone();
         let scene = scene.ok_or("there is no robot model yet")?;
         let now = self.shared.clock.read();
-        let evaluation = known(&self.evaluation, now);
+        let evaluation = newest(&self.evaluation, now);
         let transforms = self.shared.transforms.lock().unwrap_or_else(PoisonError::into_inner).clone();
         state_validity(
             request,

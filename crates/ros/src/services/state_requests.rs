@@ -17,8 +17,9 @@ use crate::messages::clearance_srvs::{
     CheckStatesRequest, CheckStatesResponse, GetDistancesRequest, GetDistancesResponse,
 };
 use crate::messages::collision_state::{body_type, distance_message};
+use crate::services::gradient_rows::{add_gradients, bytes_of_gradient};
 use crate::services::rejection::{Rejection, bad_request, shortened};
-use crate::services::request_context::{RequestContext, deadline, not_negative, of_equal_length, revisions};
+use crate::services::request_context::{RequestContext, deadline, not_negative, revisions};
 
 /// Maximum number of states per request: with distances they take about a second, while other requests wait.
 const STATES: usize = 10_000;
@@ -36,7 +37,7 @@ const LONGEST_BATCH: Duration = Duration::from_secs(60);
 const LONGEST_DISTANCES: Duration = Duration::from_secs(10);
 
 /// Number of pairs above which the memory is freed after the request.
-const MANY_PAIRS: usize = 100_000;
+pub const MANY_PAIRS: usize = 100_000;
 
 /// Size of a pair without the names of its bodies (bytes).
 const BYTES_OF_PAIR: usize = 96;
@@ -94,7 +95,7 @@ pub fn evaluate_distances(
         let effort = Effort { deadline, ..Effort::default() };
         let limit = limit("max_distance", request.max_distance)?;
         let requested_bodies = context.requested_bodies(&request.bodies)?;
-        let (state, note) = context.state(request)?;
+        let (state, note) = context.state(&request.joint_names, &request.positions)?;
         let memory = workspace.get_or_insert_with(|| context.checker.workspace());
         let question = Question::PairDistances { limit };
         let report = context.checker.check_with(&state, question, &effort, memory);
@@ -102,7 +103,19 @@ pub fn evaluate_distances(
             *workspace = None;
         }
         let limits = context.robot().limits_note("state", [[&state]]);
-        Ok(distances(context.checker, report, &requested_bodies, request.max_pairs, [limits, note]))
+        let list = ListedPairs {
+            requested_bodies: &requested_bodies,
+            most: request.max_pairs,
+            bytes_each: BYTES_OF_PAIR
+                + if request.with_gradients { bytes_of_gradient(context.robot()) } else { 0 },
+        };
+        let (mut response, listed) = distances(context.checker, report, &list, [limits, note]);
+        if request.with_gradients {
+            let memory = workspace.get_or_insert_with(|| context.checker.workspace());
+            let found = context.checker.clearance_of_pairs(&state, &listed, deadline, memory);
+            add_gradients(&mut response, context.robot(), &listed, &found);
+        }
+        Ok(response)
     });
     let mut response = found.unwrap_or_else(|rejection| rejected_distances(&rejection));
     (response.model_revision, response.world_revision) = revisions(evaluation);
@@ -169,21 +182,6 @@ impl RequestContext<'_> {
         };
         let states = positions.chunks_exact(joints).enumerate().map(state);
         Ok((states.collect::<Result<_, _>>()?, note))
-    }
-
-    /// The state of a request, and a note for the client.
-    fn state(&self, request: &GetDistancesRequest) -> Result<(Configuration, Option<String>), Rejection> {
-        let GetDistancesRequest { joint_names, positions, .. } = request;
-        of_equal_length("positions", positions, joint_names)?;
-        match &self.now {
-            Err(why) if joint_names.is_empty() => Err(Rejection::NoJointState(why.clone())),
-            _ => {
-                let named = self.named("joint_names", joint_names)?;
-                let (rest, note) = self.rest(&named)?;
-                let state = named.configuration(&rest, positions);
-                Ok((state.map_err(|error| bad_request(format!("positions: {error}")))?, note))
-            }
-        }
     }
 
     /// The names of the bodies whose pairs are requested.
@@ -318,14 +316,23 @@ fn nearest_pair(report: &CollisionReport, kind: PairKind) -> Option<(BodyId, Bod
     touching.copied().or_else(|| report.known_nearest_of(kind).map(|nearest| (nearest.a, nearest.b)))
 }
 
-/// Response with the distances in one state.
+/// The pairs of a response.
+struct ListedPairs<'a> {
+    requested_bodies: &'a HashSet<&'a str>,
+    /// Largest number of pairs; 0: as many as fit.
+    most: u32,
+    /// Size of a pair without the names of its bodies (bytes).
+    bytes_each: usize,
+}
+
+/// Response with the distances in one state, and the bodies of its pairs.
 fn distances(
     checker: &CollisionChecker,
     report: CollisionReport,
-    requested_bodies: &HashSet<&str>,
-    max_pairs: u32,
+    list: &ListedPairs,
     notes: [Option<String>; 2],
-) -> GetDistancesResponse {
+) -> (GetDistancesResponse, Vec<(BodyId, BodyId)>) {
+    let requested_bodies = list.requested_bodies;
     let open = report.undecided.len();
     let verdict = if report.self_collision || report.world_collision {
         CheckStatesResponse::COLLIDING
@@ -344,8 +351,9 @@ fn distances(
     pairs.retain(|pair| is_requested(pair.a, pair.b));
     // pairs at the same distance stay in the order of the pair list
     pairs.sort_by(|a, b| a.distance.total_cmp(&b.distance));
-    let requested = if max_pairs == 0 { pairs.len() } else { pairs.len().min(max_pairs as usize) };
-    let listed = pair_messages(checker, &pairs[..requested]);
+    let requested = if list.most == 0 { pairs.len() } else { pairs.len().min(list.most as usize) };
+    let listed = pair_messages(checker, &pairs[..requested], list.bytes_each);
+    let bodies = pairs[..listed.len()].iter().map(|pair| (pair.a, pair.b)).collect();
     let cut = (listed.len() < requested)
         .then(|| format!("only {} of {} pairs are listed", listed.len(), pairs.len()));
     let left_out = (open > 0).then(|| format!("the timeout left {open} pairs open"));
@@ -354,7 +362,7 @@ fn distances(
         let is_open = open_kinds.contains(&kind);
         nearest_message(checker, nearest, is_open)
     });
-    GetDistancesResponse {
+    let response = GetDistancesResponse {
         verdict,
         message: message(checker, [left_out, cut].into_iter().chain(notes)),
         reason_code: if open > 0 { "deadline".to_owned() } else { String::new() },
@@ -365,7 +373,8 @@ fn distances(
         world_distance: of_world.0,
         world_nearest: of_world.1,
         ..GetDistancesResponse::default()
-    }
+    };
+    (response, bodies)
 }
 
 /// The least distance (m) of one kind of pairs, with its pair: infinite if there is none, NaN if it is not known because
@@ -384,18 +393,22 @@ fn nearest_message(
 }
 
 /// The first pairs, as many as fit into a response.
-fn pair_messages(checker: &CollisionChecker, pairs: &[PairDistance]) -> Vec<PairDistanceMessage> {
+fn pair_messages(
+    checker: &CollisionChecker,
+    pairs: &[PairDistance],
+    bytes_each: usize,
+) -> Vec<PairDistanceMessage> {
     let mut bytes = 0;
     let messages = pairs.iter().map(|pair| distance_message(checker, pair));
     let fits = |message: &PairDistanceMessage| {
-        bytes += BYTES_OF_PAIR + message.pair.body_a.len() + message.pair.body_b.len();
+        bytes += bytes_each + message.pair.body_a.len() + message.pair.body_b.len();
         bytes <= LONGEST_PAIRS
     };
     messages.take_while(fits).collect()
 }
 
 /// Notes for the client as text.
-fn message(checker: &CollisionChecker, notes: impl IntoIterator<Item = Option<String>>) -> String {
+pub fn message(checker: &CollisionChecker, notes: impl IntoIterator<Item = Option<String>>) -> String {
     let nothing = (checker.pairs().is_empty())
         .then(|| "there is no pair to check: every state counts as free".to_owned());
     let notes: Vec<String> = notes.into_iter().chain([nothing]).flatten().collect();

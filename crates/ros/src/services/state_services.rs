@@ -1,6 +1,6 @@
-//! `~/check_states` and `~/get_distances`. Requests and responses are handled on the services thread. Checks run one
-//! request after the other on a separate thread, so that a long batch delays nothing else, and a long motion does not
-//! delay a batch.
+//! `~/check_states`, `~/get_distances` and `~/find_free_state`. Requests and responses are handled on the services
+//! thread. Checks run one request after the other on a separate thread, so that a long batch delays nothing else, and a
+//! long motion does not delay a batch.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -17,12 +17,13 @@ use crate::dds::middleware_error::MiddlewareError;
 use crate::dds::server::{RequestId, Server};
 use crate::dds::type_name::TypeName;
 use crate::messages::clearance_srvs::{
-    CheckStatesRequest, CheckStatesResponse, GetDistancesRequest, GetDistancesResponse,
+    CheckStatesRequest, CheckStatesResponse, FindFreeStateRequest, FindFreeStateResponse,
+    GetDistancesRequest, GetDistancesResponse,
 };
-use crate::monitor_events::current_evaluation::CurrentEvaluation;
+use crate::monitor_events::current_evaluation::{CurrentEvaluation, newest};
 use crate::names::Names;
+use crate::services::recovery_requests::{rejected_search, search_free_state};
 use crate::services::rejection::Rejection;
-use crate::services::request_context::known;
 use crate::services::state_requests::{
     evaluate_distances, evaluate_states, rejected_distances, rejected_states,
 };
@@ -34,17 +35,20 @@ const WAITING: usize = 16;
 enum Request {
     States(RequestId, CheckStatesRequest),
     Distances(RequestId, GetDistancesRequest),
+    FreeState(RequestId, FindFreeStateRequest),
 }
 
 enum Response {
     States(RequestId, CheckStatesResponse),
     Distances(RequestId, GetDistancesResponse),
+    FreeState(RequestId, FindFreeStateResponse),
 }
 
 /// Network side: receives requests and sends responses.
 pub struct StateServices {
     states: Server<CheckStatesRequest, CheckStatesResponse>,
     distances: Server<GetDistancesRequest, GetDistancesResponse>,
+    free_states: Server<FindFreeStateRequest, FindFreeStateResponse>,
     requests: Sender<Request>,
     responses: Receiver<Response>,
 }
@@ -69,13 +73,11 @@ impl StateServices {
         let (requests, requests_in) = channel::bounded(WAITING);
         // at most one item for each queued request
         let (responses, responses_in) = channel::unbounded();
+        let kind = |name| TypeName::new("clearance_msgs", name);
         let services = Self {
-            states: middleware
-                .server(&names.resolve("~/check_states")?, TypeName::new("clearance_msgs", "CheckStates"))?,
-            distances: middleware.server(
-                &names.resolve("~/get_distances")?,
-                TypeName::new("clearance_msgs", "GetDistances"),
-            )?,
+            states: middleware.server(&names.resolve("~/check_states")?, kind("CheckStates"))?,
+            distances: middleware.server(&names.resolve("~/get_distances")?, kind("GetDistances"))?,
+            free_states: middleware.server(&names.resolve("~/find_free_state")?, kind("FindFreeState"))?,
             requests,
             responses: responses_in,
         };
@@ -98,12 +100,19 @@ impl StateServices {
                 self.enqueue(Request::Distances(id, request), &sending);
             }
         };
+        let free_states = async {
+            loop {
+                let (id, request) = self.free_states.next().await;
+                self.enqueue(Request::FreeState(id, request), &sending);
+            }
+        };
+        let requests = future::zip(future::zip(states, distances), free_states);
         let responses = async {
             while let Ok(response) = self.responses.recv().await {
                 self.send(response, &sending);
             }
         };
-        sending.run(future::zip(future::zip(states, distances), responses)).await;
+        sending.run(future::zip(requests, responses)).await;
     }
 
     fn enqueue<'a>(&'a self, request: Request, sending: &LocalExecutor<'a>) {
@@ -118,6 +127,7 @@ impl StateServices {
             match response {
                 Response::States(id, response) => self.states.respond(id, response).await,
                 Response::Distances(id, response) => self.distances.respond(id, response).await,
+                Response::FreeState(id, response) => self.free_states.respond(id, response).await,
             }
         };
         sending.spawn(send).detach();
@@ -128,7 +138,7 @@ impl StateWorker {
     /// Processes requests until all senders are gone.
     pub fn run(mut self) {
         while let Ok(request) = self.requests.recv_blocking() {
-            let evaluation = known(&self.current, self.clock.read());
+            let evaluation = newest(&self.current, self.clock.read());
             let response = self.evaluate(request, evaluation.as_ref());
             if self.responses.send_blocking(response).is_err() {
                 return;
@@ -145,6 +155,10 @@ impl StateWorker {
             Request::Distances(id, request) => {
                 let response = self.guarded(|workspace| evaluate_distances(&request, evaluation, workspace));
                 Response::Distances(id, response.unwrap_or_else(|| rejected_distances(&Rejection::Internal)))
+            }
+            Request::FreeState(id, request) => {
+                let response = self.guarded(|workspace| search_free_state(&request, evaluation, workspace));
+                Response::FreeState(id, response.unwrap_or_else(|| rejected_search(&Rejection::Internal)))
             }
         }
     }
@@ -165,6 +179,7 @@ impl Request {
         match self {
             Self::States(id, _) => Response::States(id, rejected_states(rejection)),
             Self::Distances(id, _) => Response::Distances(id, rejected_distances(rejection)),
+            Self::FreeState(id, _) => Response::FreeState(id, rejected_search(rejection)),
         }
     }
 }

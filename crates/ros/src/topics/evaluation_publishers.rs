@@ -18,6 +18,7 @@ use crate::messages::collision_state::collision_state;
 use crate::names::Names;
 use crate::parameters::parameter_set::Parameters;
 use crate::topics::marker_topic::MarkerFeed;
+use crate::topics::retreat_topic::RetreatFeed;
 
 /// All publishers of the node's results.
 pub struct Publishers {
@@ -31,6 +32,7 @@ pub struct Publishers {
     /// Whether the last published time to contact may be different from zero.
     looked_ahead: bool,
     markers: MarkerFeed,
+    retreat: RetreatFeed,
     diagnostics: Publisher<DiagnosticArray>,
 }
 
@@ -43,11 +45,13 @@ pub struct Published {
 }
 
 impl Publishers {
-    /// `markers` passes evaluations to the thread that publishes the markers.
+    /// `markers` passes evaluations to the thread that publishes the markers, `retreat` notifies the one that computes
+    /// directions out of a collision.
     pub fn open(
         middleware: &Middleware,
         names: &Names,
         markers: MarkerFeed,
+        retreat: RetreatFeed,
     ) -> Result<Self, MiddlewareError> {
         fn publisher<M: Message>(
             middleware: &Middleware,
@@ -70,6 +74,7 @@ impl Publishers {
             time_to_contact: publisher(middleware, names, "~/time_to_contact", float64)?,
             looked_ahead: false,
             markers,
+            retreat,
             diagnostics: publisher(middleware, names, "/diagnostics", diagnostic)?,
         })
     }
@@ -81,7 +86,7 @@ impl Publishers {
         parameters: &Parameters,
         steady: Duration,
     ) -> Published {
-        let mut dropped = self.markers.take_dropped();
+        let mut dropped = self.markers.take_dropped() + self.retreat.take_dropped();
         let mut note = |sent: bool| dropped += u64::from(!sent);
         // the topics that stop a robot are published first
         note(self.is_free.publish(Bool { data: evaluation.status.is_free() }));
@@ -99,6 +104,7 @@ impl Publishers {
         }
         self.looked_ahead = looks_ahead;
         self.markers.show(evaluation, parameters, steady);
+        self.retreat.note(evaluation, parameters, steady);
         Published { dropped, state_at }
     }
 

@@ -1,4 +1,6 @@
-//! Markers for `RViz`: colliding links, and lines between near bodies.
+//! Markers for `RViz`: colliding links, lines between near bodies, and contacts.
+
+mod contact_markers;
 
 use clearance_checker::{PairDistance, PairKind};
 use clearance_geometry::math::{Extremes, Point, Pose, Vector};
@@ -62,6 +64,7 @@ impl MarkerDisplay {
             scene.add_colliding_attached(revision, checked_state);
             scene.add_witness_lines(checked_state);
             scene.add_nearest_of_kinds(checked_state);
+            scene.add_contacts(checked_state);
         }
         let shown: BTreeSet<_> = scene.markers.iter().map(|(ns, m)| (*ns, m.id)).collect();
         let gone: Vec<_> = self.shown.difference(&shown).copied().collect();

@@ -8,6 +8,7 @@ pub mod link_volumes; // `~/link_volumes`
 pub mod marker_topic; // `~/markers`, on its own thread
 pub mod markers; // content of `~/markers`
 pub mod monitored_scene; // `monitored_planning_scene`
+pub mod retreat_topic; // `~/retreat_direction`, on its own thread
 pub mod scene_requester; // client of the scene service of `move_group`
 pub mod scene_topics; // subscriptions of scenes, octomaps, clouds and transforms
 pub mod simulation_clock; // `/clock`

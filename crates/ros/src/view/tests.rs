@@ -98,6 +98,28 @@ fn colliding_pairs_are_told() {
 }
 
 #[test]
+fn contacts_are_told_where_they_are_computed() {
+    let mut monitor = Monitor::new(MonitorSettings { contacts_per_pair: 2, ..settings() }, || Duration::ZERO);
+    monitor.set_checker(revision(&World::default(), Settings::default()));
+    let input = JointStateInput {
+        stamp: Time::from_nanoseconds(999_000_000),
+        names: vec!["elbow".to_owned()],
+        // the ball's middle is 0.05 m outside the face of the base
+        positions: vec![std::f64::consts::PI - 0.25_f64.asin()],
+        ..JointStateInput::default()
+    };
+    let with_contacts = told(&monitor.on_joint_state(input, now()), Duration::ZERO);
+    let contacts = with_contacts["contacts"].as_array().unwrap();
+    assert_eq!((contacts[0]["pair"].as_u64(), with_contacts["colliding_count"].as_u64()), (Some(0), Some(1)));
+    assert!((contacts[0]["depth"].as_f64().unwrap() - 0.05).abs() < 1e-6, "{with_contacts}");
+    let length: f64 =
+        contacts[0]["normal"].as_array().unwrap().iter().map(|n| n.as_f64().unwrap().powi(2)).sum();
+    assert!((length - 1.0).abs() < 1e-6, "{with_contacts}");
+    let without = told(&evaluation(std::f64::consts::PI), Duration::ZERO);
+    assert!(without.get("contacts").is_none());
+}
+
+#[test]
 fn what_is_unknown_has_its_reason_and_no_distance() {
     let told = told(&evaluation(f64::NAN), Duration::ZERO);
     assert_eq!((&told["status"], &told["reason_code"]), (&"UNKNOWN".into(), &"non_finite".into()));

@@ -1,8 +1,8 @@
 //! Conversion of an evaluation to the update that the page reads.
 
-use clearance_checker::{CollisionChecker, CollisionReport, PairDistance, PairKind};
-use clearance_geometry::math::Point;
-use clearance_monitor::{CheckedState, Evaluation, MonitorSettings, Reason, Revision};
+use clearance_checker::{CollisionChecker, CollisionReport, PairContacts, PairDistance, PairKind};
+use clearance_geometry::math::{Point, Vector};
+use clearance_monitor::{CheckedState, ContactsOfPair, Evaluation, MonitorSettings, Reason, Revision};
 use clearance_robot::LinkPoses;
 use clearance_scene::BodyId;
 use serde::Serialize;
@@ -47,6 +47,21 @@ struct Findings<'a> {
     near_count: usize,
     colliding: Vec<[Name<'a>; 2]>,
     colliding_count: usize,
+    /// Contacts, where they are computed, in the order of `colliding`; the deepest of a pair first.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    contacts: Vec<ContactShown>,
+}
+
+/// One contact of a colliding pair.
+#[derive(Serialize)]
+struct ContactShown {
+    /// Index of the pair in `colliding`.
+    pair: usize,
+    position: [f32; 3],
+    /// Unit vector towards the second body; absent if it is not known.
+    normal: Option<[f32; 3]>,
+    /// Depth; absent if it is not known.
+    depth: Option<f64>,
 }
 
 /// The nearest pair of one kind.
@@ -162,7 +177,29 @@ fn found<'a>(checked_state: &'a CheckedState, checker: &'a CollisionChecker) -> 
         near_count: pair_distances.len(),
         colliding: colliding_pairs.iter().take(PAIRS_SHOWN).map(|&(a, b)| [name(a), name(b)]).collect(),
         colliding_count: colliding_pairs.len(),
+        contacts: contacts(checked_state),
     }
+}
+
+/// The contacts of the pairs that are shown.
+fn contacts(checked_state: &CheckedState) -> Vec<ContactShown> {
+    let colliding = &checked_state.report.colliding_pairs;
+    let shown = |pair, point: &Point, normal: Option<&Vector>, depth| ContactShown {
+        pair,
+        position: point.coords.map(short).into(),
+        normal: normal.map(|normal| normal.map(short).into()),
+        depth,
+    };
+    let mut contacts = Vec::new();
+    let mut pairs = colliding.iter().take(PAIRS_SHOWN).enumerate();
+    for ContactsOfPair { bodies, contacts: PairContacts { deepest, others } } in &checked_state.contacts {
+        // both are in the order of the colliding pairs
+        let Some((pair, _)) = pairs.by_ref().find(|(_, other)| *other == bodies) else { break };
+        contacts.push(shown(pair, &deepest.point, deepest.normal.as_ref(), deepest.depth));
+        contacts
+            .extend(others.iter().map(|other| shown(pair, &other.point, Some(&other.normal), other.depth)));
+    }
+    contacts
 }
 
 fn kind(body: BodyId) -> &'static str {

@@ -378,3 +378,103 @@ fn a_robot_without_geometry_is_not_checked() {
         assert!(answer.message.contains("no link of the robot has collision geometry"), "{}", answer.message);
     }
 }
+
+fn with_gradients(positions: &[f64]) -> GetDistancesRequest {
+    GetDistancesRequest { with_gradients: true, ..at(positions) }
+}
+
+#[test]
+fn without_the_request_there_are_no_gradients() {
+    let answer = ask_distances(&at(&NEAR));
+    assert!(answer.signed_distances.is_empty() && answer.normals.is_empty() && answer.gradient.is_empty());
+    assert!(answer.signed_distances_upper.is_empty() && answer.witness_counts.is_empty());
+    assert!(answer.gradient_joints.is_empty());
+}
+
+/// Apart, the signed distances are the distances, bit by bit, and the rows their derivatives: the answers themselves, differentiated.
+#[test]
+fn gradients_are_those_of_the_distances() {
+    const STEP: f64 = 1e-6;
+    let at_angles = [0.3, 1.9];
+    let answer = ask_distances(&with_gradients(&at_angles));
+    assert_eq!((answer.message.as_str(), answer.gradient_joints.as_slice()), ("", &names(&JOINTS)[..]));
+    let count = answer.pairs.len();
+    assert!(count >= 3, "{answer:?}");
+    let told: Vec<f64> = answer.pairs.iter().map(|pair| pair.distance).collect();
+    assert_eq!((&answer.signed_distances, &answer.signed_distances_upper), (&told, &told));
+    assert_eq!((answer.witness_counts.len(), answer.gradient.len()), (count, 2 * count));
+    for joint in 0..2 {
+        let [before, after] = [-STEP, STEP].map(|step| {
+            let mut positions = at_angles;
+            positions[joint] += step;
+            ask_distances(&at(&positions)).pairs
+        });
+        for (row, pair) in answer.pairs.iter().enumerate().filter(|(row, _)| answer.witness_counts[*row] == 1)
+        {
+            let distance = |pairs: &[PairDistanceMessage]| {
+                pairs.iter().find(|other| other.pair == pair.pair).unwrap().distance
+            };
+            let difference = (distance(&after) - distance(&before)) / (2.0 * STEP);
+            let entry = answer.gradient[2 * row + joint];
+            assert!((entry - difference).abs() < 1e-6, "{:?} {joint}: {entry}, not {difference}", pair.pair);
+        }
+    }
+    for (pair, normal) in answer.pairs.iter().zip(&answer.normals) {
+        let [p, q] = &pair.witness_points;
+        let along = (q.x - p.x) * normal.x + (q.y - p.y) * normal.y + (q.z - p.z) * normal.z;
+        assert!((along - pair.distance).abs() < 1e-9, "{pair:?}: {normal:?} points to the second body");
+    }
+}
+
+#[test]
+fn gradients_follow_the_listed_pairs() {
+    let all = ask_distances(&with_gradients(&[0.3, 1.9]));
+    let one = ask_distances(&GetDistancesRequest { max_pairs: 1, ..with_gradients(&[0.3, 1.9]) });
+    assert_eq!((one.pairs.len(), &one.gradient[..]), (1, &all.gradient[..2]));
+    let of_ball =
+        ask_distances(&GetDistancesRequest { bodies: names(&["ball"]), ..with_gradients(&[0.3, 1.9]) });
+    assert!(of_ball.pairs.len() >= 2 && of_ball.pairs.len() < all.pairs.len());
+    for (row, pair) in of_ball.pairs.iter().enumerate() {
+        let same = all.pairs.iter().position(|other| other == pair).unwrap();
+        assert_eq!(of_ball.gradient[2 * row..2 * row + 2], all.gradient[2 * same..2 * same + 2]);
+    }
+}
+
+/// Folded onto the base: the middle of the tip's ball, of radius 0.1 m, is that of the base's cube, of side 0.4 m.
+#[test]
+fn bodies_that_overlap_have_minus_their_depth() {
+    let answer = ask_distances(&with_gradients(&ONTO));
+    assert_eq!((answer.verdict, answer.pairs[0].distance), (COLLIDING, 0.0));
+    assert_eq!(told_pair(&answer, 0), ["base", "tip"]);
+    assert!(answer.signed_distances[0] <= answer.signed_distances_upper[0]);
+    assert!((answer.signed_distances[0] + 0.3).abs() < 1e-6, "{answer:?}");
+    let normal = &answer.normals[0];
+    assert!((normal.x.hypot(normal.y).hypot(normal.z) - 1.0).abs() < 1e-9, "{normal:?}");
+}
+
+#[test]
+fn what_the_timeout_leaves_out_is_no_number() {
+    let evaluation = evaluation(&with_ball(), &[0.0, 0.0]);
+    let checker = &evaluation.revision.as_ref().unwrap().checker;
+    let mut workspace = checker.workspace();
+    let q = checker.robot().configuration(&[0.3, 1.9]).unwrap();
+    let pairs: Vec<_> =
+        checker.clearance(&q, f64::INFINITY, &mut workspace).pairs.iter().map(|p| (p.a, p.b)).collect();
+    let late = checker.clearance_of_pairs(&q, &pairs, Some(Instant::now()), &mut workspace);
+    assert_eq!(late.pairs, []);
+    let first = checker.clearance_of_pairs(&q, &pairs[..1], None, &mut workspace);
+
+    let mut response = GetDistancesResponse { message: "a note".to_owned(), ..Default::default() };
+    add_gradients(&mut response, checker.robot(), &pairs, &first);
+    let open = pairs.len() - 1;
+    assert_eq!(
+        response.message,
+        format!("a note; the timeout left the gradients of {open} of {} pairs open", pairs.len())
+    );
+    assert_eq!((response.reason_code.as_str(), response.gradient.len()), ("deadline", 2 * pairs.len()));
+    assert_eq!(response.signed_distances[0], first.pairs[0].distance);
+    assert!(response.signed_distances[1..].iter().all(|distance| distance.is_nan()));
+    assert!(response.gradient[..2].iter().all(|entry| entry.is_finite()));
+    assert!(response.gradient[2..].iter().all(|entry| entry.is_nan()));
+    assert!(response.witness_counts[1..].iter().all(|count| *count == GetDistancesResponse::MANY_UNKNOWN));
+}
