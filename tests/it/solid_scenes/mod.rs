@@ -127,8 +127,10 @@ impl Scene {
     }
 }
 
+/// `least` is infinite if nothing is within [`NEAR`].
 fn assert_nearest(nearest: Option<&PairDistance>, least: f64, limit: f64) {
     match nearest {
+        Some(nearest) if least == f64::INFINITY => assert!(nearest.distance > NEAR - ROUNDING, "{nearest:?}"),
         Some(nearest) => assert!((nearest.distance - least).abs() < ROUNDING, "{nearest:?} {least}"),
         None => assert!(least > limit.min(NEAR) - ROUNDING, "{least}"),
     }
