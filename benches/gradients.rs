@@ -10,19 +10,14 @@ mod differences;
 #[allow(dead_code)]
 #[path = "../tests/it/random.rs"]
 mod random;
+#[allow(dead_code)]
+#[path = "robots/mod.rs"]
+mod robots;
 
-use std::collections::HashMap;
 use std::hint::black_box;
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use clearance::checker::{Clearance, ClearanceOptions, WitnessCount};
-use clearance::geometry::math::Vector;
-use clearance::scene::BodyId;
-use clearance::{
-    AllowedCollisionMatrix, CollisionChecker, Configuration, Obstacle, Primitive, Question, RobotModel,
-    Settings, Shape, World,
-};
+use clearance::{CollisionChecker, Configuration, Question};
 use cpu_time::ThreadTime;
 use rayon::prelude::*;
 
@@ -38,80 +33,8 @@ const INFLUENCE: f64 = 0.1;
 /// Distance (m) from which rows are compared with differences: nearer bodies need shorter steps than the noise of their distances allows.
 const NEAREST: f64 = 0.03;
 
-/// Robots of the folder `../shared` with their packages' folder.
-const SHARED: [(&str, &str); 3] = [
-    ("ur_description/urdf/ur5e", "ur_description/srdf/ur5e"),
-    ("moveit_resources_panda_description/urdf/panda", "moveit_resources_panda_description/srdf/panda"),
-    ("moveit_resources_pr2_description/urdf/pr2", "moveit_resources_pr2_description/srdf/pr2"),
-];
-
-fn robots() -> Vec<Arc<RobotModel>> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let bundled = ["demo_arm", "dual_arm"].map(|name| root.join(format!("urdf/{name}/{name}")));
-    let own = bundled.into_iter().map(|stem| (stem.clone(), stem, root.to_path_buf()));
-    let folder = root.join("../shared/robots");
-    let shared = SHARED.map(|(urdf, srdf)| (folder.join(urdf), folder.join(srdf), folder.clone()));
-    let shared = shared.into_iter().filter(|(urdf, ..)| urdf.with_extension("urdf").exists());
-    own.chain(shared).map(|(urdf, srdf, packages)| load(&urdf, &srdf, packages)).collect()
-}
-
-fn load(urdf: &Path, srdf: &Path, packages: PathBuf) -> Arc<RobotModel> {
-    let (urdf, srdf) = (urdf.with_extension("urdf"), srdf.with_extension("srdf"));
-    Arc::new(RobotModel::load(&urdf, Some(&srdf), &[packages]).expect("the robot loads"))
-}
-
-/// Boxes, balls and cylinders around a robot, not at its root.
-fn surroundings(random: &mut Random) -> World {
-    let mut world = World::default();
-    for i in 0..8 {
-        let shape = match i % 3 {
-            0 => Primitive::cuboid([0.1, 0.15, 0.2]),
-            1 => Primitive::sphere(0.08),
-            _ => Primitive::cylinder(0.06, 0.2),
-        };
-        let shape = Shape::Primitive(shape.expect("valid sizes"));
-        let mut pose = random.pose(1.0);
-        let (sin, cos) = (f64::from(i) * 0.8).sin_cos();
-        pose.translation.vector = Vector::new(0.8 * cos, 0.8 * sin, random.within(0.0, 1.2));
-        world.add(Obstacle::of_shape(format!("obstacle {i}"), pose, shape)).expect("names differ");
-    }
-    world
-}
-
-/// As a setup assistant does: pairs of links that collide in most states are allowed to.
-fn checker(robot: &Arc<RobotModel>, world: &World, random: &mut Random) -> CollisionChecker {
-    let build = |matrix: Option<&AllowedCollisionMatrix>| {
-        CollisionChecker::with_matrix(Arc::clone(robot), world, Settings::default(), matrix)
-            .expect("valid settings")
-    };
-    let checker = build(None);
-    let mut counts: HashMap<(BodyId, BodyId), usize> = HashMap::new();
-    let states = random_states(&checker, random);
-    for report in checker.check_states(&states, Question::Pairs) {
-        report.colliding_pairs.iter().for_each(|pair| *counts.entry(*pair).or_default() += 1);
-    }
-    let mut matrix = AllowedCollisionMatrix::from_srdf(robot);
-    for ((a, b), count) in counts {
-        if 10 * count > states.len() && matches!(b, BodyId::Link(_)) {
-            matrix.set(checker.body_name(a), checker.body_name(b), true);
-        }
-    }
-    build(Some(&matrix))
-}
-
 fn random_states(checker: &CollisionChecker, random: &mut Random) -> Vec<Configuration> {
-    let robot = checker.robot();
-    let state = |_| {
-        let mut positions = robot.default_configuration().positions().to_vec();
-        for joint in robot.joint_ids() {
-            let Some(first) = robot.first_position(joint) else { continue };
-            let (low, high) =
-                robot.joint(joint).limits.map_or((-3.0, 3.0), |limits| (limits.lower, limits.upper));
-            positions[first] = random.within(low, high);
-        }
-        robot.configuration(&positions).expect("within limits")
-    };
-    (0..STATES).map(state).collect()
+    (0..STATES).map(|_| robots::random_state(checker, random)).collect()
 }
 
 /// Microseconds a state of each contestant: the least of the rounds, in which all take their turn.
@@ -203,10 +126,9 @@ fn main() {
     let arguments: Vec<String> = std::env::args().collect();
     let pairs = arguments.iter().skip_while(|argument| *argument != "--pairs").nth(1);
     let pairs: Option<usize> = pairs.map(|count| count.parse().expect("--pairs takes a number"));
-    for robot in robots() {
+    for (name, robot) in robots::all(&["ur5e", "panda", "pr2"]) {
         let mut random = Random::new(7);
-        let world = surroundings(&mut random);
-        let checker = checker(&robot, &world, &mut random);
+        let checker = robots::checker(&robot, &mut random);
         if let Some(pairs) = pairs {
             errors(&checker, pairs, &mut random);
             continue;
@@ -215,8 +137,8 @@ fn main() {
         let mut workspace = checker.workspace();
         let (free, hit): (Vec<_>, Vec<_>) =
             states.iter().cloned().partition(|q| checker.is_free(q, &mut workspace));
-        costs(robot.name(), "free", &checker, &free);
-        costs(robot.name(), "overlapping", &checker, &hit);
+        costs(name, "free", &checker, &free);
+        costs(name, "overlapping", &checker, &hit);
         witness_counts(&checker, &states);
     }
 }

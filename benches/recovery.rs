@@ -9,18 +9,15 @@
 #[allow(dead_code)]
 #[path = "../tests/it/random.rs"]
 mod random;
-
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
+#[allow(dead_code)]
+#[path = "robots/mod.rs"]
+mod robots;
 
 use clearance::checker::{Recovery, RecoveryOptions, Workspace};
-use clearance::geometry::math::Vector;
-use clearance::{
-    AllowedCollisionMatrix, CollisionChecker, Configuration, Obstacle, Primitive, Question, RobotModel,
-    Settings, Shape, World,
-};
+use clearance::{CollisionChecker, Configuration};
 use cpu_time::ThreadTime;
 use random::Random;
+use robots::random_state;
 
 /// Largest distance (rad, m) of each state from a free one.
 const NEAR: f64 = 0.3;
@@ -28,74 +25,6 @@ const NEAR: f64 = 0.3;
 /// Largest change (rad, m) of a jiggle, and their number.
 const JIGGLE: f64 = 0.02;
 const JIGGLES: usize = 100;
-
-fn own(name: &str) -> Option<RobotModel> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("urdf").join(name);
-    load(&folder.join(format!("{name}.urdf")), &folder.join(format!("{name}.srdf")), &folder)
-}
-
-fn shared(name: &str) -> Option<RobotModel> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/robots");
-    let listing = std::fs::read_to_string(folder.join("robots.json")).ok()?;
-    let robots: serde_json::Value = serde_json::from_str(&listing).ok()?;
-    let robot = robots.as_array()?.iter().find(|robot| robot["name"] == name)?;
-    let path = |key: &str| Some(folder.join(robot[key].as_str()?));
-    load(&path("urdf")?, &path("srdf")?, &path("package_root")?)
-}
-
-fn load(urdf: &Path, srdf: &Path, packages: &PathBuf) -> Option<RobotModel> {
-    RobotModel::load(urdf, Some(srdf), std::slice::from_ref(packages)).ok()
-}
-
-/// Boxes, balls and cylinders around a robot, not at its root.
-fn surroundings(random: &mut Random) -> World {
-    let mut world = World::default();
-    for i in 0..8 {
-        let shape = match i % 3 {
-            0 => Primitive::cuboid([0.1, 0.15, 0.2]),
-            1 => Primitive::sphere(0.08),
-            _ => Primitive::cylinder(0.06, 0.2),
-        };
-        let mut pose = random.pose(1.0);
-        let (sin, cos) = (f64::from(i) * 0.8).sin_cos();
-        pose.translation.vector = Vector::new(0.8 * cos, 0.8 * sin, random.within(0.0, 1.2));
-        let shape = Shape::Primitive(shape.expect("valid sizes"));
-        world.add(Obstacle::of_shape(format!("obstacle {i}"), pose, shape)).expect("names differ");
-    }
-    world
-}
-
-/// As a setup assistant does: pairs of links that collide in most states are allowed to.
-fn checker(robot: &Arc<RobotModel>, random: &mut Random) -> CollisionChecker {
-    let world = surroundings(random);
-    let build = |matrix: Option<&AllowedCollisionMatrix>| {
-        CollisionChecker::with_matrix(Arc::clone(robot), &world, Settings::default(), matrix)
-            .expect("valid settings")
-    };
-    let checker = build(None);
-    let states: Vec<Configuration> = (0..400).map(|_| random_state(&checker, random)).collect();
-    let mut matrix = AllowedCollisionMatrix::from_srdf(robot);
-    let reports = checker.check_states(&states, Question::Pairs);
-    for &(a, b) in checker.pairs().self_pairs() {
-        let count = reports.iter().filter(|report| report.colliding_pairs.contains(&(a, b))).count();
-        if 2 * count > states.len() {
-            matrix.set(checker.body_name(a), checker.body_name(b), true);
-        }
-    }
-    build(Some(&matrix))
-}
-
-fn random_state(checker: &CollisionChecker, random: &mut Random) -> Configuration {
-    let robot = checker.robot();
-    let mut positions = robot.default_configuration().positions().to_vec();
-    for joint in robot.joint_ids() {
-        let Some(first) = robot.first_position(joint) else { continue };
-        let limits = robot.joint(joint).limits;
-        let (low, high) = limits.map_or((-3.0, 3.0), |limits| (limits.lower, limits.upper));
-        positions[first] = random.within(low, high);
-    }
-    robot.configuration(&positions).expect("within limits")
-}
 
 /// A state with these changes, as far as the limits allow.
 fn moved(checker: &CollisionChecker, q: &Configuration, by: &[f64]) -> Option<Configuration> {
@@ -142,11 +71,12 @@ struct Results {
 }
 
 impl Results {
-    fn add(&mut self, search: impl FnOnce() -> Option<f64>) {
+    fn add(&mut self, search: impl FnOnce() -> Option<f64>) -> Option<f64> {
         let start = ThreadTime::now();
         let distance = search();
         self.times.push(start.elapsed().as_secs_f64() * 1e3);
         self.distances.extend(distance);
+        distance
     }
 
     fn print(mut self, robot: &str, method: &str) {
@@ -193,31 +123,28 @@ fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let count = arguments.iter().skip_while(|argument| *argument != "--states").nth(1);
     let count: usize = count.map_or(1000, |count| count.parse().expect("--states takes a number"));
-    let robots: [(&str, Option<RobotModel>); 6] = [
-        ("demo_arm", own("demo_arm")),
-        ("dual_arm", own("dual_arm")),
-        ("panda", shared("panda")),
-        ("ur5e", shared("ur5e")),
-        ("pr2", shared("pr2")),
-        ("g1", shared("g1")),
-    ];
     let selected = |name: &str| {
         let mut names =
             arguments.iter().filter(|argument| argument.starts_with(|c: char| c.is_alphabetic())).peekable();
         names.peek().is_none() || names.any(|other| other == name)
     };
-    for (name, robot) in robots.into_iter().filter(|(name, _)| selected(name)) {
-        let Some(robot) = robot.map(Arc::new) else { continue };
+    let names = ["panda", "ur5e", "pr2", "g1"];
+    for (name, robot) in robots::all(&names).into_iter().filter(|(name, _)| selected(name)) {
         let mut random = Random::new(11);
-        let checker = checker(&robot, &mut random);
+        let checker = robots::checker(&robot, &mut random);
         let states = colliding_states(&checker, &mut random, count);
         let mut workspace = checker.workspace();
         let (mut recovery, mut jiggles) = (Results::default(), Results::default());
+        let (mut nearer, mut both) = (0, 0);
         for q in &states {
-            recovery.add(|| recovered(&checker, q, &mut workspace));
-            jiggles.add(|| jiggled(&checker, q, &mut random, &mut workspace));
+            let recovered = recovery.add(|| recovered(&checker, q, &mut workspace));
+            let jiggled = jiggles.add(|| jiggled(&checker, q, &mut random, &mut workspace));
+            let Some((recovered, jiggled)) = recovered.zip(jiggled) else { continue };
+            nearer += u32::from(recovered < jiggled);
+            both += 1;
         }
         recovery.print(name, "recovery");
         jiggles.print(name, "jiggles");
+        println!("{name:10} {both:5} states that both solve: recovery is nearer in {nearer}");
     }
 }

@@ -8,10 +8,11 @@
 #[allow(dead_code)]
 #[path = "../tests/it/random.rs"]
 mod random;
+#[allow(dead_code)]
+#[path = "robots/mod.rs"]
+mod robots;
 
 use std::hint::black_box;
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use clearance::checker::Workspace;
 use clearance::geometry::math::{Pose, Vector};
@@ -37,24 +38,6 @@ const BUDGET: Effort = Effort {
     exact_cost: 2000,
     deadline: None,
 };
-
-fn own(name: &str) -> Option<RobotModel> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("urdf").join(name);
-    load(&folder.join(format!("{name}.urdf")), &folder.join(format!("{name}.srdf")), &folder)
-}
-
-fn shared(name: &str) -> Option<RobotModel> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/robots");
-    let listing = std::fs::read_to_string(folder.join("robots.json")).ok()?;
-    let robots: serde_json::Value = serde_json::from_str(&listing).ok()?;
-    let robot = robots.as_array()?.iter().find(|robot| robot["name"] == name)?;
-    let path = |key: &str| Some(folder.join(robot[key].as_str()?));
-    load(&path("urdf")?, &path("srdf")?, &path("package_root")?)
-}
-
-fn load(urdf: &Path, srdf: &Path, packages: &PathBuf) -> Option<RobotModel> {
-    RobotModel::load(urdf, Some(srdf), std::slice::from_ref(packages)).ok()
-}
 
 /// A floor and boxes around it; with a cloud, points on a wall, too.
 fn room(boxes: usize, points: u32, random: &mut Random) -> World {
@@ -137,23 +120,15 @@ fn measure(checker: &CollisionChecker, states: &[Configuration], effort: &Effort
 }
 
 fn main() {
-    let robots: [(&str, Option<RobotModel>); 5] = [
-        ("demo_arm", own("demo_arm")),
-        ("dual_arm", own("dual_arm")),
-        ("panda", shared("panda")),
-        ("ur5e", shared("ur5e")),
-        ("g1", shared("g1")),
-    ];
     let selected: Vec<String> = std::env::args().skip(1).filter(|name| !name.starts_with("--")).collect();
-    for (name, robot) in robots {
+    for (name, robot) in robots::all(&["panda", "ur5e", "g1"]) {
         if !selected.is_empty() && !selected.iter().any(|other| other == name) {
             continue;
         }
-        let Some(robot) = robot.map(Arc::new) else { continue };
         for (boxes, points) in [(0, 0), (20, 0), (200, 0), (20, 5000)] {
             let mut random = Random::new(11);
             let world = if boxes == 0 { World::default() } else { room(boxes, points, &mut random) };
-            let checker = CollisionChecker::new(Arc::clone(&robot), &world, Settings::default())
+            let checker = CollisionChecker::new(robot.clone(), &world, Settings::default())
                 .expect("settings are sound");
             let states = swing(&robot, &mut random);
             for (words, effort) in [("exact", Effort::default()), ("budget", BUDGET)] {

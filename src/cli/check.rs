@@ -120,7 +120,7 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
     Ok(ExitCode::from(u8::from(!all_free)))
 }
 
-/// What was requested beyond the reports, by state.
+/// Contacts and derivatives by state, where they were requested.
 struct Details {
     contacts: Option<Vec<Vec<ContactResult>>>,
     gradients: Option<Vec<GradientResult>>,

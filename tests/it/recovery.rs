@@ -58,7 +58,7 @@ fn between(checker: &CollisionChecker, a: &Configuration, b: &Configuration, t: 
     checker.robot().configuration(&positions.collect::<Vec<f64>>()).unwrap()
 }
 
-/// What is promised of a free state, checked by single states and by the verifier.
+/// Checks the guarantees of a free state, by single states and by the verifier.
 fn verify_free_state(
     checker: &CollisionChecker,
     q: &Configuration,

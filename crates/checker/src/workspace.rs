@@ -34,6 +34,15 @@ pub struct Workspace {
     stream: Option<Stream>,
 }
 
+/// The memory for queries on one state.
+struct StateMemory<'a> {
+    state: QueriedState<'a>,
+    /// Of the search for the least distance.
+    distance: &'a mut DistanceScratch,
+    /// Of clearance queries.
+    witnesses: &'a mut WitnessPairs,
+}
+
 impl Workspace {
     pub(crate) fn new(checker: Revision, pairs: &CheckedPairs, scratch: Scratch) -> Self {
         Self {
@@ -93,19 +102,8 @@ impl Workspace {
         effort: &'a Effort,
         report: &'a mut CollisionReport,
     ) -> StateQuery<'a> {
-        let revision = pairs.world().revision();
-        let has_deadline = effort.deadline.is_some();
-        let state = QueriedState {
-            pairs,
-            q,
-            robot: &mut self.robot,
-            broad_phase: &mut self.obstacles.broad_phase,
-            candidates: &mut self.candidates,
-            scratch: &mut self.scratch,
-            stream: self.stream.as_mut().filter(|stream| !has_deadline && stream.is_of(revision)),
-        };
-        let evaluation = PairEvaluation { state, effort, report };
-        StateQuery { evaluation, distance: &mut self.distance }
+        let StateMemory { state, distance, .. } = self.state_memory(pairs, q, effort.deadline.is_none());
+        StateQuery { evaluation: PairEvaluation { state, effort, report }, distance }
     }
 
     /// The memory for a clearance query on one state, which does not use a stream's memory.
@@ -116,6 +114,17 @@ impl Workspace {
         options: &'a ClearanceOptions,
         result: &'a mut Clearance,
     ) -> ClearanceQuery<'a> {
+        let StateMemory { state, witnesses, .. } = self.state_memory(pairs, q, false);
+        ClearanceQuery { state, options, witnesses, result }
+    }
+
+    fn state_memory<'a>(
+        &'a mut self,
+        pairs: &'a CheckedPairs,
+        q: &'a Configuration,
+        uses_stream: bool,
+    ) -> StateMemory<'a> {
+        let revision = pairs.world().revision();
         let state = QueriedState {
             pairs,
             q,
@@ -123,9 +132,9 @@ impl Workspace {
             broad_phase: &mut self.obstacles.broad_phase,
             candidates: &mut self.candidates,
             scratch: &mut self.scratch,
-            stream: None,
+            stream: self.stream.as_mut().filter(|stream| uses_stream && stream.is_of(revision)),
         };
-        ClearanceQuery { state, options, witnesses: &mut self.witnesses, result }
+        StateMemory { state, distance: &mut self.distance, witnesses: &mut self.witnesses }
     }
 
     /// The memory for a contact search in one state.

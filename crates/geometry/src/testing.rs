@@ -1,5 +1,6 @@
 //! Test utilities for all crates: random numbers, and every SIMD level of this machine.
 
+use crate::Primitive;
 use crate::math::{Pose, Rotation, UnitVector, Vector};
 use crate::simd::Level;
 
@@ -50,6 +51,18 @@ impl Random {
 
     pub fn pose(&mut self, extent: f64) -> Pose {
         Pose::from_parts(self.vector(extent).into(), self.rotation())
+    }
+
+    /// A primitive of any kind; sizes are from 0.1 to 0.5 m.
+    pub fn primitive(&mut self) -> Primitive {
+        let [x, y, z] = [(); 3].map(|()| 0.1 + self.within(0.4).abs());
+        match self.below(5) {
+            0 => Primitive::Box { half_extents: [x, y, z] },
+            1 => Primitive::Sphere { radius: x },
+            2 => Primitive::Cylinder { radius: x, half_length: y },
+            3 => Primitive::Cone { radius: x, half_length: y },
+            _ => Primitive::Capsule { radius: x, half_length: y },
+        }
     }
 }
 

@@ -38,7 +38,7 @@ pub(super) struct StateContacts {
     pub found: Vec<ContactsOfPair>,
     /// Whether the deadline passed before the contacts of all pairs were found.
     pub is_late: bool,
-    /// What is missing.
+    /// Warning about pairs without contacts.
     pub warning: Option<String>,
 }
 

@@ -1,6 +1,7 @@
 //! Signed distances and their derivatives: against differences, against other queries, and their laws.
 
 mod candidates;
+mod command;
 mod differences;
 mod laws;
 mod random_robot;

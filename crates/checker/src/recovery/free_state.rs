@@ -21,16 +21,19 @@ pub struct FreeState {
     pub state: Configuration,
     /// Its distance from the given state: the Euclidean norm of the changes of all positions (rad, m).
     pub distance: f64,
-    /// t at the first exit from collision: the motion is proven free from here on. Before, states at steps of at most
-    /// [`Self::LONGEST_STEP`] collide.
+    /// t at the first exit from collision: the motion is proven free from here on. Before, all states at equal steps
+    /// collide: at most [`Self::MOST_STEPS`] in all, and no longer than [`Self::LONGEST_STEP`] where these suffice.
     pub exit: f64,
     /// Number of states that were checked.
     pub checks: u64,
 }
 
 impl FreeState {
-    /// Largest displacement (m) of any point between two states that are checked before the first exit, and largest number of steps.
+    /// Largest displacement (m) of any point in a step.
     pub const LONGEST_STEP: f64 = 0.002;
+
+    /// Largest number of steps of a motion.
+    pub const MOST_STEPS: f64 = 4096.0;
 }
 
 /// Why no free state was found.

@@ -42,8 +42,8 @@ const MOST_HITS: usize = 8;
 const STATES_ON_LINE: usize = 16;
 const REFINEMENTS: usize = 2;
 
-/// Largest number of steps before the first exit.
-const MOST_STEPS: f64 = 4096.0;
+/// Number of states that are checked without a look at the limits of the search.
+const AT_ONCE: usize = 64;
 
 pub struct FreeStateSearch<'s> {
     checker: &'s CollisionChecker,
@@ -181,10 +181,16 @@ impl<'s> FreeStateSearch<'s> {
         clear
     }
 
+    /// For each state, whether it is free; false for those that are not checked before the search is over.
     fn are_free(&mut self, states: &[Configuration]) -> Vec<bool> {
         let mut free = vec![false; states.len()];
-        self.checks += states.len() as u64;
-        self.checker.are_free_with(states, self.workspace, &mut free);
+        for (states, free) in states.chunks(AT_ONCE).zip(free.chunks_mut(AT_ONCE)) {
+            if self.is_over() {
+                break;
+            }
+            self.checks += states.len() as u64;
+            self.checker.are_free_with(states, self.workspace, free);
+        }
         free
     }
 
@@ -249,7 +255,7 @@ impl<'s> FreeStateSearch<'s> {
     fn with_first_exit(&mut self, space: &SearchSpace, found: &Exit) -> Option<FreeState> {
         let end = found.state.positions();
         let travel = self.checker.travel(self.q.positions(), end);
-        let steps = (travel / FreeState::LONGEST_STEP).ceil().clamp(1.0, MOST_STEPS);
+        let steps = (travel / FreeState::LONGEST_STEP).ceil().clamp(1.0, FreeState::MOST_STEPS);
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // at most MOST_STEPS
         let steps = steps as u32;
         let at = |i: u32| f64::from(i) / f64::from(steps);

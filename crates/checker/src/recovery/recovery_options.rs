@@ -1,4 +1,4 @@
-//! What may move on the way out of a collision, and how far.
+//! Options of a recovery: the joints that may move, and the limits of the search.
 
 use std::time::Instant;
 

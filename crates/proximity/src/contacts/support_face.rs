@@ -106,14 +106,7 @@ mod tests {
     fn points_of_a_face_are_on_the_surface_and_the_farthest_is_among_them() {
         let mut random = Random::new(4);
         for _ in 0..2_000 {
-            let [x, y, z] = [(); 3].map(|()| 0.1 + random.within(0.4).abs());
-            let primitive = match random.below(5) {
-                0 => Primitive::Box { half_extents: [x, y, z] },
-                1 => Primitive::Sphere { radius: x },
-                2 => Primitive::Cylinder { radius: x, half_length: y },
-                3 => Primitive::Cone { radius: x, half_length: y },
-                _ => Primitive::Capsule { radius: x, half_length: y },
-            };
+            let primitive = random.primitive();
             let solid = ConvexSolid::primitive(primitive, random.pose(1.0));
             let n = random.direction();
             let face = solid.support_face(&n);
@@ -128,7 +121,8 @@ mod tests {
             for p in &face {
                 let nearer = p + (Point::from(solid_centre(&solid)) - p) * 1e-9;
                 // the ends of a tilted capsule are as deep as the tilt makes them
-                let most = if matches!(primitive, Primitive::Capsule { .. }) { 0.3 * x } else { 1e-6 };
+                let most =
+                    if let Primitive::Capsule { radius, .. } = primitive { 0.3 * radius } else { 1e-6 };
                 assert!(solid.inner_radius(&nearer).is_some_and(|r| r < most), "{primitive:?} {n:?} {p:?}");
             }
         }

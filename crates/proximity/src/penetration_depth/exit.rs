@@ -76,22 +76,15 @@ impl RoundedShape {
 mod tests {
     use super::*;
     use crate::penetration_depth::SolidBody;
+    use clearance_geometry::Shape;
     use clearance_geometry::testing::Random;
-    use clearance_geometry::{Primitive, Shape};
 
     /// The way out leads to the surface, and as deep as a ball around the point is large.
     #[test]
     fn the_way_out_ends_on_the_surface() {
         let (mut random, mut scratch) = (Random::new(6), Scratch::default());
         for _ in 0..500 {
-            let [x, y, z] = [(); 3].map(|()| 0.1 + random.within(0.4).abs());
-            let primitive = match random.below(5) {
-                0 => Primitive::Box { half_extents: [x, y, z] },
-                1 => Primitive::Sphere { radius: x },
-                2 => Primitive::Cylinder { radius: x, half_length: y },
-                3 => Primitive::Cone { radius: x, half_length: y },
-                _ => Primitive::Capsule { radius: x, half_length: y },
-            };
+            let primitive = random.primitive();
             let pose = random.pose(0.3);
             let body = SolidBody::new([(&pose, &Shape::Primitive(primitive))]);
             let union = body.union.as_ref().unwrap();

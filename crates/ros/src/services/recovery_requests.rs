@@ -53,7 +53,7 @@ pub fn rejected_search(rejection: &Rejection) -> FindFreeStateResponse {
 }
 
 impl RequestContext<'_> {
-    /// What may move, how far and how long, for a search that starts at `started`.
+    /// Recovery options of a request: joints, distance, clearance, and the deadline of a search that starts at `started`.
     fn recovery_options(
         &self,
         request: &FindFreeStateRequest,

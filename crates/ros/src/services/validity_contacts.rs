@@ -36,7 +36,7 @@ pub struct ContactsOfState<'s> {
 pub struct FoundContacts {
     /// The contacts of one pair follow each other, the deepest first.
     pub messages: Vec<ContactInformation>,
-    /// What is missing.
+    /// Remark about pairs without contact or depth.
     pub remark: Option<String>,
 }
 
@@ -138,7 +138,7 @@ fn body_type(body: BodyId) -> u32 {
     }
 }
 
-/// What is missing in a response.
+/// Remark about pairs without contact or depth in a response.
 fn remark(pairs: usize, told: usize, without_depth: usize) -> Option<String> {
     let mut missing = Vec::new();
     if told < pairs {

@@ -31,7 +31,7 @@ use crate::threading::mailbox;
 use crate::threading::mailbox::{Receiver, Sender};
 use crate::threading::timed_wait::wait_at_most;
 
-/// What the worker has to do for the newest evaluation.
+/// Task of the worker, for the newest evaluation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Task {
     /// Publish its direction, or that there is none.

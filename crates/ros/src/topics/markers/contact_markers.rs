@@ -20,7 +20,7 @@ const SHORTEST_ARROW: f64 = 0.03;
 /// Maximum number of arrows (about 350 bytes each). The points of all contacts are shown.
 const ARROWS_SHOWN: usize = 200;
 
-/// What is shown of a contact.
+/// Position, normal and depth of a contact, as they are drawn.
 struct ShownContact {
     point: Point,
     normal: Option<Vector>,
