@@ -86,15 +86,16 @@ fn shape_of(facets: &[[[f64; 3]; 3]]) -> Shape {
     Shape::Mesh(Arc::new(TriangleMesh::new(vertices, faces.collect()).unwrap()))
 }
 
-/// A chain of links of meshes and primitives, of any size, so that they often are inside each other.
+/// A chain of links of meshes and primitives. Large ones are often inside each other, small ones only inside obstacles.
 pub fn robot(random: &mut Random) -> Arc<RobotModel> {
+    let scale = [1.0, 0.2, 0.2][random.below(3) as usize];
     let folder = tempfile::tempdir().unwrap();
     let mut urdf = "<robot name='r'><link name='root'/>".to_owned();
     for i in 0..=JOINTS {
         let mut shapes = String::new();
         for k in 0..=random.below(2) {
             let name = format!("{i}_{k}.stl");
-            let size = [0.04, 0.12, 0.35][random.below(3) as usize];
+            let size = scale * [0.04, 0.12, 0.35][random.below(3) as usize];
             write_stl(&folder.path().join(&name), &mesh(random, size));
             let geometry = if random.below(5) == 0 {
                 format!("<sphere radius='{}'/>", 0.3 * size)

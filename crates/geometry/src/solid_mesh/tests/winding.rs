@@ -8,7 +8,7 @@ use super::super::winding_tree::half_solid_angle;
 use super::draft::{Draft, bicone, random_shell};
 use crate::math::{Point, Vector};
 use crate::testing::Random;
-use crate::{InsideGrid, InsideTest, TriangleMesh};
+use crate::{InsideGrid, InsideTest};
 
 /// Signed solid angles of all faces, by brute force: their sum, and the sum of their absolute values.
 fn solid_angle(draft: &Draft, p: &Point) -> [f64; 2] {
@@ -142,7 +142,7 @@ fn the_hierarchy_decides_as_all_triangles_do() {
 fn winding_numbers_of_several_layers_are_whole() {
     let mut random = Random::new(8);
     for _ in 0..100 {
-        let layers: Vec<Draft> = (0..1 + random.below(5)).map(|_| random_shell(&mut random)).collect();
+        let layers: Vec<Draft> = (0..=random.below(5)).map(|_| random_shell(&mut random)).collect();
         let draft = layers.iter().fold(Draft::default(), |all, layer| {
             all.and(&if random.below(3) == 0 { layer.clone().inward() } else { layer.clone() })
         });
@@ -231,48 +231,4 @@ fn winding_numbers_are_for_points_next_to_the_surface() {
     let inside = (0..2000).filter(|_| test.encloses(&Point::from(random.vector(1.3)))).count();
     let work = test.take_work();
     assert!(inside > 300 && work.winding_numbers < 600, "{inside} {work:?}");
-}
-
-#[test]
-#[ignore = "timing"]
-fn timing() {
-    let draft = large_mesh();
-    let small = Draft::ball(1.0);
-    for draft in [draft, small] {
-        let surface = ClosedSurface::around(&draft.vertices, draft.faces.clone());
-        surface.prepare(&draft.vertices);
-        let mut random = Random::new(3);
-        for off in [1e-6, 1e-3, 1e-2, 0.1, 1.0] {
-            let points: Vec<Point> = (0..1000)
-                .map(|_| {
-                    let v = draft.vertices[random.below(draft.vertices.len())];
-                    v - random.direction().into_inner() * off
-                })
-                .collect();
-            let mut work = InsideWork::default();
-            let start = std::time::Instant::now();
-            let n = points.iter().filter(|p| surface.winds_around(&draft.vertices, p, &mut work)).count();
-            let took = start.elapsed() / 1000;
-            println!("{} off {off}: {took:?}, visited {} inside {n}", draft.faces.len(), work.visited / 1000);
-        }
-        let mesh: TriangleMesh = draft.mesh();
-        let start = std::time::Instant::now();
-        let _ = mesh.solid();
-        println!("solid {:?}", start.elapsed());
-        let start = std::time::Instant::now();
-        mesh.solid().surfaces().iter().for_each(|s| s.prepare(mesh.vertices()));
-        println!("trees {:?}", start.elapsed());
-        mesh.prepare_solid();
-        println!("prepare {:?}", start.elapsed());
-        let start = std::time::Instant::now();
-        let points: Vec<Point> = (0..10000).map(|_| Point::from(random.vector(1.0))).collect();
-        let mut work = InsideWork::default();
-        let mut n = 0;
-        let mut test = InsideTest::new(&mesh);
-        for p in &points {
-            n += usize::from(test.encloses(p));
-        }
-        println!("encloses {:?} {:?} {n}", start.elapsed() / 10000, test.take_work());
-        let _ = &mut work;
-    }
 }
