@@ -12,7 +12,7 @@ const TESTS_PER_SECOND: f64 = 2e7;
 /// Number of joint states over which the interval is averaged. Until this number is reached there is no limit.
 const AVERAGED: usize = 16;
 
-/// Pause after which there is time for exact distances, and the average restarts.
+/// Pause after which the average restarts. In it there is time for exact distances.
 const REST: Duration = Duration::from_millis(100);
 
 /// Tolerance of distances that would take too long to compute exactly: a tenth, or a millimetre.
@@ -29,6 +29,11 @@ const TOLERANT: Effort = Effort {
 pub(super) struct CheckBudget {
     /// Reception times of the last ones (steady clock).
     receptions: VecDeque<Duration>,
+    /// Mean time (s) between joint states before a pause. It is used after the pause until there is a new mean: when a
+    /// host pauses the node, the joint states that have queued come all at once.
+    before_pause: Option<f64>,
+    /// Nothing is known after a pause.
+    pub forgets_in_pauses: bool,
 }
 
 impl CheckBudget {
@@ -44,14 +49,20 @@ impl CheckBudget {
     /// Whether the joint states pause; then there is no limit.
     pub fn is_paused(&mut self, now: Duration) -> bool {
         let is_paused = self.receptions.back().is_none_or(|last| now.saturating_sub(*last) >= REST);
-        if is_paused {
+        if is_paused && !self.receptions.is_empty() {
+            self.before_pause = self.mean_interval().filter(|_| !self.forgets_in_pauses);
             self.receptions.clear();
         }
         is_paused
     }
 
-    /// Mean time (s) between two joint states.
+    /// Time (s) between two joint states, unless they pause.
     fn interval(&self) -> Option<f64> {
+        if self.receptions.is_empty() { None } else { self.mean_interval().or(self.before_pause) }
+    }
+
+    /// Mean time (s) between joint states since the last pause.
+    fn mean_interval(&self) -> Option<f64> {
         let (first, last) = (self.receptions.front()?, self.receptions.back()?);
         let all = last.saturating_sub(*first).as_secs_f64();
         #[expect(clippy::cast_precision_loss, reason = "there are few")]

@@ -103,6 +103,12 @@ impl Monitor {
         }
     }
 
+    /// From now on, checks after a pause of the joint states have no limit until their rate is known again: so they were
+    /// in earlier versions, whose recordings are replayed.
+    pub fn forget_rate_in_pauses(&mut self) {
+        self.check_budget.forgets_in_pauses = true;
+    }
+
     /// Sets the robot and world to check. The last joint state is evaluated again at the next heartbeat.
     pub fn set_checker(&mut self, revision: Arc<Revision>) {
         // a change of the world does not resolve the rejection of a new robot description

@@ -95,6 +95,7 @@ impl Recorder {
             node: names.full_node_name(),
             parameters: parameters_to_json(parameters),
             given: inputs.arguments,
+            rate_outlasts_pause: true,
         };
         let limits =
             Limits { settings: settings.clone(), path: path.clone(), measured, began: Instant::now() };

@@ -20,7 +20,15 @@ use crate::parameters::parameter_value::Value;
 pub enum RecordStep {
     /// The node started. `given` holds the command-line inputs; the files that they name are attached under their
     /// names.
-    Started { version: String, node: String, parameters: Map<String, Json>, given: Json },
+    Started {
+        version: String,
+        node: String,
+        parameters: Map<String, Json>,
+        given: Json,
+        /// Whether the rate of joint states before a pause limits the checks after it. Earlier versions forgot it.
+        #[serde(default)]
+        rate_outlasts_pause: bool,
+    },
     /// A mesh URI was resolved to a file, which is attached under its real path.
     Mesh { folder: Option<PathBuf>, uri: String, file: PathBuf },
     /// The loader processed commands and clouds: one message each, in this order.

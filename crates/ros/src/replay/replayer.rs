@@ -80,10 +80,13 @@ pub fn replay(path: &Path, prepared: Prepared) -> Result<Outcome, ReadError> {
     while let Some(entry) = file.next()? {
         let Entry::RecordStep { step, messages, itself } = entry else { continue };
         match (*step, &mut run) {
-            (RecordStep::Started { parameters, version, .. }, None) => {
+            (RecordStep::Started { parameters, version, rate_outlasts_pause, .. }, None) => {
                 let parameters = parameters_from_json(&parameters).map_err(|why| file.error(why))?;
                 let prepared = prepared.take().ok_or_else(|| file.error("begins twice"))?;
-                run = Some(Replay::new(prepared, &parameters).map_err(|why| file.error(why))?);
+                let run = run.insert(Replay::new(prepared, &parameters).map_err(|why| file.error(why))?);
+                if !rate_outlasts_pause {
+                    run.monitor.forget_rate_in_pauses();
+                }
                 outcome.version = version;
             }
             (RecordStep::Lost { steps }, _) => {
