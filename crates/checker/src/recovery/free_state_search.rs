@@ -26,24 +26,23 @@ const DIRECTIONS: [usize; 4] = [32, 128, 512, 2048];
 
 /// Distances of a sweep (rad, m): the first, and the ratio of two in succession.
 const FIRST_DISTANCE: f64 = 0.005;
-const NEXT_DISTANCE: f64 = 1.5;
+const NEXT_DISTANCE: f64 = 2.0;
 
 /// Directions are turned by about these angles (rad), one after the other, to come nearer.
-const TURNS: [f64; 5] = [0.8, 0.4, 0.2, 0.1, 0.05];
+const TURNS: [f64; 3] = [0.8, 0.4, 0.2];
 
 /// Number of turned directions that are tried at once, and how much nearer the states are than the best one.
-const TURNED_DIRECTIONS: usize = 32;
+const TURNED_DIRECTIONS: usize = 24;
 const NEARER: f64 = 0.92;
 
-/// Free states whose clearance is computed, of those that are found at once.
-const MOST_HITS: usize = 8;
+/// Number of free directions at a distance that are enough.
+const MOST_HITS: usize = 6;
 
-/// Number of states on a line that are checked at once, and how often they are refined.
-const STATES_ON_LINE: usize = 16;
-const REFINEMENTS: usize = 2;
+/// How often the distance of an exit is bisected.
+const BISECTIONS: usize = 8;
 
-/// Number of states that are checked without a look at the limits of the search.
-const AT_ONCE: usize = 64;
+/// Number of states that are checked together.
+const AT_ONCE: usize = 8;
 
 pub struct FreeStateSearch<'s> {
     checker: &'s CollisionChecker,
@@ -127,7 +126,7 @@ impl<'s> FreeStateSearch<'s> {
                 let last = distance >= self.options.largest_distance;
                 let at = if last { self.options.largest_distance } else { distance };
                 let directions = self.directions(space.dimension(), count);
-                let hits = self.hits(space, directions, at);
+                let hits = self.hits(space, &directions, at);
                 let best = self.best_exit(space, hits, at).map(|exit| self.turned(space, exit));
                 if let Some(found) = best.and_then(|exit| self.with_first_exit(space, &exit)) {
                     return Some(found);
@@ -158,27 +157,23 @@ impl<'s> FreeStateSearch<'s> {
         (0..dimension).map(|_| (0..12).map(|_| self.random.f64()).sum::<f64>() - 6.0).collect()
     }
 
-    /// Those of the directions in which the state at a distance is free, with the clearance.
-    fn hits(&mut self, space: &SearchSpace, directions: Vec<Vec<f64>>, distance: f64) -> Vec<Vec<f64>> {
-        let states: Vec<Configuration> = directions.iter().map(|way| space.state(way, distance)).collect();
-        let clear = self.are_clear(&states);
-        (directions.into_iter().zip(clear))
-            .filter(|(_, clear)| *clear)
-            .map(|(direction, _)| direction)
-            .collect()
-    }
-
-    /// For each state, whether it is free with the clearance; false for those after enough free ones.
-    fn are_clear(&mut self, states: &[Configuration]) -> Vec<bool> {
-        let mut clear = self.are_free(states);
-        if self.options.clearance > 0.0 {
-            let mut hits = 0;
-            for (state, clear) in states.iter().zip(&mut clear).filter(|(_, clear)| **clear) {
-                *clear = hits < MOST_HITS && self.has_clearance(state);
-                hits += usize::from(*clear);
+    /// Those of the directions in which the state at a distance is free, with the clearance, up to [`MOST_HITS`].
+    fn hits(&mut self, space: &SearchSpace, directions: &[Vec<f64>], distance: f64) -> Vec<Vec<f64>> {
+        let mut hits = Vec::new();
+        for directions in directions.chunks(AT_ONCE) {
+            let states: Vec<Configuration> =
+                directions.iter().map(|way| space.state(way, distance)).collect();
+            let free = self.are_free(&states);
+            for ((state, direction), _) in states.iter().zip(directions).zip(free).filter(|(_, free)| *free) {
+                if self.has_clearance(state) {
+                    hits.push(direction.clone());
+                }
+            }
+            if hits.len() >= MOST_HITS {
+                break;
             }
         }
-        clear
+        hits
     }
 
     /// For each state, whether it is free; false for those that are not checked before the search is over.
@@ -194,8 +189,18 @@ impl<'s> FreeStateSearch<'s> {
         free
     }
 
+    /// Whether a state is free, with the clearance.
+    fn is_clear(&mut self, state: &Configuration) -> bool {
+        self.checks += 1;
+        self.checker.is_free(state, self.workspace) && self.has_clearance(state)
+    }
+
+    /// Whether a free state has the clearance.
     fn has_clearance(&mut self, state: &Configuration) -> bool {
         let clearance = self.options.clearance;
+        if clearance == 0.0 {
+            return true;
+        }
         let report = self.checker.check(state, Question::Distance { limit: clearance }, self.workspace);
         report.is_free() && report.nearest.is_none_or(|nearest| nearest.distance >= clearance)
     }
@@ -208,20 +213,19 @@ impl<'s> FreeStateSearch<'s> {
         [of_mean, of_first].into_iter().flatten().min_by(|a, b| a.distance.total_cmp(&b.distance))
     }
 
-    /// The first free state along a direction, among states on a line that is refined, up to a distance.
+    /// A free state along a direction, as near as bisection finds it; `None` if the state at the largest distance is not free.
     fn exit_along(&mut self, space: &SearchSpace, direction: Vec<f64>, largest: f64) -> Option<Exit> {
+        let mut state = Some(space.state(&direction, largest)).filter(|state| self.is_clear(state))?;
         let (mut low, mut high) = (0.0, largest);
-        let mut found = None;
-        for _ in 0..=REFINEMENTS {
-            #[allow(clippy::cast_precision_loss)] // few states
-            let at = |i: usize| low + (high - low) * ((i + 1) as f64 / STATES_ON_LINE as f64);
-            let states: Vec<Configuration> =
-                (0..STATES_ON_LINE).map(|i| space.state(&direction, at(i))).collect();
-            let Some(first) = self.are_clear(&states).iter().position(|clear| *clear) else { break };
-            (low, high) = (if first == 0 { low } else { at(first - 1) }, at(first));
-            found = states.into_iter().nth(first);
+        for _ in 0..BISECTIONS {
+            let middle = 0.5 * (low + high);
+            let nearer = space.state(&direction, middle);
+            if self.is_clear(&nearer) {
+                (high, state) = (middle, nearer);
+            } else {
+                low = middle;
+            }
         }
-        let state = found?;
         Some(Exit { distance: space.distance(&state), direction, state })
     }
 
@@ -230,7 +234,7 @@ impl<'s> FreeStateSearch<'s> {
         for turn in TURNS {
             while !self.is_over() {
                 let directions = self.turned_directions(&best.direction, turn);
-                let hits = self.hits(space, directions, NEARER * best.distance);
+                let hits = self.hits(space, &directions, NEARER * best.distance);
                 match self.best_exit(space, hits, NEARER * best.distance) {
                     Some(exit) if exit.distance < best.distance => best = exit,
                     _ => break,
