@@ -134,7 +134,7 @@ pub fn evaluate<T: Send + Clone>(
 }
 
 /// The error of an invalid row.
-pub fn row_error(core: &CheckerCore, rows: &Rows<'_>, row: usize) -> PyErr {
+fn row_error(core: &CheckerCore, rows: &Rows<'_>, row: usize) -> PyErr {
     match core.space.read(rows.table().row(row)) {
         Err(why) => error(format!("q{}: {why}", rows.place(row))),
         Ok(_) => error(format!("q{} was changed during the call", rows.place(row))),

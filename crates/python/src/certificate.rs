@@ -12,7 +12,7 @@ use crate::error::error;
 ///
 /// It is the document that `clearance motion --certificate` writes.
 #[pyclass(frozen, eq, module = "clearance")]
-#[derive(PartialEq)]
+#[derive(Debug, PartialEq)]
 pub struct Certificate {
     pub inner: Arc<clearance::Certificate>,
 }

@@ -25,6 +25,7 @@ use crate::world::World;
 use crate::world_state::SceneState;
 
 /// What queries use; threads share it.
+#[derive(Debug)]
 pub struct CheckerCore {
     /// Unique in this process.
     pub id: u64,
@@ -58,6 +59,7 @@ impl CheckerCore {
 /// Results do not depend on the number of threads. Wrong shapes raise ValueError, wrong types TypeError, and everything that the library
 /// rejects raises `Error`, a ValueError: positions that are not finite, or unknown names. Joint limits are not checked.
 #[pyclass(frozen, module = "clearance")]
+#[derive(Debug)]
 pub struct Checker {
     pub core: Arc<CheckerCore>,
     robot: Py<Robot>,

@@ -8,6 +8,7 @@ use pyo3::prelude::*;
 use crate::error::error;
 
 /// Converts positions in the order of a group to configurations of the whole robot.
+#[derive(Debug)]
 pub struct JointSpace {
     robot: Arc<RobotModel>,
     /// Positions of the joints outside of the group.

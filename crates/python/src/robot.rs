@@ -26,6 +26,7 @@ use crate::robot_sources::{MeshBytes, RobotSources, Text};
 ///
 /// A pickle contains the texts and the bytes of all mesh files, so that it is the same robot on every machine.
 #[pyclass(frozen, module = "clearance")]
+#[derive(Debug)]
 pub struct Robot {
     pub model: Arc<RobotModel>,
     pub sources: Arc<RobotSources>,

@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyList};
 
 use crate::arrays::{Rows, array};
-use crate::batches::{evaluate, row_error};
+use crate::batches::evaluate;
 use crate::checker::CheckerCore;
 use crate::error::error;
 use crate::results::{names, result, xyz};
@@ -356,10 +356,4 @@ pub fn single(core: &CheckerCore, q: &Bound<'_, PyAny>, what: &str) -> PyResult<
         return Err(error(format!("{what} must be one state of shape ({},)", core.space.names().len())));
     }
     core.space.read(rows.table().row(0)).map_err(|why| error(format!("{what}: {why}")))
-}
-
-/// The error of the first invalid row, if there is one.
-pub fn check_rows(core: &CheckerCore, rows: &Rows<'_>) -> PyResult<()> {
-    let bad = (0..rows.count()).find(|&i| core.space.read(rows.table().row(i)).is_err());
-    bad.map_or(Ok(()), |row| Err(row_error(core, rows, row)))
 }

@@ -27,7 +27,7 @@ const NO_ROBOT: &str = "<robot name='none'><link name='world'/></robot>";
 /// Methods that add something raise `Error` if the name is taken or the shape is invalid, and then change nothing. A checker keeps a copy
 /// of its world: later changes need `Checker.with_world`.
 #[pyclass(module = "clearance")]
-#[derive(Default)]
+#[derive(Debug, Default)]
 pub struct World {
     pub scene: Scene,
 }
@@ -69,7 +69,8 @@ impl World {
         point_radius: Option<f64>,
         unknown_is_occupied: bool,
     ) -> PyResult<Self> {
-        let loader = SceneLoader { unknown_is_occupied, ..SceneLoader::default() };
+        let mut loader = SceneLoader::default();
+        loader.unknown_is_occupied = unknown_is_occupied;
         let parts = robot.map(|robot| (robot.get().model.clone(), robot.get().sources.mesh_files()));
         let loader = py.detach(|| match parts {
             Some((model, files)) => read(loader, &path, point_radius, &model, &files),

@@ -59,7 +59,8 @@ impl<'py> SceneState<'py> {
     /// The scene of this state.
     pub fn scene(self) -> PyResult<Scene> {
         let Self(obstacles, attached, matrix, link_padding, link_scale) = self;
-        let mut scene = Scene { link_padding, link_scale, ..Scene::default() };
+        let mut scene = Scene::default();
+        (scene.link_padding, scene.link_scale) = (link_padding, link_scale);
         for state in obstacles {
             scene.world.add(obstacle(state)?).map_err(error)?;
         }
