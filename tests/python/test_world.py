@@ -77,7 +77,8 @@ def test_files(ball, robot, world, tmp_path):
         cl.World.from_file(ROOT / "config/demo_world.yaml")
     scene = tmp_path / "scene.yaml"
     scene.write_text((ROOT / "config/demo_world.yaml").read_text().replace("frame_id: base", "frame_id: world"))
-    assert cl.World.from_file(str(scene)).names == world.names
+    with pytest.warns(cl.InputWarning, match="the scene is of 'demo_arm', the robot is 'not given'"):
+        assert cl.World.from_file(str(scene)).names == world.names
     cloud = tmp_path / "cloud.ply"
     cloud.write_text(
         "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n2 0 0\n"

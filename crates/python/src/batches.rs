@@ -112,7 +112,7 @@ pub fn evaluate<T: Send + Clone>(
         py.detach(|| batch.block(0, &mut results));
     } else {
         let threads_count = threads.unwrap_or_else(default_threads);
-        let size = (results.len() / (8 * threads_count)).clamp(8, LARGEST_BLOCK).next_multiple_of(8);
+        let size = (results.len() / (8 * threads_count.max(1))).clamp(8, LARGEST_BLOCK).next_multiple_of(8);
         let results = &mut results;
         run(
             py,

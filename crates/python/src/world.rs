@@ -17,7 +17,7 @@ use crate::world_state::SceneState;
 use crate::{poses, shapes};
 
 /// The robot of a file that is read without one: its only link is the root, in the frame `world`.
-const NO_ROBOT: &str = "<robot name='none'><link name='world'/></robot>";
+const NO_ROBOT: &str = "<robot name='not given'><link name='world'/></robot>";
 
 /// Obstacles around a robot, by name; lengths in metres.
 ///
