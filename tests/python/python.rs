@@ -9,10 +9,16 @@ const SKIP: &str = "CLEARANCE_SKIP_PYTHON";
 #[test]
 fn python_package() {
     if std::env::var(SKIP).is_ok_and(|value| value == "1") {
-        return announce(&format!("\n*** SKIPPED: the tests of the Python package did not run, because {SKIP}=1 ***\n"));
+        return announce(&format!(
+            "\n*** SKIPPED: the tests of the Python package did not run, because {SKIP}=1 ***\n"
+        ));
     }
     let built = std::env::current_exe().expect("this test has a path");
-    let library = built.with_file_name(format!("{}clearance_python{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX));
+    let library = built.with_file_name(format!(
+        "{}clearance_python{}",
+        std::env::consts::DLL_PREFIX,
+        std::env::consts::DLL_SUFFIX
+    ));
     assert!(library.is_file(), "cargo has not built {}", library.display());
     let output = Command::new(Path::new(env!("CARGO_MANIFEST_DIR")).join("run.sh"))
         .env("CLEARANCE_PYTHON_LIBRARY", library)

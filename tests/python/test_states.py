@@ -28,7 +28,11 @@ def test_shapes_and_types(checker, states):
     assert checker.is_free(states[0].tolist()) == free[0] and checker.is_free(tuple(states[1])) == free[1]
     assert checker.is_free(np.zeros(8, dtype=np.int32)) == checker.is_free(np.zeros(8))
     assert checker.is_free(states[0].astype(">f8")) == free[0]
-    assert checker.is_free(states[::2, ::1][0]) == free[0]
+    assert checker.is_free(states.T[:, 0]) == free[0]
+    # not at an address of a float64
+    shifted = np.frombuffer(b"." + states[:24].tobytes(), dtype=np.float64, offset=1)
+    assert not shifted.flags.aligned
+    assert checker.is_free(shifted[:8]) == free[0] and np.array_equal(checker.is_free(shifted.reshape(24, 8)), free)
 
 
 def test_groups_take_fixed_values(robot, world, arm, states):

@@ -14,6 +14,7 @@ impl<'py> Numbers<'py> {
     pub fn new(value: &Bound<'py, PyAny>, what: &str) -> PyResult<Self> {
         if let Ok(array) = value.cast::<PyArrayDyn<f64>>()
             && array.is_c_contiguous()
+            && array.is_aligned()
         {
             return Ok(Self { array: array.readonly() });
         }
@@ -33,8 +34,7 @@ impl<'py> Numbers<'py> {
                 "{what} must be an array of real numbers (float64), but it is of type {name} with dtype {dtype}"
             )));
         }
-        let array = numpy.call_method1("ascontiguousarray", (array, "float64"))?;
-        // ascontiguousarray makes a number an array of one dimension
+        let array = numpy.call_method1("require", (array, "float64", ["C_CONTIGUOUS", "ALIGNED"]))?;
         Ok(Self { array: array.cast::<PyArrayDyn<f64>>()?.readonly() })
     }
 

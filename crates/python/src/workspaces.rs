@@ -20,8 +20,10 @@ pub struct QueryMemory {
     pub block: Vec<Configuration>,
     /// A row for the whole robot.
     pub row: Vec<f64>,
-    /// Duration of the last check of a single state.
+    /// Duration of the last measured check of a single state.
     pub last_check: Duration,
+    /// Number of checks of single states.
+    pub single_checks: u64,
 }
 
 thread_local! {
@@ -51,6 +53,7 @@ fn bring_to_front(core: &CheckerCore, memories: &mut Vec<Box<QueryMemory>>) {
         block: vec![core.space.rest().clone()],
         row: Vec::new(),
         last_check: Duration::ZERO,
+        single_checks: 0,
     };
     memories.insert(0, Box::new(memory));
 }

@@ -43,6 +43,7 @@ class _MotionOptions(TypedDict, total=False):
     budget: int
     any_contact: bool
 
+__all__: list[str]
 __version__: str
 
 class Error(ValueError): ...
