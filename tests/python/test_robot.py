@@ -1,5 +1,6 @@
 """Robots: names, limits, kinematics."""
 
+import sys
 import xml.etree.ElementTree as ET
 
 import numpy as np
@@ -95,12 +96,16 @@ def test_random_states(robot):
         robot.random("seed")
 
 
-def test_xacro(tmp_path):
+def test_xacro(tmp_path, monkeypatch):
     plain = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arg name="tip" default="a"/>' \
         '<link name="$(arg tip)"/></robot>'
     (tmp_path / "r.urdf.xacro").write_text(plain)
     assert cl.Robot.from_urdf(tmp_path / "r.urdf.xacro").link_names == ["a"]
     assert cl.Robot.from_urdf(tmp_path / "r.urdf.xacro", xacro_args={"tip": "b"}).link_names == ["b"]
+    monkeypatch.setitem(sys.modules, "xacro", None)
+    with pytest.raises(ImportError, match="pip install xacro"):
+        cl.Robot.from_urdf(tmp_path / "r.urdf.xacro")
+    monkeypatch.undo()
     (tmp_path / "bad.xacro").write_text("<robot")
     with pytest.raises(cl.Error, match="bad.xacro: xacro"):
         cl.Robot.from_urdf(tmp_path / "bad.xacro")
