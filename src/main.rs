@@ -3,5 +3,6 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    clearance::cli::run(std::env::args_os().collect()).into()
+    let command_line: Vec<_> = std::env::args_os().collect();
+    clearance::cli::run(&command_line).into()
 }

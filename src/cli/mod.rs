@@ -91,10 +91,10 @@ enum Command {
 }
 
 /// Runs the program with its name and arguments. Every error is printed as one message on stderr.
-pub fn run(command_line: Vec<OsString>) -> ExitStatus {
-    let arguments = match Arguments::try_parse_from(&command_line) {
+pub fn run(command_line: &[OsString]) -> ExitStatus {
+    let arguments = match Arguments::try_parse_from(command_line) {
         Ok(arguments) => arguments,
-        Err(error) => return reject(&error, &command_line),
+        Err(error) => return reject(&error, command_line),
     };
     match dispatch(arguments) {
         Ok(code) => code,
@@ -112,17 +112,13 @@ fn reject(error: &clap::Error, command_line: &[OsString]) -> ExitStatus {
         _ => None,
     };
     let given: Vec<String> = command_line.iter().map(|a| a.to_string_lossy().into_owned()).collect();
-    match stray.and_then(|stray| assignments::unquoted(&given, stray)) {
-        Some(hint) => {
-            eprintln!("clearance: {hint}");
-            ExitStatus::from(2)
-        }
-        None => {
-            // a closed pipe is not an error
-            let _ = error.print();
-            ExitStatus::from(if error.use_stderr() { 2 } else { 0 })
-        }
+    if let Some(hint) = stray.and_then(|stray| assignments::unquoted(&given, stray)) {
+        eprintln!("clearance: {hint}");
+        return ExitStatus::from(2);
     }
+    // a closed pipe is not an error
+    let _ = error.print();
+    ExitStatus::from(if error.use_stderr() { 2 } else { 0 })
 }
 
 fn dispatch(arguments: Arguments) -> Result<ExitStatus, Failure> {

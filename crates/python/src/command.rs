@@ -12,7 +12,7 @@ use pyo3::prelude::*;
 #[pyo3(name = "_run_command")]
 pub fn run_command(py: Python<'_>, command_line: Vec<OsString>) -> u8 {
     py.detach(|| {
-        let code = clearance::cli::run(command_line).code();
+        let code = clearance::cli::run(&command_line).code();
         // at the end of a Rust program its runtime does this; a closed pipe is not an error
         let _ = std::io::stdout().flush();
         code
