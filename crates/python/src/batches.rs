@@ -50,7 +50,7 @@ pub fn run<T: Send>(
                 *result = Some(work(stop));
             });
             end.wait(|| {
-                Python::attach(|py| py.check_signals()).inspect_err(|_| {
+                Python::attach(handle_signals).inspect_err(|_| {
                     stop.0.store(true, Ordering::Relaxed);
                     on_stop();
                 })
@@ -60,6 +60,11 @@ pub fn run<T: Send>(
     raised?;
     // a panic of the work has been passed on
     result.ok_or_else(|| error("the work ended without a result"))
+}
+
+/// Runs the Python handlers of signals that have come, if this is the main thread.
+fn handle_signals(py: Python<'_>) -> PyResult<()> {
+    py.check_signals()
 }
 
 /// End of the work.

@@ -12,6 +12,11 @@
 //! | result classes, which are Python dataclasses in `clearance/_results.py` | `results` |
 //! | the command `clearance` | `command` |
 
+#![allow(
+    clippy::needless_pass_by_value,
+    reason = "functions that Python calls own their converted arguments"
+)]
+
 mod arrays;
 mod batches;
 mod certificate;

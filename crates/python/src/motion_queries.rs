@@ -246,10 +246,10 @@ pub fn check_trajectory<'py>(
     crate::results::make(py, "TrajectoryReport", &fields)
 }
 
-fn certificate_object<'py>(
-    py: Python<'py>,
+fn certificate_object(
+    py: Python<'_>,
     certificate: Option<clearance::Certificate>,
-) -> PyResult<Option<Bound<'py, Certificate>>> {
+) -> PyResult<Option<Bound<'_, Certificate>>> {
     certificate.map(|inner| Bound::new(py, Certificate { inner: Arc::new(inner) })).transpose()
 }
 
@@ -353,8 +353,9 @@ impl TrajectoryArrays<'_, '_> {
             let form = format!("must be ({count},): one time for each row of positions");
             return Err(wrong_shape("times", times.shape(), &form));
         }
-        // to the library, times that are all zero are no times
-        if let Some(i) = times.values().windows(2).position(|pair| !(pair[1] > pair[0])) {
+        // to the library, times that are all zero are no times; NaN comes after nothing
+        let follows = |pair: &[f64]| pair[1] > pair[0];
+        if let Some(i) = times.values().windows(2).position(|pair| !follows(pair)) {
             let values = times.values();
             return Err(PyValueError::new_err(format!(
                 "times[{}] is {} s, which does not come after times[{i}], {} s",

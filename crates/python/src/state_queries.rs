@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use clearance::checker::{Clearance, LocalContact, PairClearance, PairContacts, PairKind, WitnessCount};
+use clearance::proximity::UnknownDepth;
 use clearance::robot::Configuration;
 use clearance::scene::BodyId;
 use clearance::{CollisionChecker, CollisionReport, Contact, PairDistance, Question, Workspace};
@@ -295,7 +296,7 @@ fn contact<'py>(py: Python<'py>, pair: (String, String), found: &Contact) -> PyR
     let normal = found.normal.map(|n| PyArray1::from_slice(py, n.as_slice()));
     result!(py, "Contact",
         pair: pair, point: PyArray1::from_slice(py, &xyz(&found.point)), normal: normal, depth: found.depth,
-        depth_lower: found.depth_lower, reason: found.unknown.map(|unknown| unknown.code()), is_deepest: true)
+        depth_lower: found.depth_lower, reason: found.unknown.map(UnknownDepth::code), is_deepest: true)
 }
 
 fn local_contact<'py>(

@@ -13,7 +13,7 @@ const MOST_THREADS: usize = 1024;
 struct Pool {
     process: u32,
     threads: usize,
-    pool: Arc<ThreadPool>,
+    workers: Arc<ThreadPool>,
 }
 
 static POOLS: Mutex<Vec<Pool>> = Mutex::new(Vec::new());
@@ -34,7 +34,7 @@ pub fn pool(threads: Option<usize>) -> PyResult<Arc<ThreadPool>> {
     let process = std::process::id();
     let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some(known) = pools.iter().find(|pool| pool.process == process && pool.threads == threads) {
-        return Ok(Arc::clone(&known.pool));
+        return Ok(Arc::clone(&known.workers));
     }
     let made =
         ThreadPoolBuilder::new().num_threads(threads).thread_name(|i| format!("clearance-{i}")).build();
@@ -44,6 +44,6 @@ pub fn pool(threads: Option<usize>) -> PyResult<Arc<ThreadPool>> {
     let (own, parents): (Vec<_>, Vec<_>) = pools.drain(..).partition(|pool| pool.process == process);
     std::mem::forget(parents);
     *pools = own;
-    pools.push(Pool { process, threads, pool: Arc::clone(&pool) });
+    pools.push(Pool { process, threads, workers: Arc::clone(&pool) });
     Ok(pool)
 }

@@ -28,7 +28,7 @@ pub struct QueryMemory {
 
 thread_local! {
     /// The most recently used first.
-    static MEMORIES: RefCell<Vec<Box<QueryMemory>>> = const { RefCell::new(Vec::new()) };
+    static MEMORIES: RefCell<Vec<QueryMemory>> = const { RefCell::new(Vec::new()) };
 }
 
 /// Calls `query` with this thread's memory for the checker; `query` must not call this again.
@@ -41,7 +41,7 @@ pub fn with_memory<T>(core: &CheckerCore, query: impl FnOnce(&mut QueryMemory) -
     })
 }
 
-fn bring_to_front(core: &CheckerCore, memories: &mut Vec<Box<QueryMemory>>) {
+fn bring_to_front(core: &CheckerCore, memories: &mut Vec<QueryMemory>) {
     if let Some(index) = memories.iter().position(|memory| memory.checker == core.id) {
         memories[..=index].rotate_right(1);
         return;
@@ -55,5 +55,5 @@ fn bring_to_front(core: &CheckerCore, memories: &mut Vec<Box<QueryMemory>>) {
         last_check: Duration::ZERO,
         single_checks: 0,
     };
-    memories.insert(0, Box::new(memory));
+    memories.insert(0, memory);
 }

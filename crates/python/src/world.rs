@@ -72,18 +72,15 @@ impl World {
         let mut loader = SceneLoader::default();
         loader.unknown_is_occupied = unknown_is_occupied;
         let parts = robot.map(|robot| (robot.get().model.clone(), robot.get().sources.mesh_files()));
-        let loader = py.detach(|| match parts {
-            Some((model, files)) => read(loader, &path, point_radius, &model, &files),
-            None => {
-                let none =
-                    RobotModel::from_urdf(NO_ROBOT, &MeshFiles::default()).map_err(|e| e.to_string())?;
-                let files = MeshFiles::default().with_environment();
-                read(loader, &path, point_radius, &none, &files).map_err(|why| {
-                    format!(
-                        "{why} (the file was read without a robot: robot=... gives the frames of its links)"
-                    )
-                })
+        let loader = py.detach(|| {
+            if let Some((model, files)) = parts {
+                return read(loader, &path, point_radius, &model, &files);
             }
+            let none = RobotModel::from_urdf(NO_ROBOT, &MeshFiles::default()).map_err(|e| e.to_string())?;
+            let files = MeshFiles::default().with_environment();
+            read(loader, &path, point_radius, &none, &files).map_err(|why| {
+                format!("{why} (the file was read without a robot: robot=... gives the frames of its links)")
+            })
         });
         let loader = loader.map_err(error)?;
         warn(py, &loader.warnings)?;
