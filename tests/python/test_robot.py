@@ -97,6 +97,7 @@ def test_random_states(robot):
 
 
 def test_xacro(tmp_path, monkeypatch):
+    pytest.importorskip("xacro", exc_type=ImportError)
     plain = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arg name="tip" default="a"/>' \
         '<link name="$(arg tip)"/></robot>'
     (tmp_path / "r.urdf.xacro").write_text(plain)

@@ -2,6 +2,7 @@
 
 import ast
 import inspect
+import sys
 
 import pytest
 
@@ -77,6 +78,8 @@ def test_classes(stub):
         if is_property(node):
             assert inspect.isgetsetdescriptor(vars(real)[name])
         elif name == "__new__":
+            if sys.version_info < (3, 10):
+                continue  # classes of the stable ABI have no signature there
             assert arguments(node) == real_arguments(real), stub.name
         elif not name.startswith("__"):
             assert arguments(node) == real_arguments(getattr(real, name)), name

@@ -134,9 +134,10 @@ fn read_text(
 /// The URDF of a xacro file, by the package `xacro`.
 fn expanded(py: Python<'_>, path: &Path, arguments: Option<&Bound<'_, PyDict>>) -> PyResult<String> {
     let file = path.display();
-    let xacro = py.import("xacro").map_err(|_| {
+    let xacro = py.import("xacro").map_err(|why| {
         PyImportError::new_err(format!(
-            "{file} is a xacro file, which needs the Python package xacro: pip install xacro, or give the URDF that `xacro {file}` prints"
+            "{file} is a xacro file, which needs the Python package xacro: pip install xacro, or give the URDF that `xacro {file}` prints \
+             ({why})"
         ))
     })?;
     let options = PyDict::new(py);
