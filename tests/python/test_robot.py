@@ -96,6 +96,8 @@ def test_random_states(robot):
         robot.random("seed")
 
 
+# warnings of the foreign package are not ours
+@pytest.mark.filterwarnings("default")
 def test_xacro(tmp_path, monkeypatch):
     pytest.importorskip("xacro", exc_type=ImportError)
     plain = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arg name="tip" default="a"/>' \
