@@ -42,6 +42,15 @@
 
 #![deny(missing_docs)]
 
+// the modules of the command line name this library as any other program does
+#[cfg(feature = "cli")]
+extern crate self as clearance;
+
+// public for the binary and for the command of the Python package
+#[cfg(feature = "cli")]
+#[doc(hidden)]
+pub mod cli;
+
 /// Shapes, triangle meshes, poses and the tolerances of all computations.
 #[doc(inline)]
 pub use clearance_geometry as geometry;

@@ -2,8 +2,7 @@
 
 use std::process::ExitCode;
 
-mod cli;
-
 fn main() -> ExitCode {
-    cli::run()
+    let command_line: Vec<_> = std::env::args_os().collect();
+    clearance::cli::run(&command_line).into()
 }

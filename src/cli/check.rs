@@ -1,6 +1,5 @@
 //! `clearance check`: reads states, reports collisions and distances.
 
-use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Args;
@@ -12,6 +11,7 @@ use rayon::prelude::*;
 use super::check_contacts::{ContactArgs, ContactResult};
 use super::check_gradient::{self, GradientResult};
 use super::check_output::{CheckOutput, StateResult, text};
+use super::exit_status::ExitStatus;
 use super::failure::Failure;
 use super::model_args::{ModelArgs, WorldArgs};
 use super::progress::Progress;
@@ -71,7 +71,7 @@ pub enum Query {
     PairDistances,
 }
 
-pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
+pub fn run(args: &CheckArgs) -> Result<ExitStatus, Failure> {
     if args.limit.is_nan() || args.limit < 0.0 {
         return Err(Failure::Input("--limit must be zero or more metres".to_owned()));
     }
@@ -117,7 +117,7 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
         Format::Text => print_line(&text(&output, &checker))?,
     }
     let all_free = reports.iter().all(CollisionReport::is_free);
-    Ok(ExitCode::from(u8::from(!all_free)))
+    Ok(ExitStatus::from(u8::from(!all_free)))
 }
 
 /// Contacts and derivatives by state, where they were requested.

@@ -1,6 +1,5 @@
 //! `clearance` without a command: runs the node with a built-in robot, world and motion, and shows a live table.
 
-use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, mpsc};
 
@@ -13,6 +12,7 @@ use clearance_ros::{
 use log::LevelFilter;
 
 use super::demo_table::{Latest, Table};
+use super::exit_status::ExitStatus;
 use super::failure::Failure;
 use super::node::{announce, failure};
 use super::view_args::ViewArgs;
@@ -34,7 +34,7 @@ const MESHES: &[(&str, &[u8])] = meshes! {
 };
 
 /// Runs the demo until it is stopped.
-pub fn run(view: ViewArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
+pub fn run(view: ViewArgs, level: LevelFilter) -> Result<ExitStatus, Failure> {
     clearance_ros::start_logging(level);
     let startup = Startup::begin(Parameters::default().memory_limit).map_err(failure)?;
     // the demo must be invisible to other machines and must not disturb them
@@ -84,7 +84,7 @@ pub fn run(view: ViewArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
         table.finish();
     }
     result.map_err(failure)?;
-    Ok(ExitCode::SUCCESS)
+    Ok(ExitStatus::SUCCESS)
 }
 
 fn robot() -> Result<RobotModel, String> {

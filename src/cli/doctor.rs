@@ -1,12 +1,12 @@
 //! `clearance doctor`: reports the faults of this machine and its ROS network, one line each.
 
-use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::Args;
 use clearance_ros::{DoctorOptions, Finding, RosArguments, Verdict};
 use log::LevelFilter;
 
+use super::exit_status::ExitStatus;
 use super::failure::Failure;
 use super::model_args::RobotArgs;
 use super::node::failure;
@@ -33,7 +33,7 @@ pub struct DoctorArgs {
     ros_args: Vec<String>,
 }
 
-pub fn run(args: &DoctorArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
+pub fn run(args: &DoctorArgs, level: LevelFilter) -> Result<ExitStatus, Failure> {
     let duration = (Duration::try_from_secs_f64(args.wait).ok())
         .filter(|wait| (Duration::from_millis(100)..=Duration::from_secs(3600)).contains(wait))
         .ok_or_else(|| Failure::Input(format!("--wait: must be from 0.1 to 3600 s, but is {}", args.wait)))?;
@@ -49,7 +49,7 @@ pub fn run(args: &DoctorArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
         Format::Text => findings.iter().try_for_each(print_finding)?,
     }
     let is_wrong = findings.iter().any(|finding| finding.verdict == Verdict::Wrong);
-    Ok(ExitCode::from(u8::from(is_wrong)))
+    Ok(ExitStatus::from(u8::from(is_wrong)))
 }
 
 fn print_finding(Finding { verdict, about, text }: &Finding) -> Result<(), Failure> {

@@ -1,9 +1,10 @@
 //! Reasons for which a command ended without a result.
 
 use std::borrow::Cow;
-use std::process::ExitCode;
 
 use clearance_files::readable_text::on_one_line;
+
+use super::exit_status::ExitStatus;
 
 /// Maximum length (characters) of one line of a message.
 const LONGEST_LINE: usize = 4000;
@@ -27,11 +28,11 @@ impl Failure {
         Self::Input(error.to_string())
     }
 
-    pub fn exit_code(&self) -> ExitCode {
+    pub fn exit_code(&self) -> ExitStatus {
         match self {
-            Self::Input(_) | Self::Faults(_) => ExitCode::from(2),
-            Self::Internal(_) => ExitCode::from(3),
-            Self::OutOfMemory(_) => ExitCode::from(5),
+            Self::Input(_) | Self::Faults(_) => ExitStatus::from(2),
+            Self::Internal(_) => ExitStatus::from(3),
+            Self::OutOfMemory(_) => ExitStatus::from(5),
         }
     }
 }

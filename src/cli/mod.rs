@@ -16,6 +16,7 @@ mod demo;
 mod demo_table;
 #[cfg(feature = "ros")]
 mod doctor;
+mod exit_status;
 mod failure;
 mod model_args;
 mod motion;
@@ -36,7 +37,7 @@ mod verify;
 #[cfg(feature = "ros")]
 mod view_args;
 
-use std::process::ExitCode;
+use std::ffi::OsString;
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Parser, Subcommand};
@@ -44,6 +45,8 @@ use clearance_files::readable_text::on_one_line;
 use log::LevelFilter;
 
 use failure::Failure;
+
+pub use exit_status::ExitStatus;
 
 /// Does this robot hit itself or its surroundings, and how far is it from doing so?
 ///
@@ -87,11 +90,11 @@ enum Command {
     Replay(replay::ReplayArgs),
 }
 
-/// Runs the program. Every error is printed as one message on stderr.
-pub fn run() -> ExitCode {
-    let arguments = match Arguments::try_parse() {
+/// Runs the program with its name and arguments. Every error is printed as one message on stderr.
+pub fn run(command_line: &[OsString]) -> ExitStatus {
+    let arguments = match Arguments::try_parse_from(command_line) {
         Ok(arguments) => arguments,
-        Err(error) => return reject(&error),
+        Err(error) => return reject(&error, command_line),
     };
     match dispatch(arguments) {
         Ok(code) => code,
@@ -103,22 +106,22 @@ pub fn run() -> ExitCode {
 }
 
 /// Prints the error of the command line, on one line for frequent mistakes.
-fn reject(error: &clap::Error) -> ExitCode {
+fn reject(error: &clap::Error, command_line: &[OsString]) -> ExitStatus {
     let stray = match (error.kind(), error.get(ContextKind::InvalidArg)) {
         (ErrorKind::UnknownArgument, Some(ContextValue::String(stray))) => Some(stray),
         _ => None,
     };
-    let given: Vec<String> = std::env::args_os().map(|a| a.to_string_lossy().into_owned()).collect();
-    match stray.and_then(|stray| assignments::unquoted(&given, stray)) {
-        Some(hint) => {
-            eprintln!("clearance: {hint}");
-            ExitCode::from(2)
-        }
-        None => error.exit(),
+    let given: Vec<String> = command_line.iter().map(|a| a.to_string_lossy().into_owned()).collect();
+    if let Some(hint) = stray.and_then(|stray| assignments::unquoted(&given, stray)) {
+        eprintln!("clearance: {hint}");
+        return ExitStatus::from(2);
     }
+    // a closed pipe is not an error
+    let _ = error.print();
+    ExitStatus::from(if error.use_stderr() { 2 } else { 0 })
 }
 
-fn dispatch(arguments: Arguments) -> Result<ExitCode, Failure> {
+fn dispatch(arguments: Arguments) -> Result<ExitStatus, Failure> {
     #[cfg(feature = "ros")]
     if arguments.command.is_some() && arguments.view.is_given() {
         return Err(Failure::Input("--view stands after the command: clearance node --view".to_owned()));

@@ -1,7 +1,6 @@
 //! `clearance motion`: reads motions, reports proofs or contacts.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use clap::Args;
@@ -14,6 +13,7 @@ use clearance_files::readable_text::on_one_line;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::exit_status::ExitStatus;
 use super::failure::Failure;
 use super::model_args::{ModelArgs, WorldArgs};
 use super::motion_args::MotionInputArgs;
@@ -125,7 +125,7 @@ struct SweptVolumeResult {
     radius: f64,
 }
 
-pub fn run(args: &MotionArgs) -> Result<ExitCode, Failure> {
+pub fn run(args: &MotionArgs) -> Result<ExitStatus, Failure> {
     let options = args.options()?;
     let start = Instant::now();
     let checker = args.run.pairs.checker(&args.model, &args.world)?;
@@ -188,7 +188,7 @@ pub fn run(args: &MotionArgs) -> Result<ExitCode, Failure> {
         Format::Text => print_line(&text(&output))?,
     }
     let all_free = reports.iter().all(TrajectoryReport::is_free);
-    Ok(ExitCode::from(u8::from(!all_free)))
+    Ok(ExitStatus::from(u8::from(!all_free)))
 }
 
 impl MotionArgs {

@@ -1,7 +1,6 @@
 //! `clearance node`: receives joint states, publishes collisions and distances.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use clap::Args;
 use clearance::robot::{MeshFiles, MeshLog};
@@ -11,6 +10,7 @@ use clearance_ros::{
 };
 use log::LevelFilter;
 
+use super::exit_status::ExitStatus;
 use super::failure::Failure;
 use super::model_args::{ModelArgs, WorldArgs};
 use super::replay::GivenFiles;
@@ -46,7 +46,7 @@ pub struct NodeArgs {
 }
 
 /// Runs the node until it is stopped.
-pub fn run(args: &NodeArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
+pub fn run(args: &NodeArgs, level: LevelFilter) -> Result<ExitStatus, Failure> {
     let arguments = args.ros_arguments()?;
     clearance_ros::start_logging(arguments.log_level.unwrap_or(level));
     let parameters = clearance_ros::initial_parameters(&arguments).map_err(failure)?;
@@ -78,7 +78,7 @@ pub fn run(args: &NodeArgs, level: LevelFilter) -> Result<ExitCode, Failure> {
         command_line,
     })
     .map_err(failure)?;
-    Ok(ExitCode::SUCCESS)
+    Ok(ExitStatus::SUCCESS)
 }
 
 /// Announces the node on the network, before any work that takes time.

@@ -1,6 +1,5 @@
 //! `clearance recover`: reads states, searches free states near those that collide.
 
-use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use clap::Args;
@@ -11,6 +10,7 @@ use clearance_files::readable_text::on_one_line;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::exit_status::ExitStatus;
 use super::failure::Failure;
 use super::model_args::{ModelArgs, WorldArgs};
 use super::progress::Progress;
@@ -95,7 +95,7 @@ struct RecoverResult {
     checks: u64,
 }
 
-pub fn run(args: &RecoverArgs) -> Result<ExitCode, Failure> {
+pub fn run(args: &RecoverArgs) -> Result<ExitStatus, Failure> {
     args.deadline.map(|s| positive("--deadline", s)).transpose()?;
     let start = Instant::now();
     let checker = args.run.pairs.checker(&args.model, &args.world)?;
@@ -121,7 +121,7 @@ pub fn run(args: &RecoverArgs) -> Result<ExitCode, Failure> {
         Format::Text => print_line(&text(&output, &states))?,
     }
     let all_free = !found.iter().any(|recovery| matches!(recovery, Recovery::NoneFound(_)));
-    Ok(ExitCode::from(u8::from(!all_free)))
+    Ok(ExitStatus::from(u8::from(!all_free)))
 }
 
 impl RecoverArgs {

@@ -1,7 +1,6 @@
 //! `clearance replay`: runs a recording of the node again, without a network.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 use std::sync::Arc;
 
 use clap::Args;
@@ -10,6 +9,7 @@ use clearance_ros::{Archive, Outcome, Prepared, recorded_path, save_part};
 use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 
+use super::exit_status::ExitStatus;
 use super::failure::Failure;
 use super::model_args::{MeshArg, RobotArgs, UnknownSpace, WorldArgs};
 use super::run_args::{Format, internal, print_line};
@@ -48,7 +48,7 @@ pub struct GivenFiles {
     unknown_space: UnknownSpace,
 }
 
-pub fn run(args: &ReplayArgs) -> Result<ExitCode, Failure> {
+pub fn run(args: &ReplayArgs) -> Result<ExitStatus, Failure> {
     let outcome = replay(&args.file)?;
     let saved = match (&outcome.difference, &args.save_test) {
         (Some(_), Some(folder)) => Some(save_test(&args.file, folder, &outcome)?),
@@ -62,7 +62,7 @@ pub fn run(args: &ReplayArgs) -> Result<ExitCode, Failure> {
         eprintln!("saved: {}", file.display());
     }
     let is_same = outcome.difference.is_none() && outcome.lost.is_none() && outcome.same > 0;
-    Ok(ExitCode::from(u8::from(!is_same)))
+    Ok(ExitStatus::from(u8::from(!is_same)))
 }
 
 /// Runs a recording again.

@@ -1,7 +1,6 @@
 //! `clearance verify`: checks whether a certificate is a proof, and for which motion.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use clap::Args;
 use clearance::motion::{Certificate, Trajectory};
@@ -13,6 +12,7 @@ use clearance_files::input_files::{self, STATES_LIMIT};
 use serde_json::json;
 
 use super::certificate_summary::{Summary, on_one_line};
+use super::exit_status::ExitStatus;
 use super::failure::Failure;
 use super::model_args::{ModelArgs, WorldArgs, warn_of_meshes};
 use super::motion_args::MotionInputArgs;
@@ -58,7 +58,7 @@ pub struct VerifyArgs {
 }
 
 /// Exit code 0: the certificate is a proof; 1: it is not, and the reason is printed.
-pub fn run(args: &VerifyArgs) -> Result<ExitCode, Failure> {
+pub fn run(args: &VerifyArgs) -> Result<ExitStatus, Failure> {
     let robot = args.model.robot.load()?;
     let scene = args.world.load(&robot, &args.model.robot.mesh_files())?;
     let mut settings = args.model.settings();
@@ -78,7 +78,7 @@ pub fn run(args: &VerifyArgs) -> Result<ExitCode, Failure> {
         Format::Text => input.text(&verified, &expected),
         Format::Json => input.json(&verified, &expected),
     })?;
-    Ok(ExitCode::from(u8::from(verified.is_err())))
+    Ok(ExitStatus::from(u8::from(verified.is_err())))
 }
 
 impl VerifyArgs {

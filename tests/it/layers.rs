@@ -3,7 +3,7 @@
 use std::path::Path;
 
 /// The crates, and those of them that each may use.
-const CRATES: [(&str, &[&str]); 10] = [
+const CRATES: [(&str, &[&str]); 11] = [
     ("geometry", &[]),
     ("files", &[]),
     ("proximity", &["geometry"]),
@@ -14,6 +14,8 @@ const CRATES: [(&str, &[&str]); 10] = [
     ("verifier", &["geometry", "robot", "scene", "motion"]),
     ("monitor", &["geometry", "proximity", "robot", "scene", "checker"]),
     ("ros", &["geometry", "files", "proximity", "robot", "scene", "motion", "checker", "monitor"]),
+    // above the root package, which it uses like any other program
+    ("python", &["files"]),
 ];
 
 /// Modules that share a crate, and those of them that each may use.
@@ -43,7 +45,7 @@ const MODULES: [(&str, &[&str]); 16] = [
 ];
 
 /// Foreign crates that one manifest alone depends on.
-const HOME_CRATES: [(&str, &str); 10] = [
+const HOME_CRATES: [(&str, &str); 12] = [
     ("fearless_simd", "geometry"),
     ("urdf-rs", "robot"),
     ("roxmltree", "robot"),
@@ -54,6 +56,8 @@ const HOME_CRATES: [(&str, &str); 10] = [
     ("smol", "ros"),
     ("ros2-interfaces-jazzy-serde", "ros"),
     ("hyper", "ros"),
+    ("pyo3", "python"),
+    ("numpy", "python"),
 ];
 
 /// A foreign crate and the one file or folder of its crate that names it.

@@ -31,6 +31,17 @@ impl RobotModel {
     /// If there are too many or too few, if one is not finite, or if the quaternion of a floating joint is not a unit quaternion.
     #[inline]
     pub fn configuration(&self, positions: &[f64]) -> Result<Configuration, ConfigurationError> {
+        let mut q = Configuration(Vec::with_capacity(self.position_names.len()));
+        self.configuration_into(positions, &mut q)?;
+        Ok(q)
+    }
+
+    /// As [`Self::configuration`], into an earlier configuration of this robot, whose memory is reused. If it fails, `q` must not be used.
+    pub fn configuration_into(
+        &self,
+        positions: &[f64],
+        q: &mut Configuration,
+    ) -> Result<(), ConfigurationError> {
         if positions.len() != self.position_names.len() {
             return Err(ConfigurationError::WrongLength {
                 given: positions.len(),
@@ -38,29 +49,28 @@ impl RobotModel {
                 names: self.position_names.join(", "),
             });
         }
-        for (name, &value) in self.position_names.iter().zip(positions) {
-            if !value.is_finite() {
-                return Err(ConfigurationError::NotFinite { joint: name.clone(), value });
-            }
+        if let Some(i) = positions.iter().position(|value| !value.is_finite()) {
+            return Err(ConfigurationError::NotFinite {
+                joint: self.position_names[i].clone(),
+                value: positions[i],
+            });
         }
-        let mut positions = positions.to_vec();
-        self.normalise_quaternions(&mut positions)?;
-        let q = Configuration(positions);
-        self.check_reach(&q)?;
-        Ok(q)
+        q.0.clear();
+        q.0.extend_from_slice(positions);
+        self.normalise_quaternions(&mut q.0)?;
+        self.check_reach(q)
     }
 
     /// Rejects positions, of mimic joints too, so large that kinematics would overflow.
     fn check_reach(&self, q: &Configuration) -> Result<(), ConfigurationError> {
-        let named = self.position_names.iter().cloned().zip(q.0.iter().copied());
-        let following = (self.joint_ids().filter(|j| self.joint(*j).mimic.is_some()))
-            .filter_map(|j| Some((self.joint(j).name.clone(), self.joint_position(q, j)?)));
         let near = -LARGEST_COORDINATE..=LARGEST_COORDINATE;
+        let too_far = |joint: &String, value: f64| ConfigurationError::TooFar { joint: joint.clone(), value };
+        let named = self.position_names.iter().zip(&q.0);
         // the position of a mimic joint may have overflowed to NaN, which counts as too large, too
-        match named.chain(following).find(|(_, value)| !near.contains(value)) {
-            Some((joint, value)) => Err(ConfigurationError::TooFar { joint, value }),
-            None => Ok(()),
-        }
+        let following = (self.joint_ids().filter(|j| self.joint(*j).mimic.is_some()))
+            .filter_map(|j| Some((&self.joint(j).name, self.joint_position(q, j)?)));
+        let mut all = named.map(|(name, value)| (name, *value)).chain(following);
+        all.find(|(_, value)| !near.contains(value)).map_or(Ok(()), |(name, value)| Err(too_far(name, value)))
     }
 
     /// By position: true if a full turn changes nothing, neither in this joint nor in its mimic joints.

@@ -63,5 +63,5 @@ pub use name_length::check_name_length;
 pub use named_joints::{MIMIC_TOLERANCE, NamedJoints};
 pub use quoted_names::{quoted, quoted_list};
 pub use robot_text::RobotText;
-pub use srdf::{DisabledPair, Group, Srdf, VirtualJoint};
+pub use srdf::{DisabledPair, Group, GroupState, Srdf, VirtualJoint};
 pub use warning::Warning;

@@ -15,6 +15,8 @@ pub struct Srdf {
     pub unchecked_by_default: Vec<LinkId>,
     /// Named groups of joints and links.
     pub groups: Vec<Group>,
+    /// Named states of groups, in the order of the text.
+    pub group_states: Vec<GroupState>,
     /// Virtual joints, in the order of the text.
     pub virtual_joints: Vec<VirtualJoint>,
     /// Passive joints: not driven, but their positions are read.
@@ -41,6 +43,18 @@ pub struct Group {
     pub joints: Vec<JointId>,
     /// The child links of the joints, and links the group names by themselves.
     pub links: Vec<LinkId>,
+}
+
+/// A named state of a group, as far as its values are valid. Values of joints that the URDF does not have, such as virtual joints, are
+/// left out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GroupState {
+    /// Name of the state.
+    pub name: String,
+    /// Name of the group.
+    pub group: String,
+    /// By name of a position ([`RobotModel::position_names`](crate::RobotModel::position_names)) or of a mimic joint: its value (rad, m).
+    pub positions: Vec<(String, f64)>,
 }
 
 /// The pose of the robot's root in a frame outside of the robot.

@@ -6,7 +6,6 @@ mod structures;
 mod sweep_and_prune;
 
 use std::hint::black_box;
-use std::process::ExitCode;
 
 use clap::Args;
 use clearance::checker::{CollisionChecker, Question};
@@ -15,6 +14,7 @@ use clearance::robot::Configuration;
 use clearance::scene::World;
 use serde::Serialize;
 
+use super::exit_status::ExitStatus;
 use super::failure::Failure;
 use super::model_args::{self, ModelArgs, WorldArgs};
 use super::run_args::{Format, internal, print_line};
@@ -89,7 +89,7 @@ struct BroadPhaseAnswer {
     replace_us: f64,
 }
 
-pub fn run(args: &BenchArgs) -> Result<ExitCode, Failure> {
+pub fn run(args: &BenchArgs) -> Result<ExitStatus, Failure> {
     let robot = args.model.robot.load()?;
     let scene = args.world.load(&robot, &args.model.robot.mesh_files())?;
     let mut without_world = scene.clone();
@@ -117,7 +117,7 @@ pub fn run(args: &BenchArgs) -> Result<ExitCode, Failure> {
         Format::Json => print_line(&serde_json::to_string(&output).map_err(internal)?)?,
         Format::Text => print_text(&output)?,
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(ExitStatus::SUCCESS)
 }
 
 /// Bounding box of the robot over several states.

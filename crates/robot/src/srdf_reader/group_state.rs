@@ -1,4 +1,4 @@
-//! Named states (`<group_state>`): not used by any check, but their errors are reported.
+//! Named states (`<group_state>`): not used by any check; their errors are reported as warnings.
 
 use std::collections::HashSet;
 
@@ -7,6 +7,7 @@ use roxmltree::Node;
 use super::{Group, Reader};
 use crate::JointKind;
 use crate::decimal_numbers::{decimal, shortened};
+use crate::srdf::GroupState;
 use crate::xml::own_children;
 
 /// Maximum number of remarks on named states; a thoroughly wrong text has thousands.
@@ -16,7 +17,9 @@ const MOST_REMARKS: usize = 20;
 const QUATERNION_SLACK: f64 = 1e-3;
 
 impl<'d> Reader<'d> {
-    pub(super) fn check_group_states(&mut self, root: Node<'d, 'd>, groups: &[Group]) {
+    /// Reads the named states; what is wrong with a value leaves it out, with a warning.
+    pub(super) fn read_group_states(&mut self, root: Node<'d, 'd>, groups: &[Group]) -> Vec<GroupState> {
+        let mut states = Vec::new();
         let mut remarks: Vec<(Node, String, String)> = Vec::new();
         let mut seen = HashSet::new();
         for state in own_children(root, "group_state") {
@@ -35,13 +38,20 @@ impl<'d> Reader<'d> {
             } else if members.is_none() {
                 remark(state, format!("there is no group '{}'", shortened(group)));
             }
-            let mut joints = HashSet::new();
+            let (mut joints, mut positions) = (HashSet::new(), Vec::new());
             for joint in own_children(state, "joint") {
-                let name = joint.attribute("name").unwrap_or_default().trim();
-                let fault = self.fault_of_joint(name, members).or_else(|| self.fault_of_value(joint, name));
-                let twice = (!name.is_empty() && !joints.insert(name))
-                    .then(|| format!("joint '{}' is given twice", shortened(name)));
+                let joint_name = joint.attribute("name").unwrap_or_default().trim();
+                let fault = self.fault_of_joint(joint_name, members);
+                let fault = fault.or_else(|| self.fault_of_value(joint, joint_name));
+                let twice = (!joint_name.is_empty() && !joints.insert(joint_name))
+                    .then(|| format!("joint '{}' is given twice", shortened(joint_name)));
+                if twice.is_none() {
+                    positions.extend(self.named_values(joint, joint_name));
+                }
                 fault.into_iter().chain(twice).for_each(|message| remark(joint, message));
+            }
+            if members.is_some() && !name.is_empty() {
+                states.push(GroupState { name: name.to_owned(), group: group.to_owned(), positions });
             }
         }
         let more = remarks.len().saturating_sub(MOST_REMARKS);
@@ -50,6 +60,21 @@ impl<'d> Reader<'d> {
         }
         if more > 0 {
             self.warn(root, "", format!("{more} more remarks about group states are not listed"));
+        }
+        states
+    }
+
+    /// Values of a joint of the robot by the names of its positions; empty if they are not the right number of numbers.
+    fn named_values(&self, node: Node, name: &str) -> Vec<(String, f64)> {
+        let Some(&id) = self.joints.get(name) else { return Vec::new() };
+        let text = node.attribute("value").unwrap_or_default();
+        let values: Result<Vec<f64>, String> = text.split_whitespace().map(decimal).collect();
+        let suffixes = self.model.joint(id).kind.position_suffixes();
+        match values {
+            Ok(values) if values.len() == suffixes.len() => {
+                suffixes.iter().map(|suffix| format!("{name}{suffix}")).zip(values).collect()
+            }
+            _ => Vec::new(),
         }
     }
 

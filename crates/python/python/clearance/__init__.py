@@ -1,0 +1,54 @@
+"""Collision and distance queries of robots, and proofs that motions are free.
+
+    import clearance as cl
+
+    robot = cl.Robot.from_urdf("robot.urdf", srdf="robot.srdf")
+    world = cl.World()
+    world.add_box("table", (1.0, 2.0, 0.05), (0.6, 0.0, -0.1))
+    checker = cl.Checker(robot, world, group="arm", padding=0.01)
+    q = robot.random(rng=0, size=1000)
+    free = checker.is_free(checker.configuration(robot.group_states["home"]))
+
+Units are metres, radians and seconds. All poses and points are in the frame of the robot's root link. Joint positions are float64 arrays in
+the order of ``joint_names``. All objects pickle. The package has no thread of its own until the first batch.
+"""
+
+from ._clearance import Certificate, Checker, Error, Robot, World, __version__, verify
+from ._results import (
+    Clearance,
+    CollisionReport,
+    Contact,
+    Distances,
+    EdgeReports,
+    FreeState,
+    InputWarning,
+    MotionReport,
+    PairDistance,
+    Reason,
+    TrajectoryReport,
+    Verdict,
+    Verification,
+)
+
+__all__ = [
+    "Certificate",
+    "Checker",
+    "Clearance",
+    "CollisionReport",
+    "Contact",
+    "Distances",
+    "EdgeReports",
+    "Error",
+    "FreeState",
+    "InputWarning",
+    "MotionReport",
+    "PairDistance",
+    "Reason",
+    "Robot",
+    "TrajectoryReport",
+    "Verdict",
+    "Verification",
+    "World",
+    "__version__",
+    "verify",
+]

@@ -1,0 +1,473 @@
+//! Class `Checker`.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use clearance::robot::Configuration;
+use clearance::scene::{AttachedObject, BodyId, Scene};
+use clearance::{CollisionChecker, SettingsError};
+use numpy::{PyArray1, PyArrayDyn};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::arrays::{Rows, array};
+use crate::batches::run;
+use crate::error::error;
+use crate::joint_space::JointSpace;
+use crate::motion_queries::{self, MotionSettings, TrajectoryArrays};
+use crate::poses;
+use crate::recovery::{self, SearchLimits};
+use crate::robot::Robot;
+use crate::settings::CheckSettings;
+use crate::state_queries::{self, single};
+use crate::world::World;
+use crate::world_state::SceneState;
+
+/// What queries use; threads share it.
+#[derive(Debug)]
+pub struct CheckerCore {
+    /// Unique in this process.
+    pub id: u64,
+    pub checker: CollisionChecker,
+    pub space: Arc<JointSpace>,
+}
+
+impl CheckerCore {
+    fn new(checker: CollisionChecker, space: Arc<JointSpace>) -> Arc<Self> {
+        static NEXT: AtomicU64 = AtomicU64::new(0);
+        Arc::new(Self { id: NEXT.fetch_add(1, Ordering::Relaxed), checker, space })
+    }
+}
+
+/// Checks states and motions of a robot in a world. Immutable: any number of threads may share it.
+///
+/// `Checker(robot, world=None, *, group=None, fixed=None, padding=0.0, link_padding={}, link_scale={}, object_padding={}, object_scale={},
+/// pad_self=False, check_self=True, check_world=True, mesh_model="surface", allowed_collisions=[], checked_collisions=[])`
+///
+/// States `q` have all positions of the robot, in the order of `Robot.joint_names`, or with `group` those of a group of the SRDF, in the
+/// order of `joint_names` of this class. Joints outside of the group have the values of `fixed` (a dict by name; rad, m), or their
+/// defaults: 0, or the middle of limits that exclude 0. Arrays of other types than C-contiguous float64 are converted.
+///
+/// - `padding` (m): safety distance of all links against obstacles, with `pad_self` also between links; `link_padding` by link.
+/// - `link_scale`, `object_scale`: factors by name. `object_padding` (m): by obstacle, in addition to that of the links.
+/// - `mesh_model`: "surface", or "solid", where a closed mesh includes its inside.
+/// - `allowed_collisions`: pairs of names that may touch, besides those that the world's file or else the SRDF allows;
+///   `checked_collisions`: pairs that are checked all the same.
+///
+/// Batches use all cores, or `num_threads`. They and checks of motions release the GIL, and end with KeyboardInterrupt on Ctrl-C.
+/// Results do not depend on the number of threads. Wrong shapes raise ValueError, wrong types TypeError, and everything that the library
+/// rejects raises `Error`, a ValueError: positions that are not finite, or unknown names. Joint limits are not checked.
+#[pyclass(frozen, module = "clearance")]
+#[derive(Debug)]
+pub struct Checker {
+    pub core: Arc<CheckerCore>,
+    robot: Py<Robot>,
+    scene: Scene,
+    settings: Arc<CheckSettings>,
+    group: Option<String>,
+    fixed: BTreeMap<String, f64>,
+}
+
+impl Checker {
+    fn build(
+        py: Python<'_>,
+        robot: Py<Robot>,
+        scene: Scene,
+        settings: CheckSettings,
+        (group, fixed): (Option<String>, BTreeMap<String, f64>),
+    ) -> PyResult<Self> {
+        let model = Arc::clone(&robot.get().model);
+        let named: Vec<(String, f64)> = fixed.iter().map(|(name, value)| (name.clone(), *value)).collect();
+        let space = Arc::new(JointSpace::of_group(Arc::clone(&model), group.as_deref(), &named)?);
+        let matrix = settings.matrix(&model, &scene);
+        let of_scene = settings.settings.clone().with_scene(&scene);
+        // on threads of this process, which the library's own pool may not have after a fork
+        let built = run(
+            py,
+            None,
+            || {},
+            |_| CollisionChecker::with_matrix(model, &scene.world, of_scene, matrix.as_ref()),
+        )?;
+        let core = CheckerCore::new(built.map_err(error)?, space);
+        Ok(Self { core, robot, scene, settings: Arc::new(settings), group, fixed })
+    }
+
+    /// The same checker in another scene; hierarchies that do not change are shared.
+    fn with_scene(&self, py: Python<'_>, scene: Scene) -> PyResult<Self> {
+        let matrix = self.settings.matrix(self.core.space.robot(), &scene);
+        let settings = self.settings.settings.clone().with_scene(&scene);
+        let built: Result<_, SettingsError> =
+            run(py, None, || {}, |_| self.core.checker.with_world(&scene.world, settings, matrix.as_ref()))?;
+        let core = CheckerCore::new(built.map_err(error)?, Arc::clone(&self.core.space));
+        let (robot, group, fixed) = (self.robot.clone_ref(py), self.group.clone(), self.fixed.clone());
+        Ok(Self { core, robot, scene, settings: Arc::clone(&self.settings), group, fixed })
+    }
+
+    fn limits(&self, py: Python<'_>, name: &str) -> PyResult<Vec<f64>> {
+        let whole: Vec<f64> = self.robot.bind(py).getattr(name)?.call_method0("tolist")?.extract()?;
+        Ok(self.core.space.select(&whole))
+    }
+
+    fn configuration_of(&self, positions: &BTreeMap<String, f64>) -> PyResult<Configuration> {
+        let space = &self.core.space;
+        let given = positions.iter().map(|(name, value)| (name.as_str(), *value));
+        let q = space.robot().configuration_over(space.rest(), given).map_err(error)?;
+        let all =
+            space.robot().position_names().iter().zip(q.positions().iter().zip(space.rest().positions()));
+        let moved = all.filter(|(_, (value, rest))| value != rest).map(|(name, _)| name);
+        match moved.into_iter().find(|name| !space.names().contains(name)) {
+            Some(name) => {
+                let group = self.group.as_deref().unwrap_or_default();
+                Err(error(format!("joint '{name}' is not in group '{group}': give its value as fixed=...")))
+            }
+            None => Ok(q),
+        }
+    }
+}
+
+#[pymethods]
+impl Checker {
+    #[new]
+    #[pyo3(
+        signature = (robot, world=None, *, group=None, fixed=BTreeMap::new(), **settings),
+        text_signature = "(robot, world=None, *, group=None, fixed={}, **settings)"
+    )]
+    fn new(
+        py: Python<'_>,
+        robot: Py<Robot>,
+        world: Option<PyRef<'_, World>>,
+        group: Option<String>,
+        fixed: BTreeMap<String, f64>,
+        settings: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Self> {
+        let scene = world.map(|world| world.scene.clone()).unwrap_or_default();
+        let settings = CheckSettings::new(settings)?;
+        settings.check_names(&robot.get().model, &scene)?;
+        Self::build(py, robot, scene, settings, (group, fixed))
+    }
+
+    /// The robot.
+    #[getter]
+    fn robot(&self, py: Python<'_>) -> Py<Robot> {
+        self.robot.clone_ref(py)
+    }
+
+    /// A copy of the world.
+    #[getter]
+    fn world(&self) -> World {
+        World { scene: self.scene.clone() }
+    }
+
+    /// The settings, as keyword arguments of the class.
+    #[getter]
+    fn settings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        self.settings.keywords(py)
+    }
+
+    /// Name of the group, or None for all joints of the robot.
+    #[getter]
+    fn group(&self) -> Option<&str> {
+        self.group.as_deref()
+    }
+
+    /// Names of the positions of a state `q`, in order.
+    #[getter]
+    fn joint_names(&self) -> Vec<String> {
+        self.core.space.names().to_vec()
+    }
+
+    /// Lower limits (rad, m) of the positions, shape (n,).
+    #[getter]
+    fn lower<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        Ok(PyArray1::from_vec(py, self.limits(py, "lower")?))
+    }
+
+    /// Upper limits (rad, m) of the positions, shape (n,).
+    #[getter]
+    fn upper<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        Ok(PyArray1::from_vec(py, self.limits(py, "upper")?))
+    }
+
+    /// Names of the pairs of bodies that are checked.
+    #[getter]
+    fn pairs(&self) -> Vec<(String, String)> {
+        let list = self.core.checker.pairs();
+        let world = list.world_pairs().map(|(part, obstacle)| (part, BodyId::Obstacle(obstacle)));
+        let all = list.self_pairs().iter().copied().chain(world);
+        all.map(|(a, b)| crate::results::names(&self.core.checker, a, b)).collect()
+    }
+
+    /// A state, shape (n,), with some joints set by name (rad, m); the others as `fixed` says, or at their defaults.
+    #[pyo3(signature = (positions=BTreeMap::new()))]
+    fn configuration<'py>(
+        &self,
+        py: Python<'py>,
+        positions: BTreeMap<String, f64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let q = self.configuration_of(&positions)?;
+        Ok(PyArray1::from_vec(py, self.core.space.select(q.positions())))
+    }
+
+    /// Positions of the whole robot, shape (..., N), for states `q` of shape (..., n).
+    fn expand<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let space = &self.core.space;
+        let rows = Rows::new(q, "q", space.names())?;
+        let mut values = Vec::new();
+        for i in 0..rows.count() {
+            let read = space.read(rows.table().row(i));
+            values.extend(read.map_err(|why| error(format!("q{}: {why}", rows.place(i))))?.positions());
+        }
+        array(py, values, &[rows.leading(), &[space.rest().positions().len()]].concat())
+    }
+
+    /// The same checker in another world. Hierarchies of links and of obstacles that do not change are shared.
+    fn with_world(&self, py: Python<'_>, world: PyRef<'_, World>) -> PyResult<Self> {
+        let scene = world.scene.clone();
+        drop(world);
+        self.with_scene(py, scene)
+    }
+
+    /// A checker in which the obstacle `name` is attached to `link` and moves with it.
+    ///
+    /// Either `q` is the state, shape (n,), in which the link grasps the obstacle where it is, or `pose` is the pose of the obstacle in the
+    /// frame of the link. `touch_links` may touch the object, besides `link`.
+    #[pyo3(signature = (name, link, *, q=None, pose=None, touch_links=Vec::new()))]
+    fn attach(
+        &self,
+        py: Python<'_>,
+        name: &str,
+        link: &str,
+        q: Option<&Bound<'_, PyAny>>,
+        pose: Option<&Bound<'_, PyAny>>,
+        touch_links: Vec<String>,
+    ) -> PyResult<Self> {
+        let robot = self.robot.get();
+        let unknown = || error(format!("there is no object '{name}'"));
+        let obstacle = self.scene.world.obstacle_by_name(name).ok_or_else(unknown)?;
+        let state = q.map_or_else(|| Ok(self.core.space.rest().clone()), |q| single(&self.core, q, "q"))?;
+        let pose_rl = robot.link_pose(link, &state)?;
+        for touched in &touch_links {
+            robot.link_pose(touched, &state)?;
+        }
+        let mut object = AttachedObject::grasped(obstacle, link, &pose_rl, touch_links);
+        match (q, pose) {
+            (Some(_), None) => {}
+            (None, Some(pose)) => object.pose_lo = poses::read(Some(pose))?,
+            _ => {
+                return Err(error(
+                    "attach needs either q, the state of the grasp, or pose, in the frame of the link",
+                ));
+            }
+        }
+        let mut scene = self.scene.clone();
+        scene.world.attach(object).map_err(error)?;
+        self.with_scene(py, scene)
+    }
+
+    /// A checker in which the attached object `name` is an obstacle, where it is in the state `q` of shape (n,).
+    fn detach(&self, py: Python<'_>, name: &str, q: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let mut scene = self.scene.clone();
+        let unknown = || error(format!("no object '{name}' is attached"));
+        let object = scene.world.attached_by_name(name).ok_or_else(unknown)?;
+        let pose_rl = self.robot.get().link_pose(&object.link, &single(&self.core, q, "q")?)?;
+        scene.world.detach(name, &pose_rl).map_err(error)?;
+        self.with_scene(py, scene)
+    }
+
+    /// Whether states are free of collision: a bool for `q` of shape (n,), an array of shape (...) for (..., n).
+    ///
+    /// True is proven: every pair is apart, by more than the padding.
+    #[pyo3(signature = (q, *, num_threads=None))]
+    fn is_free<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        num_threads: Option<usize>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        state_queries::is_free(py, &self.core, q, num_threads)
+    }
+
+    /// Least distances (m, padding subtracted) within the robot, and between robot and world: `Distances`, for `q` of shape (..., n).
+    ///
+    /// Distances above `max_distance` (m) are infinite. Bodies that touch have distance 0. With `gradients=True`, distances are signed,
+    /// minus the penetration depth of bodies that overlap, and the derivatives with respect to `q` are added, as `clearance` has them.
+    #[pyo3(signature = (q, max_distance=0.1, *, gradients=false, num_threads=None))]
+    fn distance<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        max_distance: f64,
+        gradients: bool,
+        num_threads: Option<usize>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        state_queries::distance(py, &self.core, q, (max_distance, gradients), num_threads)
+    }
+
+    /// Full report on a state of shape (n,): `CollisionReport`, with all colliding pairs, their contacts, and the distances of all pairs up
+    /// to `max_distance` (m). `max_contacts` is the number of contacts of each colliding pair; 0 for none.
+    ///
+    /// For `q` of shape (..., n), lists of reports of shape (...).
+    #[pyo3(signature = (q, max_distance=0.1, *, max_contacts=1, num_threads=None))]
+    fn check<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        max_distance: f64,
+        max_contacts: usize,
+        num_threads: Option<usize>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        state_queries::check(py, &self.core, q, (max_distance, max_contacts), num_threads)
+    }
+
+    /// Signed distances of all pairs up to `influence_distance` (m), with witness points, normals and derivatives: `Clearance`, for a state
+    /// of shape (n,). For `q` of shape (..., n), lists of shape (...).
+    #[pyo3(signature = (q, influence_distance, *, num_threads=None))]
+    fn clearance<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        influence_distance: f64,
+        num_threads: Option<usize>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        state_queries::clearance(py, &self.core, q, influence_distance, num_threads)
+    }
+
+    /// Whether straight motions from `q0` to `q1` are proven free, for every point between their ends: a bool, or an array of shape (...)
+    /// for (..., n). The two are broadcast to one shape.
+    ///
+    /// False: contact, or undecided. `check_edges` says which. Options are those of `check_motion`.
+    #[pyo3(signature = (q0, q1, *, num_threads=None, **options), text_signature = "($self, q0, q1, *, num_threads=None, **options)")]
+    fn are_edges_free<'py>(
+        &self,
+        py: Python<'py>,
+        q0: &Bound<'py, PyAny>,
+        q1: &Bound<'py, PyAny>,
+        num_threads: Option<usize>,
+        options: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        // which contact is found does not matter
+        let settings = MotionSettings { any_contact: true, ..MotionSettings::new(options)? };
+        let (verdicts, shape) =
+            motion_queries::check_edges(py, &self.core, [q0, q1], &settings, num_threads)?;
+        motion_queries::free_flags(py, &verdicts, &shape)
+    }
+
+    /// Verdicts of straight motions from `q0` to `q1` of shapes (..., n), which are broadcast to one shape: `EdgeReports`, with arrays of
+    /// verdicts, reasons and fractions. Options are those of `check_motion`.
+    #[pyo3(signature = (q0, q1, *, num_threads=None, **options), text_signature = "($self, q0, q1, *, num_threads=None, **options)")]
+    fn check_edges<'py>(
+        &self,
+        py: Python<'py>,
+        q0: &Bound<'py, PyAny>,
+        q1: &Bound<'py, PyAny>,
+        num_threads: Option<usize>,
+        options: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let settings = MotionSettings::new(options)?;
+        let (verdicts, shape) =
+            motion_queries::check_edges(py, &self.core, [q0, q1], &settings, num_threads)?;
+        motion_queries::edge_reports(py, &verdicts, &shape)
+    }
+
+    /// Checks the straight motion from `q0` to `q1`, both of shape (n,): `MotionReport`. FREE is a proof for the whole motion.
+    ///
+    /// `certificate=True` adds the proof as a document. `tube` (rad, m; a number or (n,)) is a tracking tolerance: the robot may be anywhere
+    /// within it. Options: `tolerance=5e-4` (m), pairs that stay farther apart are always decided; `timeout=None` (s);
+    /// `budget=10_000_000` evaluations of a pair; `any_contact=False`, True to end at any contact, not the earliest.
+    #[pyo3(
+        signature = (q0, q1, *, certificate=false, tube=None, **options),
+        text_signature = "($self, q0, q1, *, certificate=False, tube=None, **options)"
+    )]
+    fn check_motion<'py>(
+        &self,
+        py: Python<'py>,
+        q0: &Bound<'py, PyAny>,
+        q1: &Bound<'py, PyAny>,
+        certificate: bool,
+        tube: Option<&Bound<'py, PyAny>>,
+        options: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let settings = MotionSettings::new(options)?;
+        motion_queries::check_motion(py, &self.core, [q0, q1], (certificate, tube), &settings)
+    }
+
+    /// Checks a trajectory: `TrajectoryReport`. `times` (s) have shape (N,), or are None for a path without times; `positions` (rad, m),
+    /// `velocities` and `accelerations` have shape (N, n).
+    ///
+    /// Between two points the motion is linear, cubic if there are velocities, quintic if there are accelerations, too, as in
+    /// `trajectory_msgs/JointTrajectory`. With `shortest=True`, continuous joints go the shortest way. Other arguments and options are
+    /// those of `check_motion`.
+    #[pyo3(
+        signature = (times, positions, velocities=None, accelerations=None, *, shortest=false, certificate=false, tube=None, **options),
+        text_signature = "($self, times, positions, velocities=None, accelerations=None, *, shortest=False, certificate=False, tube=None, **options)"
+    )]
+    #[allow(clippy::too_many_arguments)] // one for each keyword
+    fn check_trajectory<'py>(
+        &self,
+        py: Python<'py>,
+        times: Option<&Bound<'py, PyAny>>,
+        positions: &Bound<'py, PyAny>,
+        velocities: Option<&Bound<'py, PyAny>>,
+        accelerations: Option<&Bound<'py, PyAny>>,
+        shortest: bool,
+        certificate: bool,
+        tube: Option<&Bound<'py, PyAny>>,
+        options: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let settings = MotionSettings::new(options)?;
+        let points = TrajectoryArrays { times, positions, velocities, accelerations, shortest };
+        motion_queries::check_trajectory(py, &self.core, &points, (certificate, tube), &settings)
+    }
+
+    /// Searches a free state near `q`, of shape (n,): `FreeState`. Only the joints of the group move, without those in `locked`.
+    ///
+    /// `max_distance`: Euclidean norm of all changes (rad, m). `clearance` (m): distance that the free state keeps from every collision.
+    /// `max_checks` and `timeout` (s) limit the search. Nothing proves that no free state is nearer.
+    #[pyo3(signature = (q, *, max_distance=0.5, clearance=0.001, max_checks=20_000, timeout=None, locked=Vec::new()))]
+    #[allow(clippy::too_many_arguments)] // one for each keyword
+    fn find_free_state<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        max_distance: f64,
+        clearance: f64,
+        max_checks: u64,
+        timeout: Option<f64>,
+        locked: Vec<String>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let limits = SearchLimits { max_distance, clearance, max_checks, timeout, locked };
+        recovery::find_free_state(py, &self.core, q, limits)
+    }
+
+    fn __repr__(&self) -> String {
+        let (robot, pairs) = (self.core.checker.robot().name(), self.core.checker.pairs().len());
+        let group = self.group.as_ref().map_or_else(String::new, |group| format!(", group '{group}'"));
+        format!(
+            "<clearance.Checker of '{robot}'{group}: {} joint positions, {pairs} pairs>",
+            self.core.space.names().len()
+        )
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let restore = py.import("clearance._clearance")?.getattr("_restore_checker")?;
+        let scene = SceneState::new(py, &self.scene);
+        let arguments =
+            (self.robot.clone_ref(py), scene, self.settings.keywords(py)?, &self.group, &self.fixed);
+        Ok((restore, arguments).into_pyobject(py)?.into_any())
+    }
+}
+
+/// The checker of a pickle.
+#[pyfunction]
+#[pyo3(name = "_restore_checker")]
+pub fn restore_checker(
+    py: Python<'_>,
+    robot: Py<Robot>,
+    scene: SceneState<'_>,
+    settings: &Bound<'_, PyDict>,
+    group: Option<String>,
+    fixed: BTreeMap<String, f64>,
+) -> PyResult<Checker> {
+    Checker::build(py, robot, scene.scene()?, CheckSettings::new(Some(settings))?, (group, fixed))
+}

@@ -1,0 +1,59 @@
+//! Python package `clearance`: arguments from Python are converted, a function of the library is called, its result is converted.
+//!
+//! | content | file |
+//! |---|---|
+//! | `Robot`, and the sources that it is pickled with | `robot`, `robot_sources` |
+//! | `World`, its shapes and its pickle | `world`, `shapes`, `world_state` |
+//! | `Checker`: its settings, and the joints of its states | `checker`, `settings`, `joint_space` |
+//! | queries on states, motions, ways out of a collision | `state_queries`, `motion_queries`, `recovery` |
+//! | `Certificate` and its verification | `certificate`, `verification` |
+//! | arrays and poses | `arrays`, `poses` |
+//! | many states on many threads, ended by Ctrl-C | `batches`, `thread_pools`, `workspaces` |
+//! | result classes, which are Python dataclasses in `clearance/_results.py` | `results` |
+//! | the command `clearance` | `command` |
+
+#![allow(
+    clippy::needless_pass_by_value,
+    reason = "functions that Python calls own their converted arguments"
+)]
+
+mod arrays;
+mod batches;
+mod certificate;
+mod checker;
+mod command;
+mod error;
+mod joint_space;
+mod motion_queries;
+mod poses;
+mod recovery;
+mod results;
+mod robot;
+mod robot_sources;
+mod settings;
+mod shapes;
+mod state_queries;
+mod thread_pools;
+mod verification;
+mod workspaces;
+mod world;
+mod world_state;
+
+use pyo3::prelude::*;
+
+/// Native part of the package `clearance`.
+#[pymodule]
+fn _clearance(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("Error", module.py().get_type::<error::Error>())?;
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_class::<robot::Robot>()?;
+    module.add_class::<world::World>()?;
+    module.add_class::<checker::Checker>()?;
+    module.add_class::<certificate::Certificate>()?;
+    module.add_function(wrap_pyfunction!(verification::verify, module)?)?;
+    module.add_function(wrap_pyfunction!(command::run_command, module)?)?;
+    module.add_function(wrap_pyfunction!(robot::restore_robot, module)?)?;
+    module.add_function(wrap_pyfunction!(world::restore_world, module)?)?;
+    module.add_function(wrap_pyfunction!(checker::restore_checker, module)?)?;
+    Ok(())
+}

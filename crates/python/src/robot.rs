@@ -1,0 +1,300 @@
+//! Class `Robot`.
+
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use clearance::geometry::math::Pose;
+use clearance::robot::{Configuration, GroupState, JointKind, LinkId, LinkPoses, RobotModel};
+use numpy::{PyArray1, PyArrayDyn};
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict, PyTuple};
+
+use crate::arrays::{Numbers, Rows, array};
+use crate::error::{error, warn};
+use crate::joint_space::JointSpace;
+use crate::poses;
+use crate::robot_sources::{MeshBytes, RobotSources, Text};
+
+/// A robot: links and joints from URDF, groups and allowed collisions from SRDF, with the meshes. Immutable.
+///
+/// Joint positions `q` are float64 arrays in the order of `joint_names` (rad, m). Mimic joints have no position of their own: they follow
+/// their leaders. A floating joint `j` has seven positions, `j/trans_x j/trans_y j/trans_z j/rot_x j/rot_y j/rot_z j/rot_w`, a planar
+/// one three, `j/x j/y j/theta`. All poses are in the frame of the root link, in metres.
+///
+/// A pickle contains the texts and the bytes of all mesh files, so that it is the same robot on every machine.
+#[pyclass(frozen, module = "clearance")]
+#[derive(Debug)]
+pub struct Robot {
+    pub model: Arc<RobotModel>,
+    pub sources: Arc<RobotSources>,
+    space: JointSpace,
+}
+
+impl Robot {
+    fn new(model: RobotModel, sources: RobotSources) -> Self {
+        let model = Arc::new(model);
+        Self { space: JointSpace::whole(Arc::clone(&model)), model, sources: Arc::new(sources) }
+    }
+
+    /// Lower and upper limits of every position; infinite where there are none.
+    fn limits(&self) -> [Vec<f64>; 2] {
+        let count = self.model.position_names().len();
+        let [mut lower, mut upper] = [vec![f64::NEG_INFINITY; count], vec![f64::INFINITY; count]];
+        for id in self.model.joint_ids() {
+            let joint = self.model.joint(id);
+            let is_single = joint.kind.position_suffixes().len() == 1;
+            let (Some(first), Some(limits), true) = (self.model.first_position(id), joint.limits, is_single)
+            else {
+                continue;
+            };
+            (lower[first], upper[first]) = (limits.lower, limits.upper);
+        }
+        [lower, upper]
+    }
+
+    /// By position: where it begins and how far it goes in random states; no length keeps the default.
+    fn random_ranges(&self) -> Vec<[f64; 2]> {
+        let mut ranges: Vec<[f64; 2]> = self.space.rest().positions().iter().map(|q| [*q, 0.0]).collect();
+        for id in self.model.joint_ids() {
+            let joint = self.model.joint(id);
+            let Some(first) = self.model.first_position(id) else { continue };
+            ranges[first] = match (&joint.kind, joint.limits) {
+                (JointKind::Planar(_) | JointKind::Floating, _) => continue,
+                (JointKind::Continuous(_), _) | (JointKind::Revolute(_), None) => [-PI, 2.0 * PI],
+                (_, None) => [-0.5, 1.0],
+                (_, Some(limits)) => [limits.lower, limits.upper - limits.lower],
+            };
+        }
+        ranges
+    }
+
+    fn link(&self, name: &str) -> PyResult<LinkId> {
+        self.model.link_by_name(name).ok_or_else(|| {
+            let names: Vec<&str> = self.model.links().iter().map(|link| link.name.as_str()).collect();
+            error(format!("the robot has no link '{name}'; it has {}", names.join(", ")))
+        })
+    }
+
+    /// Pose of a link in the root frame.
+    pub fn link_pose(&self, link: &str, q: &Configuration) -> PyResult<Pose> {
+        let (link, mut poses) = (self.link(link)?, LinkPoses::new(&self.model));
+        self.model.forward_kinematics(q, &mut poses);
+        Ok(*poses.pose(link))
+    }
+}
+
+#[pymethods]
+impl Robot {
+    /// Reads a robot.
+    ///
+    /// `urdf` and `srdf` are paths or XML texts. A path that ends with `.xacro` is expanded with the Python package `xacro`, with
+    /// `xacro_args` as its arguments. `package://NAME/path` is searched in `package_paths`, then beside the URDF and in its parents, then
+    /// in `AMENT_PREFIX_PATH` and `ROS_PACKAGE_PATH`.
+    ///
+    /// Unusual input that is accepted causes warnings of the class `InputWarning`. Raises `Error` for every fault of the input.
+    #[staticmethod]
+    #[pyo3(signature = (urdf, srdf=None, package_paths=Vec::new(), *, xacro_args=None))]
+    fn from_urdf(
+        py: Python<'_>,
+        urdf: &Bound<'_, PyAny>,
+        srdf: Option<&Bound<'_, PyAny>>,
+        package_paths: Vec<PathBuf>,
+        xacro_args: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Self> {
+        let mut sources = RobotSources::read(urdf, srdf, package_paths, xacro_args)?;
+        let model = py.detach(|| sources.load());
+        let model = model.map_err(error)?;
+        warn(py, model.warnings())?;
+        Ok(Self::new(model, sources))
+    }
+
+    /// Name of the robot in the URDF.
+    #[getter]
+    fn name(&self) -> &str {
+        self.model.name()
+    }
+
+    /// Names of the positions of a state `q`, in order: all joints that move by themselves.
+    #[getter]
+    fn joint_names(&self) -> Vec<String> {
+        self.model.position_names().to_vec()
+    }
+
+    /// Lower limits (rad, m), shape (n,); minus infinity without limit. Collisions are checked beyond limits, too.
+    #[getter]
+    fn lower<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let [lower, _] = self.limits();
+        PyArray1::from_vec(py, lower)
+    }
+
+    /// Upper limits (rad, m), shape (n,); infinity without limit. Collisions are checked beyond limits, too.
+    #[getter]
+    fn upper<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let [_, upper] = self.limits();
+        PyArray1::from_vec(py, upper)
+    }
+
+    /// Names of all links, in the order of the URDF.
+    #[getter]
+    fn link_names(&self) -> Vec<String> {
+        self.model.links().iter().map(|link| link.name.clone()).collect()
+    }
+
+    /// Name of the root link, whose frame is the frame of all poses and points.
+    #[getter]
+    fn root_link(&self) -> String {
+        self.model.link(self.model.root()).name.clone()
+    }
+
+    /// Groups of the SRDF: the names of the positions of each, in the order of `Checker(..., group=NAME)`.
+    #[getter]
+    fn groups(&self) -> BTreeMap<String, Vec<String>> {
+        let groups = self.model.srdf().map_or(&[][..], |srdf| &srdf.groups);
+        let names = |group: &str| {
+            let space = JointSpace::of_group(Arc::clone(&self.model), Some(group), &[]);
+            space.map_or_else(|_| Vec::new(), |space| space.names().to_vec())
+        };
+        groups.iter().map(|group| (group.name.clone(), names(&group.name))).collect()
+    }
+
+    /// Group states of the SRDF: the positions (rad, m) of each by joint. If several groups have states of one name, their names are
+    /// `group/name`.
+    #[getter]
+    fn group_states(&self) -> BTreeMap<String, BTreeMap<String, f64>> {
+        let states = self.model.srdf().map_or(&[][..], |srdf| &srdf.group_states);
+        let is_alone =
+            |state: &GroupState| states.iter().filter(|other| other.name == state.name).count() == 1;
+        let key = |state: &GroupState| {
+            if is_alone(state) { state.name.clone() } else { format!("{}/{}", state.group, state.name) }
+        };
+        states.iter().map(|state| (key(state), state.positions.iter().cloned().collect())).collect()
+    }
+
+    /// Texts of the warnings about input that was accepted.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.model.warnings().iter().map(ToString::to_string).collect()
+    }
+
+    /// A state, shape (n,), with some joints set by name (rad, m).
+    ///
+    /// The others are at 0, or in the middle of limits that exclude 0. A mimic joint moves its leader. Raises `Error` for unknown names.
+    #[pyo3(signature = (positions=BTreeMap::new()))]
+    fn configuration<'py>(
+        &self,
+        py: Python<'py>,
+        positions: BTreeMap<String, f64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let named = positions.iter().map(|(name, value)| (name.as_str(), *value));
+        let q = self.model.configuration_from_names(named).map_err(error)?;
+        Ok(PyArray1::from_slice(py, q.positions()))
+    }
+
+    /// Random states, uniform between the limits: shape (n,) for `size=None`, else (size, n).
+    ///
+    /// `rng` is a `numpy.random.Generator`, a seed, or None. Continuous joints are within half a turn; prismatic joints without limits are
+    /// within half a metre. Planar and floating joints keep their default positions.
+    #[pyo3(signature = (rng=None, size=None))]
+    fn random<'py>(
+        &self,
+        py: Python<'py>,
+        rng: Option<&Bound<'py, PyAny>>,
+        size: Option<usize>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let count = self.model.position_names().len();
+        let shape = size.map_or_else(|| vec![count], |size| vec![size, count]);
+        let generator = py.import("numpy.random")?.call_method1("default_rng", (rng,)).map_err(|why| {
+            PyTypeError::new_err(format!("rng must be a numpy.random.Generator, a seed or None: {why}"))
+        })?;
+        let numbers = generator.call_method1("random", (PyTuple::new(py, &shape)?,))?;
+        let ranges = self.random_ranges();
+        let mut values = Numbers::new(&numbers, "rng.random()")?.values().to_vec();
+        for row in values.chunks_exact_mut(count.max(1)) {
+            for (value, [first, length]) in row.iter_mut().zip(&ranges) {
+                *value = first + length * *value;
+            }
+        }
+        array(py, values, &shape)
+    }
+
+    /// Poses of links in the frame of the root link: a dict from link name to homogeneous matrices of shape (..., 4, 4), for `q` of shape
+    /// (..., n). `links` are the names of the wanted links, by default all.
+    #[pyo3(signature = (q, links=None))]
+    fn forward_kinematics<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        links: Option<Vec<String>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let rows = Rows::new(q, "q", self.space.names())?;
+        let links = links.unwrap_or_else(|| self.link_names());
+        let ids = links.iter().map(|name| self.link(name)).collect::<PyResult<Vec<_>>>()?;
+        let (mut poses, mut row_memory) = (LinkPoses::new(&self.model), Vec::new());
+        let mut state = self.space.rest().clone();
+        let mut matrices = vec![Vec::with_capacity(16 * rows.count()); ids.len()];
+        for i in 0..rows.count() {
+            let read = self.space.read_into(rows.table().row(i), &mut row_memory, &mut state);
+            read.map_err(|why| error(format!("q{}: {why}", rows.place(i))))?;
+            self.model.forward_kinematics(&state, &mut poses);
+            for (matrices, id) in matrices.iter_mut().zip(&ids) {
+                matrices.extend(poses::matrix(poses.pose(*id)));
+            }
+        }
+        let shape = [rows.leading(), &[4, 4]].concat();
+        let result = PyDict::new(py);
+        for (name, matrices) in links.iter().zip(matrices) {
+            result.set_item(name, array(py, matrices, &shape)?)?;
+        }
+        Ok(result)
+    }
+
+    fn __repr__(&self) -> String {
+        let (name, links) = (self.model.name(), self.model.links().len());
+        format!(
+            "<clearance.Robot '{name}': {} joint positions, {links} links>",
+            self.model.position_names().len()
+        )
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let RobotSources { urdf, srdf, folder, package_paths, meshes } = &*self.sources;
+        let mut files: BTreeMap<&PathBuf, Bound<'py, PyBytes>> = BTreeMap::new();
+        let meshes = meshes.iter().map(|mesh| {
+            let bytes = files.entry(&mesh.file).or_insert_with(|| PyBytes::new(py, &mesh.bytes)).clone();
+            (mesh.folder.clone(), mesh.uri.clone(), mesh.file.clone(), bytes)
+        });
+        let meshes: Vec<_> = meshes.collect();
+        let texts = [Some(urdf), srdf.as_ref()].map(|text| text.map(|text| (&text.text, &text.file)));
+        let arguments = (texts[0], texts[1], folder, package_paths, meshes);
+        let restore = py.import("clearance._clearance")?.getattr("_restore_robot")?;
+        Ok((restore, arguments).into_pyobject(py)?.into_any())
+    }
+}
+
+type PickledText = (String, Option<String>);
+type PickledMesh<'py> = (Option<PathBuf>, String, PathBuf, Bound<'py, PyBytes>);
+
+/// The robot of a pickle.
+#[pyfunction]
+#[pyo3(name = "_restore_robot")]
+pub fn restore_robot(
+    py: Python<'_>,
+    urdf: PickledText,
+    srdf: Option<PickledText>,
+    folder: Option<PathBuf>,
+    package_paths: Vec<PathBuf>,
+    meshes: Vec<PickledMesh<'_>>,
+) -> PyResult<Robot> {
+    let text = |(text, file): PickledText| Text { text, file };
+    let meshes = meshes.into_iter().map(|(folder, uri, file, bytes)| {
+        let bytes = Arc::from(bytes.as_bytes());
+        MeshBytes { folder, uri, file, bytes }
+    });
+    let meshes = meshes.collect();
+    let sources = RobotSources { urdf: text(urdf), srdf: srdf.map(text), folder, package_paths, meshes };
+    let model = py.detach(|| sources.restore()).map_err(error)?;
+    Ok(Robot::new(model, sources))
+}

@@ -1,0 +1,152 @@
+//! Settings of a checker, as keyword arguments.
+
+use std::collections::HashMap;
+
+use clearance::robot::RobotModel;
+use clearance::scene::{AllowedCollisionMatrix, MeshModel, Scene, Settings};
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::error::error;
+
+const KEYWORDS: &str = "padding, link_padding, link_scale, object_padding, object_scale, pad_self, check_self, check_world, mesh_model, \
+                        allowed_collisions, checked_collisions";
+
+type Pairs = Vec<(String, String)>;
+
+/// Settings of the library, and changes of the pairs that are checked.
+#[derive(Clone, Debug, Default)]
+pub struct CheckSettings {
+    pub settings: Settings,
+    /// Pairs that may touch, besides those of the scene or the SRDF.
+    allowed: Pairs,
+    /// Pairs that are checked, whatever the scene or the SRDF say.
+    checked: Pairs,
+}
+
+impl CheckSettings {
+    /// Reads keyword arguments.
+    pub fn new(keywords: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let mut read = Self::default();
+        for (keyword, value) in keywords.into_iter().flatten() {
+            let keyword: String = keyword.extract()?;
+            read.set(&keyword, &value)?;
+        }
+        Ok(read)
+    }
+
+    fn set(&mut self, keyword: &str, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        let settings = &mut self.settings;
+        match keyword {
+            "padding" => settings.padding = read(keyword, value, "a number (m)")?,
+            "link_padding" => settings.link_padding = by_name(keyword, value)?,
+            "link_scale" => settings.link_scale = by_name(keyword, value)?,
+            "object_padding" => settings.object_padding = by_name(keyword, value)?,
+            "object_scale" => settings.object_scale = by_name(keyword, value)?,
+            "pad_self" => settings.pad_self = read(keyword, value, "True or False")?,
+            "check_self" => settings.check_self = read(keyword, value, "True or False")?,
+            "check_world" => settings.check_world = read(keyword, value, "True or False")?,
+            "mesh_model" => {
+                settings.mesh_model = match read::<String>(keyword, value, "'surface' or 'solid'")?.as_str() {
+                    "surface" => MeshModel::Surface,
+                    "solid" => MeshModel::Solid,
+                    other => {
+                        let text = format!("mesh_model is '{other}', but must be 'surface' or 'solid'");
+                        return Err(PyValueError::new_err(text));
+                    }
+                }
+            }
+            "allowed_collisions" => self.allowed = read(keyword, value, "a list of pairs of names")?,
+            "checked_collisions" => self.checked = read(keyword, value, "a list of pairs of names")?,
+            _ => {
+                let text = format!("there is no setting '{keyword}'; there are {KEYWORDS}");
+                return Err(PyTypeError::new_err(text));
+            }
+        }
+        Ok(())
+    }
+
+    /// The keyword arguments that these settings are read from.
+    pub fn keywords<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let keywords = PyDict::new(py);
+        let Settings {
+            padding,
+            link_padding,
+            link_scale,
+            object_padding,
+            object_scale,
+            pad_self,
+            check_self,
+            check_world,
+            mesh_model,
+        } = &self.settings;
+        let mesh_model = if *mesh_model == MeshModel::Solid { "solid" } else { "surface" };
+        keywords.set_item("padding", padding)?;
+        for (name, values) in [
+            ("link_padding", link_padding),
+            ("link_scale", link_scale),
+            ("object_padding", object_padding),
+            ("object_scale", object_scale),
+        ] {
+            keywords.set_item(name, values)?;
+        }
+        for (name, value) in
+            [("pad_self", pad_self), ("check_self", check_self), ("check_world", check_world)]
+        {
+            keywords.set_item(name, value)?;
+        }
+        keywords.set_item("mesh_model", mesh_model)?;
+        keywords.set_item("allowed_collisions", &self.allowed)?;
+        keywords.set_item("checked_collisions", &self.checked)?;
+        Ok(keywords)
+    }
+
+    /// Rejects names of the pairs and objects that neither the robot nor the scene has.
+    pub fn check_names(&self, robot: &RobotModel, scene: &Scene) -> PyResult<()> {
+        let is_object =
+            |name: &str| scene.world.id(name).is_some() || scene.world.attached_by_name(name).is_some();
+        let is_known = |name: &str| robot.link_by_name(name).is_some() || is_object(name);
+        for (keyword, pairs) in [("allowed_collisions", &self.allowed), ("checked_collisions", &self.checked)]
+        {
+            if let Some(name) = pairs.iter().flat_map(|(a, b)| [a, b]).find(|name| !is_known(name)) {
+                return Err(error(format!("{keyword}: there is no link or object '{name}'")));
+            }
+        }
+        let Settings { object_padding, object_scale, .. } = &self.settings;
+        for (keyword, values) in [("object_padding", object_padding), ("object_scale", object_scale)] {
+            if let Some(name) = values.keys().find(|name| !is_object(name)) {
+                return Err(error(format!("{keyword}: there is no object '{name}'")));
+            }
+        }
+        Ok(())
+    }
+
+    /// The matrix that selects the pairs; none if this is up to the SRDF.
+    pub fn matrix(&self, robot: &RobotModel, scene: &Scene) -> Option<AllowedCollisionMatrix> {
+        if self.allowed.is_empty() && self.checked.is_empty() {
+            return scene.matrix.clone();
+        }
+        let mut matrix = scene.matrix.clone().unwrap_or_else(|| AllowedCollisionMatrix::of_robot(robot));
+        for (pairs, allowed) in [(&self.allowed, true), (&self.checked, false)] {
+            for (a, b) in pairs {
+                matrix.set(a, b, allowed);
+            }
+        }
+        Some(matrix)
+    }
+}
+
+fn read<T>(keyword: &str, value: &Bound<'_, PyAny>, form: &str) -> PyResult<T>
+where
+    T: for<'a, 'py> FromPyObject<'a, 'py>,
+{
+    value.extract().map_err(|_| {
+        let given = value.repr().map_or_else(|_| "something else".to_owned(), |text| text.to_string());
+        PyTypeError::new_err(format!("{keyword} is {given}, but must be {form}"))
+    })
+}
+
+fn by_name(keyword: &str, value: &Bound<'_, PyAny>) -> PyResult<HashMap<String, f64>> {
+    read(keyword, value, "a dict from names to numbers")
+}

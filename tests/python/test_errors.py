@@ -1,0 +1,150 @@
+"""Wrong arguments: the class of the exception, and words of its text."""
+
+import numpy as np
+import pytest
+
+import clearance as cl
+
+EIGHT = r"must be \(\.\.\., 8\): one position for each of joint1"
+
+
+@pytest.mark.parametrize("query", ["is_free", "distance", "check", "find_free_state", "expand"])
+@pytest.mark.parametrize(
+    "q, kind, words",
+    [
+        (np.zeros(7), ValueError, r"shape \(7,\).*" + EIGHT),
+        (np.zeros((8, 3)), ValueError, r"shape \(8, 3\)"),
+        (3.0, ValueError, "must be"),
+        ([], ValueError, r"shape \(0,\)"),
+        ("q", TypeError, "real numbers.*str"),
+        (None, TypeError, "real numbers.*NoneType"),
+        ([0] * 7 + ["x"], TypeError, "real numbers.*list"),
+        (np.zeros(8, dtype=complex), TypeError, "complex128"),
+        (np.zeros(8, dtype=bool), TypeError, "bool"),
+        (np.array([None] * 8), TypeError, "object"),
+        ({"joint1": 1.0}, TypeError, "dict"),
+        ([[0] * 8, [0] * 7], TypeError, "one shape"),
+        (np.full(8, np.nan), cl.Error, "q: joint 'joint1' has position NaN, which is not finite"),
+        ([0, 0, np.inf, 0, 0, 0, 0, 0], cl.Error, "joint 'joint3'"),
+        ([1e9, 0, 0, 0, 0, 0, 0, 0], cl.Error, "joint 'joint1' has position 1e9, farther than"),
+    ],
+)
+def test_states(checker, query, q, kind, words):
+    with pytest.raises(kind, match=words):
+        getattr(checker, query)(q)
+
+
+@pytest.mark.parametrize("bad", [(0, 0), (99, 7), (57, 3)])
+def test_the_first_bad_row_is_named(checker, states, bad):
+    q = np.array(states)
+    q[sum(bad) + 1 :, 2] = np.nan
+    q[sum(bad), 4] = np.nan
+    for _ in range(3):
+        with pytest.raises(cl.Error, match=rf"q in row \[{sum(bad)}\]: joint 'joint5'"):
+            checker.is_free(q)
+    with pytest.raises(cl.Error, match=rf"row \[{sum(bad) // 4}, {sum(bad) % 4}\]"):
+        checker.is_free(q.reshape(100, 4, 8))
+
+
+@pytest.mark.parametrize(
+    "settings, kind, words",
+    [
+        ({"group": "leg"}, cl.Error, "no group 'leg': it has 'arm', 'hand'"),
+        ({"padding": -0.1}, cl.Error, "padding is -0.1"),
+        ({"padding": "much"}, TypeError, "padding is 'much', but must be a number"),
+        ({"pading": 0.1}, TypeError, "no setting 'pading'; there are padding"),
+        ({"link_padding": {"none": 0.1}}, cl.Error, "link 'none'"),
+        ({"object_padding": {"none": 0.1}}, cl.Error, "object_padding: there is no object 'none'"),
+        ({"mesh_model": "hull"}, ValueError, "mesh_model is 'hull'"),
+        ({"allowed_collisions": [("hand", "none")]}, cl.Error, "allowed_collisions: there is no link or object 'none'"),
+        ({"allowed_collisions": ["hand"]}, TypeError, "allowed_collisions is .*list of pairs"),
+        ({"fixed": {"none": 1.0}}, cl.Error, "fixed: the robot has no joint 'none'"),
+        ({"group": "arm", "fixed": {"joint1": 1.0}}, cl.Error, "fixed: joint 'joint1' is one of group 'arm'"),
+        ({"fixed": {"finger_joint1": 0.0}}, cl.Error, "fixed: joint 'finger_joint1' is one of the states"),
+    ],
+)
+def test_settings(robot, world, settings, kind, words):
+    with pytest.raises(kind, match=words):
+        cl.Checker(robot, world, **settings)
+
+
+@pytest.mark.parametrize(
+    "change, kind, words",
+    [
+        (lambda w: w.add_box("table", (1, 1, 1)), cl.Error, "object 'table' is given twice"),
+        (lambda w: w.add_box("b", (1, 1)), ValueError, r"size has shape \(2,\), but it must be \(3,\)"),
+        (lambda w: w.add_box("b", (1, 1, -1)), cl.Error, "box size is -1"),
+        (lambda w: w.add_sphere("b", np.nan), cl.Error, "sphere radius is NaN"),
+        (lambda w: w.add_sphere("b", "big"), TypeError, None),
+        (lambda w: w.add_sphere(1, 1.0), TypeError, None),
+        (lambda w: w.add_plane("b", (0, 0, 0)), cl.Error, "normal"),
+        (lambda w: w.add_mesh("b", np.zeros((3, 2)), [[0, 1, 2]]), ValueError, r"vertices has shape \(3, 2\)"),
+        (lambda w: w.add_mesh("b", np.eye(3), [[0, 1, 3]]), cl.Error, "names vertex 3"),
+        (lambda w: w.add_mesh("b", np.eye(3), [[0, 1, -1]]), ValueError, "from 0, but one is -1"),
+        (lambda w: w.add_mesh("b", np.eye(3), [[0, 1, 0.5]]), TypeError, "but one is 0.5"),
+        (lambda w: w.add_points("b", [[0, 0, np.nan]], 0.1), ValueError, r"xyz\[0\].*isfinite"),
+        (lambda w: w.add_points("b", np.zeros((0, 3)), 0.1), cl.Error, "no points"),
+        (lambda w: w.add_points("b", np.zeros((1, 3)), -0.1), cl.Error, "radius"),
+        (lambda w: w.add_voxels("b", np.zeros((1, 3)), -0.1), cl.Error, "edge"),
+        (lambda w: w.add_sphere("b", 1, (0, 0)), ValueError, "position|shape"),
+        (lambda w: w.add_sphere("b", 1, np.zeros((4, 4))), ValueError, "last row"),
+        (lambda w: w.add_sphere("b", 1, np.diag([1, 1, -1, 1.0])), ValueError, "no rotation"),
+        (lambda w: w.add_sphere("b", 1, np.diag([2, 1, 1, 1.0])), ValueError, "no rotation"),
+        (lambda w: w.add_sphere("b", 1, ((0, 0, 0), (0, 0, 0, 2))), ValueError, "has length 2"),
+        (lambda w: w.add_sphere("b", 1, (0, 0, np.inf)), ValueError, "must be finite"),
+        (lambda w: w.remove("none"), cl.Error, "no object 'none'"),
+        (lambda w: w.move("none", (0, 0, 0)), cl.Error, "no object 'none'"),
+        (lambda w: w.add_mesh_file("b", "/none.stl"), cl.Error, "none.stl"),
+        (lambda w: cl.World.from_file("/none.yaml"), cl.Error, "none.yaml"),
+    ],
+)
+def test_worlds(world, change, kind, words):
+    changed = world.copy()
+    with pytest.raises(kind, match=words):
+        change(changed)
+    assert changed.names == world.names
+
+
+@pytest.mark.parametrize(
+    "call, kind, words",
+    [
+        (lambda c, h: c.distance(h, -1.0), cl.Error, "max_distance is -1"),
+        (lambda c, h: c.clearance(h, np.nan), cl.Error, "influence_distance"),
+        (lambda c, h: c.is_free(h, num_threads=0), None, ""),
+        (lambda c, h: c.is_free(np.stack([h] * 20), num_threads=0), ValueError, "num_threads is 0"),
+        (lambda c, h: c.check_motion(h, np.stack([h])), cl.Error, "q1 must be one state"),
+        (lambda c, h: c.check_motion(h, h * np.nan), cl.Error, "q1: joint"),
+        (lambda c, h: c.attach("none", "hand", q=h), cl.Error, "no object 'none'"),
+        (lambda c, h: c.attach("ball", "none", q=h), cl.Error, "no link 'none'"),
+        (lambda c, h: c.attach("ball", "hand"), cl.Error, "either q"),
+        (lambda c, h: c.detach("ball", h), cl.Error, "no object 'ball' is attached"),
+        (lambda c, h: c.find_free_state(h, locked=["none"]), cl.Error, "no joint 'none'"),
+        (lambda c, h: c.find_free_state(h, clearance=-1.0), cl.Error, "clearance"),
+        (lambda c, h: c.configuration({"finger_joint1": 0.03}), cl.Error, "not in group 'arm'"),
+        (lambda c, h: c.configuration({"none": 0.03}), cl.Error, "no joint 'none'"),
+    ],
+)
+def test_calls(arm, home, call, kind, words):
+    if kind is None:
+        assert call(arm, home) is True
+        return
+    with pytest.raises(kind, match=words):
+        call(arm, home)
+
+
+@pytest.mark.parametrize(
+    "arguments, kind, words",
+    [
+        (("/none.urdf",), cl.Error, "/none.urdf"),
+        (("<robot name='r'><link name='a'/><link name='b'/></robot>",), cl.Error, "roots|parent"),
+        (("<robot name='r'><link name='a'/></robot>", "<srdf/>"), cl.Error, None),
+        ((3,), TypeError, "urdf must be a path or XML text"),
+    ],
+)
+def test_robots(arguments, kind, words):
+    with pytest.raises(kind, match=words):
+        cl.Robot.from_urdf(*arguments)
+
+
+def test_errors_are_value_errors():
+    assert issubclass(cl.Error, ValueError) and cl.Error.__module__ == "clearance"

@@ -1,0 +1,118 @@
+"""Motions against sampled states; certificates."""
+
+import json
+
+import numpy as np
+import pytest
+
+import clearance as cl
+
+
+@pytest.fixture(scope="module")
+def edges(arm, states):
+    return states[:60, :7], states[60:120, :7] * 0.3 + states[:60, :7] * 0.7
+
+
+def test_edges_against_samples(arm, edges):
+    reports = arm.check_edges(*edges)
+    free = arm.are_edges_free(*edges)
+    assert reports.verdicts.dtype == np.int8 and reports.verdicts.shape == (60,) and reports.t.shape == (60, 2)
+    assert np.array_equal(free, reports.verdicts == cl.Verdict.FREE) and 0 < free.sum() < 60
+    q0, q1 = edges
+    steps = np.linspace(0, 1, 201)[:, None, None]
+    sampled = arm.is_free(q0 + steps * (q1 - q0))
+    assert sampled[:, free].all()
+    touching = np.flatnonzero(reports.verdicts == cl.Verdict.CONTACT)
+    first, last = reports.t[touching].T
+    assert not arm.is_free(q0[touching] + last[:, None] * (q1 - q0)[touching]).any()
+    for edge, begin in zip(touching, first):
+        assert sampled[steps[:, 0, 0] < begin, edge].all()
+    assert ((reports.reasons != 0) == (reports.verdicts == cl.Verdict.UNDECIDED)).all()
+
+
+def test_edges_broadcast(arm, edges, home):
+    q0, q1 = edges
+    fan = arm.are_edges_free(home, q1.reshape(6, 10, 7))
+    assert fan.shape == (6, 10)
+    assert fan.ravel().tolist() == [arm.are_edges_free(home, q) for q in q1]
+    assert type(arm.are_edges_free(home, home)) is bool
+    assert arm.are_edges_free(q0[:0], q1[:0]).shape == (0,)
+    with pytest.raises(ValueError, match="can not be broadcast"):
+        arm.are_edges_free(q0[:3], q1[:2])
+    for threads in (1, 2):
+        assert np.array_equal(arm.are_edges_free(q0, q1, num_threads=threads), arm.are_edges_free(q0, q1))
+
+
+def test_a_motion_is_its_edge(arm, edges):
+    reports = arm.check_edges(*edges)
+    for i, (q0, q1) in enumerate(zip(*edges)):
+        report = arm.check_motion(q0, q1, certificate=True)
+        assert report.verdict == reports.verdicts[i] and report.free == (report.verdict is cl.Verdict.FREE)
+        assert (report.certificate is not None) == report.free
+        assert (report.t is None) == report.free and (report.pair is None) <= report.free
+        if report.t is not None:
+            assert arm.check_motion(q0, q1).t == tuple(reports.t[i])
+        assert (report.reason is not None) == (report.verdict == cl.Verdict.UNDECIDED)
+
+
+def test_certificates_are_verified(robot, world, arm, home, tmp_path):
+    goal = home + 0.1
+    certificate = arm.check_motion(home, goal, certificate=True).certificate
+    edge = tuple(arm.expand(q) for q in (home, goal))
+    verified = cl.verify(certificate, robot, world, edge=edge, tolerance=5e-4)
+    assert verified and verified.valid and verified.reason is None and verified.pairs == len(certificate.pairs) == 76
+    assert cl.verify(certificate, robot, world, trajectory=(None, np.stack(edge)))
+    # of another motion, robot, world or settings
+    for refused in (
+        cl.verify(certificate, robot, world, edge=edge[::-1]),
+        cl.verify(certificate, robot, world, edge=edge, tube=0.01),
+        cl.verify(certificate, robot, world, edge=edge, tolerance=1e-3),
+        cl.verify(certificate, robot, edge=edge),
+        cl.verify(certificate, robot, world, edge=edge, padding=0.01),
+    ):
+        assert not refused and not refused.valid and refused.reason
+    path = tmp_path / "proof.json"
+    certificate.save(path)
+    assert cl.Certificate.load(path) == certificate == cl.Certificate(certificate.to_json())
+    text = json.loads(certificate.to_json())
+    text["segments"][0]["proofs"][0][3] += 1.0
+    with pytest.raises(cl.Error, match="digest"):
+        cl.Certificate(json.dumps(text))
+    with pytest.raises(cl.Error, match="no certificate"):
+        cl.Certificate("{}")
+    with pytest.raises(TypeError, match="not both"):
+        cl.verify(certificate, robot, world, edge=edge, trajectory=(None, np.stack(edge)))
+
+
+def test_trajectories(robot, world, arm, home):
+    points = home + np.array([0, 0.05, 0.1])[:, None]
+    report = arm.check_trajectory([0.0, 1.0, 2.0], points, np.full((3, 7), 0.05), certificate=True)
+    assert report.free and report.segment == 1 and report.time is None
+    arguments = (np.arange(3.0), arm.expand(points), np.pad(np.full((3, 7), 0.05), ((0, 0), (0, 1))))
+    assert cl.verify(report.certificate, robot, world, trajectory=arguments)
+    assert not cl.verify(report.certificate, robot, world, trajectory=arguments[:2])
+    far = arm.check_trajectory([0, 1, 2, 3], np.concatenate([points, home[None] + [0, 1.5, 0, 0, 0, 0, 0]]))
+    assert far.verdict == cl.Verdict.CONTACT and far.segment == 2 and 2 <= far.time[0] <= far.time[1] <= 3
+    assert far.pair[1] in world.names and not far.free
+    assert arm.check_trajectory(None, points).free
+    for times, words in (([0, 0, 0], "does not come after"), ([0, 1], r"must be \(3,\)"), ([0, 1, np.nan], "does not come after")):
+        with pytest.raises(ValueError, match=words):
+            arm.check_trajectory(times, points)
+    with pytest.raises(ValueError, match="shape of positions"):
+        arm.check_trajectory([0, 1, 2], points, np.zeros((2, 7)))
+
+
+def test_options(arm, home):
+    touching = home + [0, 1.5, 0, 0, 0, 0, 0]
+    stopped = arm.check_motion(home, touching, budget=1)
+    assert stopped.verdict == cl.Verdict.UNDECIDED and stopped.reason == cl.Reason.BUDGET
+    late = arm.check_motion(home, touching, timeout=0.0)
+    assert (late.verdict, late.reason) == (cl.Verdict.UNDECIDED, cl.Reason.DEADLINE)
+    assert arm.check_motion(home, touching, any_contact=True).verdict == cl.Verdict.CONTACT
+    tube = arm.check_motion(home, home, tube=1.5)
+    assert (tube.verdict, tube.reason) == (cl.Verdict.UNDECIDED, cl.Reason.TUBE)
+    assert arm.check_motion(home, home, tube=np.full(7, 1e-3)).free
+    with pytest.raises(cl.Error, match="tolerance"):
+        arm.check_motion(home, home, tolerance=0.0)
+    with pytest.raises(TypeError, match="no option 'tolerence'"):
+        arm.are_edges_free(home, home, tolerence=1e-3)

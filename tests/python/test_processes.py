@@ -1,0 +1,154 @@
+"""Pickles, processes, threads and signals."""
+
+import copy
+import multiprocessing
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import threading
+import time
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+
+import numpy as np
+import pytest
+
+import clearance as cl
+from conftest import ALL_KINDS, SRDF, URDF, WORLD
+
+
+def check_in_process(arguments):
+    checker, q = arguments
+    return checker.is_free(q)
+
+
+@pytest.mark.parametrize("method", ["spawn", "fork"])
+def test_processes(checker, states, method):
+    """A forked process has none of the threads that this one has."""
+    free = checker.is_free(states)
+    context = multiprocessing.get_context(method)
+    with ProcessPoolExecutor(2, mp_context=context) as pool:
+        parts = list(pool.map(check_in_process, [(checker, part) for part in np.array_split(states, 4)]))
+    assert np.array_equal(np.concatenate(parts), free)
+
+
+def test_pickles(robot, checker, arm, home, states):
+    for original in (checker, arm.attach("ball", "hand", q=home, touch_links=["finger1"])):
+        restored = pickle.loads(pickle.dumps(original))
+        q = states[:, : len(original.joint_names)]
+        assert restored.pairs == original.pairs and restored.settings == original.settings
+        assert np.array_equal(restored.is_free(q), original.is_free(q))
+        for one, other in zip(restored.check(q[:50], 0.5), original.check(q[:50], 0.5)):
+            assert [d.distance for d in one.distances] == [d.distance for d in other.distances]
+    # bit by bit, as hashes of model and world show
+    proof, again = (c.check_motion(home, home + 0.1, certificate=True).certificate for c in (arm, pickle.loads(pickle.dumps(arm))))
+    assert proof == again == pickle.loads(pickle.dumps(proof)) == copy.copy(proof)
+    restored = pickle.loads(pickle.dumps(robot))
+    assert restored.joint_names == robot.joint_names and restored.group_states == robot.group_states
+    assert pickle.dumps(restored) == pickle.dumps(robot)
+    assert pickle.loads(pickle.dumps(cl.Robot.from_urdf(ALL_KINDS))).joint_names[0] == "t"
+
+
+def test_pickles_need_no_files(tmp_path, robot, world, states):
+    script = (
+        "import clearance as cl, pickle, sys\n"
+        "robot = cl.Robot.from_urdf(sys.argv[1], sys.argv[2])\n"
+        "pickle.dump((robot, cl.World.from_file(sys.argv[3], robot)), open('pickle', 'wb'))\n"
+    )
+    import shutil
+
+    shutil.copytree(URDF.parent, tmp_path / "arm")
+    arguments = [tmp_path / "arm" / URDF.name, tmp_path / "arm" / SRDF.name, WORLD]
+    subprocess.run([sys.executable, "-c", script, *map(str, arguments)], check=True, cwd=tmp_path)
+    shutil.rmtree(tmp_path / "arm")
+    restored = cl.Checker(*pickle.loads((tmp_path / "pickle").read_bytes()))
+    assert np.array_equal(restored.is_free(states), cl.Checker(robot, world).is_free(states))
+
+
+def test_results_pickle(checker, arm, home, states):
+    for result in (
+        checker.distance(states[0]),
+        checker.distance(states[:3], gradients=True),
+        checker.check(states[0]),
+        checker.clearance(states[0], 0.1),
+        arm.check_motion(home, home + 0.1, certificate=True),
+        arm.check_edges(home, home),
+        arm.check_trajectory([0, 1], np.stack([home, home])),
+        checker.find_free_state(states[0], max_checks=10),
+        cl.Error("text"),
+    ):
+        assert repr(pickle.loads(pickle.dumps(result))) == repr(result)
+
+
+def test_threads_share_a_checker(checker, states):
+    free = checker.is_free(states)
+    with ThreadPoolExecutor(4) as pool:
+        assert list(pool.map(checker.is_free, states)) == free.tolist()
+        batches = list(pool.map(lambda _: checker.is_free(states), range(16)))
+    assert all(np.array_equal(batch, free) for batch in batches)
+
+
+def test_other_threads_run_during_a_batch(checker, robot):
+    """They count while the batch runs, which can only be if it does not hold the GIL."""
+    q, counts, ended = robot.random(1, 60_000), [0], threading.Event()
+
+    def count():
+        while not ended.is_set():
+            counts[0] += 1
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    try:
+        before = counts[0]
+        checker.is_free(q)
+        during = counts[0] - before
+    finally:
+        ended.set()
+        thread.join()
+    # while it is held, the counter can not get on
+    assert during > 1000
+
+
+INTERRUPTED = """
+import os, signal, sys, threading, time
+import numpy as np
+import clearance as cl
+robot = cl.Robot.from_urdf(sys.argv[1], sys.argv[2])
+checker = cl.Checker(robot, cl.World.from_file(sys.argv[3], robot))
+q = robot.random(0, 3_000_000)
+other = q[::-1]
+calls = {"states": lambda: checker.is_free(q), "distances": lambda: checker.distance(q),
+         "edges": lambda: checker.are_edges_free(q[:20000], other[:20000], tolerance=1e-7)}
+call = calls[sys.argv[4]]
+try:
+    print("ready", flush=True)
+    while True:
+        call()
+except KeyboardInterrupt:
+    print("interrupted", flush=True)
+print(checker.is_free(q[:1000]).shape)
+"""
+
+
+@pytest.mark.parametrize("call", ["states", "distances", "edges"])
+def test_ctrl_c_ends_a_long_call(call):
+    arguments = [sys.executable, "-c", INTERRUPTED, str(URDF), str(SRDF), str(WORLD), call]
+    with subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True) as process:
+        try:
+            assert process.stdout.readline() == "ready\n"
+            process.send_signal(signal.SIGINT)
+            # one call takes much longer than this on any machine that passes the other tests
+            output, _ = process.communicate(timeout=60)
+        finally:
+            process.kill()
+    assert output == "interrupted\n(1000,)\n" and process.returncode == 0
+
+
+def test_memory_of_dropped_checkers_is_limited(robot, world, states):
+    """A thread keeps the memory of a few checkers only."""
+    first = cl.Checker(robot, world)
+    free = first.is_free(states[0])
+    for padding in np.linspace(0, 0.01, 20):
+        cl.Checker(robot, world, padding=padding).is_free(states[0])
+    assert first.is_free(states[0]) == free
