@@ -15,6 +15,8 @@ pub struct Srdf {
     pub unchecked_by_default: Vec<LinkId>,
     /// Named groups of joints and links.
     pub groups: Vec<Group>,
+    /// Named states of groups, in the order of the text.
+    pub group_states: Vec<GroupState>,
     /// Virtual joints, in the order of the text.
     pub virtual_joints: Vec<VirtualJoint>,
     /// Passive joints: not driven, but their positions are read.
@@ -41,6 +43,20 @@ pub struct Group {
     pub joints: Vec<JointId>,
     /// The child links of the joints, and links the group names by themselves.
     pub links: Vec<LinkId>,
+}
+
+/// A named state of a group's joints.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GroupState {
+    /// Name of the state, unique within its group.
+    pub name: String,
+    /// Name of the group.
+    pub group: String,
+    /// Names and positions (rad, m) of its joints, in the order of the text; a joint with several positions has one entry
+    /// for each. Virtual joints are left out: the robot's root does not move.
+    pub positions: Vec<(String, f64)>,
+    /// Why the state cannot be used, if an entry is faulty.
+    pub fault: Option<String>,
 }
 
 /// The pose of the robot's root in a frame outside of the robot.

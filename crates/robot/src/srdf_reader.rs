@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use roxmltree::Node;
 
 use super::name_length::check_name_length;
-use super::srdf::{DisabledPair, Group, Srdf, VirtualJoint};
+use super::srdf::{DisabledPair, Group, GroupState, Srdf, VirtualJoint};
 use super::xml::{Expected, Xml, is_foreign, own_children, read_xml};
 use super::{Fault, JointId, LinkId, RobotModel, Warning};
 
@@ -85,7 +85,7 @@ impl<'d> Reader<'d> {
         let passive_joints = self.passive_joints(root);
         let rules = self.collision_rules(root)?;
         let groups = self.read_groups(root);
-        self.check_group_states(root, &groups);
+        let group_states = self.read_group_states(root, &groups);
         self.note_unknown_elements(root);
         Ok(Srdf {
             robot_name,
@@ -93,6 +93,7 @@ impl<'d> Reader<'d> {
             enabled_pairs: rules.enabled_pairs,
             unchecked_by_default: rules.unchecked_by_default,
             groups,
+            group_states,
             virtual_joints: std::mem::take(&mut self.virtual_joints),
             passive_joints,
         })

@@ -1,10 +1,10 @@
-//! Named states (`<group_state>`): not used by any check, but their errors are reported.
+//! Named states (`<group_state>`): their positions and their errors.
 
 use std::collections::HashSet;
 
 use roxmltree::Node;
 
-use super::{Group, Reader};
+use super::{Group, GroupState, Reader};
 use crate::JointKind;
 use crate::decimal_numbers::{decimal, shortened};
 use crate::xml::own_children;
@@ -16,17 +16,20 @@ const MOST_REMARKS: usize = 20;
 const QUATERNION_SLACK: f64 = 1e-3;
 
 impl<'d> Reader<'d> {
-    pub(super) fn check_group_states(&mut self, root: Node<'d, 'd>, groups: &[Group]) {
+    pub(super) fn read_group_states(&mut self, root: Node<'d, 'd>, groups: &[Group]) -> Vec<GroupState> {
         let mut remarks: Vec<(Node, String, String)> = Vec::new();
+        let mut states: Vec<GroupState> = Vec::new();
         let mut seen = HashSet::new();
         for state in own_children(root, "group_state") {
             let text = |name| state.attribute(name).unwrap_or_default().trim();
             let (name, group) = (text("name"), text("group"));
             let element = format!("group_state '{}'", shortened(name));
             let mut remark = |node, message: String| remarks.push((node, element.clone(), message));
+            let mut is_first = true;
             if name.is_empty() {
                 remark(state, "has no name".to_owned());
             } else if !seen.insert((name, group)) {
+                is_first = false;
                 remark(state, format!("is there twice for group '{}'", shortened(group)));
             }
             let members = groups.iter().find(|g| g.name == group);
@@ -35,13 +38,28 @@ impl<'d> Reader<'d> {
             } else if members.is_none() {
                 remark(state, format!("there is no group '{}'", shortened(group)));
             }
+            let mut fault = None;
+            let mut positions = Vec::new();
             let mut joints = HashSet::new();
             for joint in own_children(state, "joint") {
                 let name = joint.attribute("name").unwrap_or_default().trim();
-                let fault = self.fault_of_joint(name, members).or_else(|| self.fault_of_value(joint, name));
+                let of_name = self.fault_of_joint(name, members);
+                let values = if of_name.is_none() { self.values(joint, name) } else { Ok(Vec::new()) };
+                let (values, of_value) = match values {
+                    Ok(values) => (values, None),
+                    Err(message) => (Vec::new(), Some(message)),
+                };
                 let twice = (!name.is_empty() && !joints.insert(name))
                     .then(|| format!("joint '{}' is given twice", shortened(name)));
-                fault.into_iter().chain(twice).for_each(|message| remark(joint, message));
+                let faults = || of_name.iter().chain(&of_value).chain(&twice);
+                fault = fault.or_else(|| faults().next().cloned());
+                let outside = self.outside(name, &values);
+                faults().cloned().chain(outside).for_each(|message| remark(joint, message));
+                positions.extend(self.named_positions(name, &values));
+            }
+            if is_first && !name.is_empty() {
+                let (name, group) = (name.to_owned(), group.to_owned());
+                states.push(GroupState { name, group, positions, fault });
             }
         }
         let more = remarks.len().saturating_sub(MOST_REMARKS);
@@ -51,6 +69,19 @@ impl<'d> Reader<'d> {
         if more > 0 {
             self.warn(root, "", format!("{more} more remarks about group states are not listed"));
         }
+        states
+    }
+
+    /// The names of a joint's positions with their values; none for virtual joints.
+    fn named_positions(&self, name: &str, values: &[f64]) -> Vec<(String, f64)> {
+        let Some(id) = self.joints.get(name).filter(|_| !self.is_virtual(name)) else { return Vec::new() };
+        let joint = self.model.joint(*id);
+        let suffixes = if values.len() == 1 { &[""][..] } else { joint.kind.position_suffixes() };
+        suffixes.iter().zip(values).map(|(suffix, value)| (format!("{name}{suffix}"), *value)).collect()
+    }
+
+    fn is_virtual(&self, name: &str) -> bool {
+        self.virtual_joints.iter().any(|joint| joint.name == name)
     }
 
     /// Error in a joint name of a group state, if there is one.
@@ -68,33 +99,32 @@ impl<'d> Reader<'d> {
         Some(format!("joint '{name}' is not in group '{}'", shortened(&group.name)))
     }
 
-    /// Error in a joint value of a group state, if there is one.
-    fn fault_of_value(&self, node: Node, name: &str) -> Option<String> {
-        let count = self.position_count(name)?;
+    /// The values of a joint of a group state, or the error in them; none if the number of values is not known.
+    fn values(&self, node: Node, name: &str) -> Result<Vec<f64>, String> {
+        let Some(count) = self.position_count(name) else { return Ok(Vec::new()) };
         let quoted = shortened(name);
-        let Some(text) = node.attribute("value") else {
-            return Some(format!("joint '{quoted}' has no value"));
-        };
+        let text = node.attribute("value").ok_or_else(|| format!("joint '{quoted}' has no value"))?;
         let values: Result<Vec<f64>, String> = text.split_whitespace().map(decimal).collect();
-        let values = match values {
-            Ok(values) => values,
-            Err(why) => return Some(format!("joint '{quoted}': value {why}")),
-        };
+        let values = values.map_err(|why| format!("joint '{quoted}': value {why}"))?;
         if values.len() != count {
             let (given, plural) = (values.len(), if count == 1 { "" } else { "s" });
-            return Some(format!("joint '{quoted}' has {given} values, but must have {count} value{plural}"));
-        }
-        let id = self.joints.get(name).copied();
-        if let (Some(id), &[value]) = (id, &values[..])
-            && let Some(outside) = self.model.outside_limit(id, value)
-        {
-            return Some(outside.to_string());
+            return Err(format!("joint '{quoted}' has {given} values, but must have {count} value{plural}"));
         }
         let is_floating = count == 7;
         let length = || values[3..].iter().map(|c| c * c).sum::<f64>().sqrt();
-        (is_floating && (length() - 1.0).abs() > QUATERNION_SLACK).then(|| {
-            format!("joint '{quoted}' has a quaternion (x, y, z, w) of length {}, but it must be 1", length())
-        })
+        if is_floating && (length() - 1.0).abs() > QUATERNION_SLACK {
+            return Err(format!(
+                "joint '{quoted}' has a quaternion (x, y, z, w) of length {}, but it must be 1",
+                length()
+            ));
+        }
+        Ok(values)
+    }
+
+    /// A remark on a value beyond the limits of its joint: it is used nevertheless.
+    fn outside(&self, name: &str, values: &[f64]) -> Option<String> {
+        let (id, &[value]) = (self.joints.get(name)?, values) else { return None };
+        self.model.outside_limit(*id, value).map(|outside| outside.to_string())
     }
 
     /// Number of values of a joint in a state; `None` if it is not known.
