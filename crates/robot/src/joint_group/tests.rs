@@ -12,7 +12,7 @@ const URDF: &str = "<robot name='r'><link name='a'/><link name='b'/><link name='
 const SRDF: &str = "<robot name='r'>
     <group name='tip'><chain base_link='c' tip_link='e'/></group>
     <group name='hand'><joint name='finger'/></group>
-    <group name='all'><group name='tip'/><joint name='base'/></group>
+    <group name='all'><group name='tip'/><joint name='base'/><joint name='arm'/></group>
     <group_state name='ready' group='tip'><joint name='wheel' value='3'/><joint name='finger' value='500'/></group_state>
     <group_state name='home' group='tip'><joint name='wheel' value='1'/></group_state>
     <group_state name='home' group='all'><joint name='wheel' value='2'/></group_state>
