@@ -134,7 +134,7 @@ impl RequestContext<'_> {
 
 /// Rejects numbers that are not a start and a goal for each motion.
 fn check_counts(starts: usize, goals: usize, joints: usize) -> Result<(), Rejection> {
-    if starts == 0 || starts % joints != 0 {
+    if starts == 0 || !starts.is_multiple_of(joints) {
         return Err(bad_request(format!(
             "starts has {starts} numbers, but must have one for each of the {joints} joints for each motion"
         )));

@@ -46,7 +46,7 @@ enum Request {
 
 enum Response {
     Motion(RequestId, Box<MotionResponse>),
-    Motions(RequestId, CheckMotionsResponse),
+    Motions(RequestId, Box<CheckMotionsResponse>),
     Trajectory(RequestId, Box<MotionResponse>),
     /// The check of a goal has started.
     Started(StartedGoal),
@@ -166,7 +166,7 @@ impl MotionServices {
                 sending.spawn(self.motions.respond(id, CheckMotionResponse { motion, turns })).detach();
             }
             Response::Motions(id, response) => {
-                sending.spawn(self.batches.respond(id, response)).detach();
+                sending.spawn(self.batches.respond(id, *response)).detach();
             }
             Response::Trajectory(id, motion_response) => {
                 let response = self.publish_results(*motion_response);
@@ -226,7 +226,8 @@ impl MotionWorker {
             }
             Request::Motions(id, request) => {
                 let response = self.guarded(|memory| evaluate_motions(&request, evaluation, memory));
-                Response::Motions(id, response.unwrap_or_else(|| rejected_motions(&Rejection::Internal)))
+                let response = response.unwrap_or_else(|| rejected_motions(&Rejection::Internal));
+                Response::Motions(id, Box::new(response))
             }
             Request::Trajectory(id, request) => {
                 let response = self.guarded(|memory| evaluate_trajectory(&request, None, evaluation, memory));
@@ -256,7 +257,7 @@ impl Request {
         let motion_response = || Box::new(MotionResponse::from(rejection));
         match self {
             Self::Motion(id, _) => Response::Motion(id, motion_response()),
-            Self::Motions(id, _) => Response::Motions(id, rejected_motions(rejection)),
+            Self::Motions(id, _) => Response::Motions(id, Box::new(rejected_motions(rejection))),
             Self::Trajectory(id, _) => Response::Trajectory(id, motion_response()),
             Self::Goal(goal) => Response::Goal(goal.id, motion_response()),
         }
