@@ -120,7 +120,7 @@ if [ ! -e "$venv/.complete" ]; then
     point_exports_at_this_python
     build_interfaces "$root/interfaces/clearance_msgs"
     build_moveit_interfaces
-    "$venv/bin/python" -c 'import rclpy; from clearance_msgs.msg import CollisionState; from clearance_msgs.srv import CheckMotion, CheckStates, CheckTrajectory, GetDistances; from clearance_msgs.action import CheckTrajectory as Action'
+    "$venv/bin/python" -c 'import rclpy; from clearance_msgs.msg import CollisionState; from clearance_msgs.srv import CheckMotion, CheckMotions, CheckStates, CheckTrajectory, GetDistances; from clearance_msgs.action import CheckTrajectory as Action'
     "$venv/bin/python" -c 'from moveit_msgs.msg import PlanningScene; from moveit_msgs.srv import GetStateValidity'
     touch "$venv/.complete"
     say "ready"

@@ -30,6 +30,7 @@ SUBSCRIBED = {
 SERVICES = {
     "~/enable": "std_srvs/srv/SetBool",
     "~/check_motion": "clearance_msgs/srv/CheckMotion",
+    "~/check_motions": "clearance_msgs/srv/CheckMotions",
     "~/check_trajectory": "clearance_msgs/srv/CheckTrajectory",
     "~/check_states": "clearance_msgs/srv/CheckStates",
     "~/get_distances": "clearance_msgs/srv/GetDistances",

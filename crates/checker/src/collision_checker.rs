@@ -412,7 +412,7 @@ impl CollisionChecker {
         )
     }
 
-    fn motion_check<'a>(
+    pub(crate) fn motion_check<'a>(
         &'a self,
         options: &'a MotionOptions,
         workspace: &'a mut Workspace,

@@ -11,7 +11,9 @@
 //! | where do two bodies touch? | [`CollisionChecker::contacts`] |
 //! | where is the nearest free state? | [`CollisionChecker::find_free_state`] |
 //! | which way leads out of a collision? | [`CollisionChecker::retreat_direction`] |
-//! | is a motion free? | [`CollisionChecker::check_motion`], [`CollisionChecker::check_trajectory`] |
+//! | is a motion free? | [`CollisionChecker::is_motion_free`] |
+//! | the same for many motions | [`CollisionChecker::are_motions_free`] |
+//! | where does it collide? | [`CollisionChecker::check_motion`], [`CollisionChecker::check_trajectory`] |
 //! | the same, with a certificate | [`CollisionChecker::certify_motion`], [`CollisionChecker::certify_trajectory`] |
 //! | for how long can nothing touch? | [`CollisionChecker::look_ahead`] |
 
@@ -23,9 +25,12 @@ mod capsules;
 mod clearance;
 mod collision_checker;
 mod collision_report;
+mod free_motions;
 mod motion;
 mod pair_kind;
 mod pairs;
+#[cfg(test)]
+mod random_scenes;
 mod recovery;
 mod remarks;
 mod revision;

@@ -163,7 +163,8 @@ impl Workspace {
     pub(crate) fn motion(&mut self) -> MotionWorkspace<'_> {
         MotionWorkspace {
             robot: &mut self.robot,
-            broad_phase: &mut self.obstacles.broad_phase,
+            priority: &mut self.priority,
+            obstacles: &mut self.obstacles,
             scratch: &mut self.scratch,
             motion: &mut self.motion,
         }

@@ -480,3 +480,6 @@ impl Turn {
         Self { first, from, axis, angle: turn.angle() }
     }
 }
+
+#[cfg(test)]
+mod tests;

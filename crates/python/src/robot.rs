@@ -161,7 +161,7 @@ impl Robot {
     }
 
     /// Group states of the SRDF: the positions (rad, m) of each by joint. If several groups have states of one name, their names are
-    /// `group/name`.
+    /// `group/name`. A state with a faulty entry is left out; `warnings` names it.
     #[getter]
     fn group_states(&self) -> BTreeMap<String, BTreeMap<String, f64>> {
         let states = self.model.srdf().map_or(&[][..], |srdf| &srdf.group_states);
@@ -170,7 +170,8 @@ impl Robot {
         let key = |state: &GroupState| {
             if is_alone(state) { state.name.clone() } else { format!("{}/{}", state.group, state.name) }
         };
-        states.iter().map(|state| (key(state), state.positions.iter().cloned().collect())).collect()
+        let sound = states.iter().filter(|state| state.fault.is_none());
+        sound.map(|state| (key(state), state.positions.iter().cloned().collect())).collect()
     }
 
     /// Texts of the warnings about input that was accepted.

@@ -17,6 +17,12 @@ impl Configuration {
         &self.0
     }
 
+    /// For positions that are validated by the caller.
+    #[inline]
+    pub(super) fn positions_mut(&mut self) -> &mut [f64] {
+        &mut self.0
+    }
+
     /// Positions interpolated between validated ones.
     #[inline]
     pub fn trusted(positions: Vec<f64>) -> Self {
@@ -154,13 +160,9 @@ impl RobotModel {
                 continue;
             };
             let quaternion = &mut positions[first + 3..first + 7];
-            let length = quaternion.iter().map(|c| c * c).sum::<f64>().sqrt();
-            if (length - 1.0).abs() > 1e-3 {
-                return Err(ConfigurationError::NotAQuaternion { joint: joint.name.clone(), length });
-            }
-            for component in quaternion {
-                *component /= length;
-            }
+            let unit = unit_quaternion(std::array::from_fn(|i| quaternion[i]))
+                .map_err(|length| ConfigurationError::NotAQuaternion { joint: joint.name.clone(), length })?;
+            quaternion.copy_from_slice(&unit);
         }
         Ok(())
     }
@@ -179,4 +181,11 @@ impl RobotModel {
             None => None,
         }
     }
+}
+
+/// A quaternion of length 1, from one that has it within 1e-3; otherwise the length is the error.
+pub(super) fn unit_quaternion(components: [f64; 4]) -> Result<[f64; 4], f64> {
+    let length = components.iter().map(|c| c * c).sum::<f64>().sqrt();
+    // NaN is no length
+    if (length - 1.0).abs() <= 1e-3 { Ok(components.map(|c| c / length)) } else { Err(length) }
 }

@@ -45,16 +45,18 @@ pub struct Group {
     pub links: Vec<LinkId>,
 }
 
-/// A named state of a group, as far as its values are valid. Values of joints that the URDF does not have, such as virtual joints, are
-/// left out.
+/// A named state of a group's joints.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GroupState {
-    /// Name of the state.
+    /// Name of the state, unique within its group.
     pub name: String,
     /// Name of the group.
     pub group: String,
-    /// By name of a position ([`RobotModel::position_names`](crate::RobotModel::position_names)) or of a mimic joint: its value (rad, m).
+    /// Names and positions (rad, m) of its joints, in the order of the text; a joint with several positions has one entry
+    /// for each. Virtual joints are left out: the robot's root does not move.
     pub positions: Vec<(String, f64)>,
+    /// Why the state cannot be used, if an entry is faulty.
+    pub fault: Option<String>,
 }
 
 /// The pose of the robot's root in a frame outside of the robot.

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use roxmltree::Node;
 
 use super::name_length::check_name_length;
-use super::srdf::{DisabledPair, Group, Srdf, VirtualJoint};
+use super::srdf::{DisabledPair, Group, GroupState, Srdf, VirtualJoint};
 use super::xml::{Expected, Xml, is_foreign, own_children, read_xml};
 use super::{Fault, JointId, LinkId, RobotModel, Warning};
 

@@ -89,7 +89,11 @@ impl Subject {
         }
         let earliest = check(&to, MotionOrder::Earliest, workspace);
         let any = check(&to, MotionOrder::Any, workspace);
+        let is_free = self.checker.is_motion_free(&from, &to, workspace);
         let mut wrong = self.against_samples(&earliest, &from, &to, workspace);
+        if is_free != (earliest == MotionVerdict::Free) {
+            wrong.push(format!("{earliest:?}, but is_motion_free is {is_free}"));
+        }
         if matches!(
             (&earliest, &any),
             (MotionVerdict::Free, MotionVerdict::Contact { .. })

@@ -2,22 +2,13 @@
 
 use std::collections::VecDeque;
 
-use clearance_geometry::math::Extremes;
 use clearance_geometry::simd::LANES;
 
 use super::level_zero::NearPair;
+use super::level_zero_intervals::{Intervals, is_beyond_level_zero, open_runs, run_from, screen_block};
 use super::motion_report::{MotionOrder, UndecidedReason};
 use super::motion_scratch::PairInterval;
 use super::prover::Prover;
-
-/// Target motion (m) within one interval at level 0.
-const LEVEL_ZERO_MOTION: f32 = 0.1;
-
-/// Motions up to this length (m) on either side of the middle are searched as one interval.
-const SHORT_MOTION: f32 = 0.07;
-
-/// Maximum number of intervals at level 0.
-const MOST_INTERVALS: usize = 1024;
 
 /// Fractions of the motion that are sampled when any contact suffices: first the end, where most colliding motions
 /// collide, then each as far as possible from the earlier ones.
@@ -25,9 +16,6 @@ const SAMPLES: [f64; LANES] = [1.0, 0.5, 0.75, 0.25, 0.875, 0.625, 0.375, 0.125]
 
 /// Number of doublings from the first interval of a widening motion to the whole motion.
 const DOUBLINGS: i32 = 8;
-
-/// Positions (rad, m) beyond which kinematics are too inexact for the rounding slack of f32.
-const LARGEST_AT_LEVEL_ZERO: f64 = 1e4;
 
 /// Maximum number of queued intervals; further intervals are searched at once.
 const MOST_QUEUED: usize = 1 << 18;
@@ -45,20 +33,17 @@ impl<'p, 'a, 'w> IntervalSearch<'p, 'a, 'w> {
     /// Searches the whole motion, as far as it matters.
     pub fn run(&mut self) {
         let segment = self.prover.motion().segment;
-        // the bounds of level 0 do not cover the rounding of huge angles
-        if self.prover.keeps_proofs() || segment.size() > LARGEST_AT_LEVEL_ZERO {
+        if self.prover.keeps_proofs() || is_beyond_level_zero(segment) {
             return self.search_pair_by_pair();
         }
         if segment.widens() {
             return self.search_widening();
         }
-        self.prover.level_zero().bound_motion();
-        let fastest = self.prover.level_zero().memory.fastest();
-        let blocks = blocks(fastest);
-        match self.prover.options().order {
-            MotionOrder::Earliest if 0.5 * fastest <= SHORT_MOTION => self.search_short(),
-            MotionOrder::Earliest => self.search_earliest(blocks),
-            MotionOrder::Any => self.search_any(blocks),
+        let intervals = Intervals::of(self.prover);
+        match (self.prover.options().order, intervals) {
+            (MotionOrder::Earliest, Intervals::Whole) => self.search_short(),
+            (MotionOrder::Earliest, Intervals::Blocks(blocks)) => self.search_earliest(blocks),
+            (MotionOrder::Any, intervals) => self.search_any(intervals.blocks()),
         }
     }
 
@@ -107,7 +92,7 @@ impl<'p, 'a, 'w> IntervalSearch<'p, 'a, 'w> {
     /// open, the pair is searched in the whole run: a pair that is always near often moves little.
     fn search_earliest(&mut self, blocks: usize) {
         for block in 0..blocks {
-            let ends = self.screen_block(block, blocks);
+            let ends = screen_block(self.prover, block, blocks);
             for lane in 0..LANES {
                 self.prover.set_searched_until(ends[lane]);
                 if ends[lane] >= self.prover.cutoff() || self.prover.is_stopped() {
@@ -132,14 +117,8 @@ impl<'p, 'a, 'w> IntervalSearch<'p, 'a, 'w> {
         }
         let mut queue = VecDeque::new();
         for block in 0..blocks {
-            let ends = self.screen_block(block, blocks);
-            for lane in 0..LANES {
-                for NearPair { pair, intervals } in self.near() {
-                    if let Some(end) = run_from(*intervals, lane) {
-                        queue.push_back(PairInterval { pair: *pair, from: ends[lane], to: ends[end] });
-                    }
-                }
-            }
+            let ends = screen_block(self.prover, block, blocks);
+            queue.extend(open_runs(self.prover, &ends));
         }
         while let Some(interval) = queue.pop_front() {
             self.prover.evaluate_interval(interval);
@@ -174,29 +153,4 @@ impl<'p, 'a, 'w> IntervalSearch<'p, 'a, 'w> {
         let whole = PairInterval { pair, from: 0.0, to: 1.0 };
         self.prover.leave_open(whole, [0.0, f64::INFINITY], UndecidedReason::Tolerance);
     }
-
-    /// Level 0 of a block; returns the ends of its eight intervals.
-    fn screen_block(&mut self, block: usize, blocks: usize) -> [f64; LANES + 1] {
-        #[allow(clippy::cast_precision_loss)] // small numbers
-        let end = |i: usize| (block * LANES + i) as f64 / (blocks * LANES) as f64;
-        let ends = std::array::from_fn(end);
-        let middles = std::array::from_fn(|lane| 0.5 * (end(lane) + end(lane + 1)));
-        #[allow(clippy::cast_precision_loss)]
-        let half_width = 0.5 / (blocks * LANES) as f64;
-        self.prover.level_zero().screen_intervals(middles, half_width);
-        ends
-    }
-}
-
-/// Number of blocks of eight intervals that keeps the motion per interval small at level 0.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss)] // clamped
-fn blocks(fastest: f32) -> usize {
-    let intervals = (0.5 * fastest / LEVEL_ZERO_MOTION).lesser(MOST_INTERVALS as f32);
-    (intervals.greater(1.0) as usize).div_ceil(LANES)
-}
-
-/// End of the run of set bits that begins at a lane; `None` if none begins there.
-fn run_from(near: u8, lane: usize) -> Option<usize> {
-    let begins = near & (1 << lane) != 0 && (lane == 0 || near & (1 << (lane - 1)) == 0);
-    begins.then(|| lane + (near >> lane).trailing_ones() as usize)
 }

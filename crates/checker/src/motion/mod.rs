@@ -9,9 +9,12 @@
 //! | one motion, and pairs placed along it | `checked_motion` |
 //! | one pair in the middle of an interval: its distance, and a bound on its motion | `interval_midpoint` |
 //! | capsules of all pairs, eight intervals at once | `level_zero` |
+//! | states that are tested before the pairs, where that is worth its cost | `probe_credits` |
 //! | scratch memory | `motion_scratch` |
 //! | proofs, contacts and open intervals of the check | `prover` |
-//! | order in which intervals are searched | `interval_search` |
+//! | intervals of a motion at level 0 | `level_zero_intervals` |
+//! | order in which intervals are searched for a contact | `interval_search` |
+//! | order in which they are searched for a proof that all are free | `free_search` |
 //! | check of one motion | `motion_check` |
 //! | options and result of the check | `motion_report` |
 //! | check of a trajectory, segment by segment | `trajectory_check` |
@@ -22,13 +25,16 @@
 
 mod certification;
 mod checked_motion;
+mod free_search;
 mod interval_midpoint;
 mod interval_search;
 mod level_zero;
+mod level_zero_intervals;
 mod look_ahead;
 mod motion_check;
 mod motion_report;
 mod motion_scratch;
+mod probe_credits;
 mod prover;
 mod swept_volume;
 mod trajectory_check;

@@ -5,6 +5,7 @@ use clearance_motion::{MotionSegment, Proof};
 use clearance_proximity::Work;
 
 use super::checked_motion::CheckedMotion;
+use super::free_search::FreeSearch;
 use super::interval_search::IntervalSearch;
 use super::motion_report::{MotionOptions, MotionOrder, MotionReport, MotionVerdict, UndecidedReason};
 use super::motion_scratch::MotionWorkspace;
@@ -31,6 +32,20 @@ impl<'a> MotionCheck<'a> {
     pub fn check(&mut self, segment: &MotionSegment) -> MotionReport {
         let report = self.prove(segment, false).0;
         self.find_contact(report, segment)
+    }
+
+    /// True if [`Self::check`] in the order of the earliest contact finds the motion free.
+    pub fn is_free(&mut self, segment: &MotionSegment) -> bool {
+        if segment.widens() {
+            return self.prove(segment, false).0.is_free();
+        }
+        self.workspace.scratch.work = Work::default();
+        let motion = CheckedMotion { pairs: self.pairs, segment };
+        let mut memory = std::mem::take(&mut self.workspace.motion.free_search);
+        let mut prover = Prover::new(motion, self.options, &mut self.workspace, false);
+        let is_free = motion.is_valid() && FreeSearch::new(&mut prover, &mut memory).run();
+        self.workspace.motion.free_search = memory;
+        is_free
     }
 
     /// As [`Self::check`], with all proofs.

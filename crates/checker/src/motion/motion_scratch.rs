@@ -2,14 +2,16 @@
 
 use clearance_proximity::Scratch;
 
+use super::free_search::FreeSearchScratch;
 use super::level_zero::LevelZeroScratch;
-use crate::pairs::PlacedRobot;
-use crate::world::BroadPhaseScratch;
+use crate::pairs::{ObstacleScratch, PlacedRobot};
+use crate::robot::PairPriority;
 
 /// Scratch memory that only motion checks use.
 #[derive(Clone, Debug, Default)]
 pub struct MotionScratch {
     pub level_zero: LevelZeroScratch,
+    pub free_search: FreeSearchScratch,
     pub positions: Vec<f64>,
     /// Intervals that are to be evaluated next, the last one first.
     pub stack: Vec<PairInterval>,
@@ -26,7 +28,8 @@ pub struct PairInterval {
 /// Memory of a thread that a motion check uses.
 pub struct MotionWorkspace<'w> {
     pub robot: &'w mut PlacedRobot,
-    pub broad_phase: &'w mut BroadPhaseScratch,
+    pub priority: &'w mut PairPriority,
+    pub obstacles: &'w mut ObstacleScratch,
     pub scratch: &'w mut Scratch,
     pub motion: &'w mut MotionScratch,
 }

@@ -9,7 +9,7 @@ use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::{Extremes, Point};
 use clearance_motion::Proof;
 use clearance_proximity as query;
-use clearance_proximity::Effort;
+use clearance_proximity::{Effort, Scratch};
 
 use super::checked_motion::{CheckedMotion, PlacedPair, PoseScratch};
 use super::interval_midpoint::IntervalMidpoint;
@@ -17,6 +17,7 @@ use super::level_zero::{LevelZero, NearPair};
 use super::motion_report::{MotionOptions, MotionVerdict, UndecidedReason};
 use super::motion_scratch::{MotionWorkspace, PairInterval};
 use crate::pairs::PosedPair;
+use crate::state::ContactSearch;
 
 /// Motion (m) within an interval above which the hierarchies are not searched: the result would rarely prove anything.
 const WORTH_SEARCHING: f64 = 0.04;
@@ -85,6 +86,8 @@ pub struct Prover<'a, 'w> {
     evaluations: u64,
     /// The proofs, if they are to be kept.
     proofs: Option<Vec<Proof>>,
+    /// True if intervals too long for a distance to be useful are still tested for contact in the middle.
+    seeks_contacts: bool,
     stopped: Option<UndecidedReason>,
 }
 
@@ -112,8 +115,14 @@ impl<'a, 'w> Prover<'a, 'w> {
             below_tolerance_left: MOST_BELOW_TOLERANCE,
             evaluations: 0,
             proofs: keep_proofs.then(Vec::new),
+            seeks_contacts: false,
             stopped: None,
         }
+    }
+
+    /// From now on, tests for contact wherever capsules overlap in the middle of an interval.
+    pub fn seek_contacts(&mut self) {
+        self.seeks_contacts = true;
     }
 
     pub fn motion(&self) -> CheckedMotion<'a> {
@@ -126,7 +135,8 @@ impl<'a, 'w> Prover<'a, 'w> {
 
     /// Level 0 of the motion.
     pub fn level_zero(&mut self) -> LevelZero<'_> {
-        let MotionWorkspace { robot, broad_phase, scratch, motion } = &mut *self.workspace;
+        let MotionWorkspace { robot, obstacles, scratch, motion, .. } = &mut *self.workspace;
+        let broad_phase = &mut obstacles.broad_phase;
         LevelZero { motion: self.motion, robot, broad_phase, scratch, memory: &mut motion.level_zero }
     }
 
@@ -151,6 +161,11 @@ impl<'a, 'w> Prover<'a, 'w> {
 
     pub fn has_contact(&self) -> bool {
         self.contact.is_some()
+    }
+
+    /// False once the whole motion cannot be proven free any more.
+    pub fn finds_free(&self) -> bool {
+        self.contact.is_none() && self.open.is_none() && self.stopped.is_none()
     }
 
     /// Nothing after this time matters: a collision there is known.
@@ -192,14 +207,23 @@ impl<'a, 'w> Prover<'a, 'w> {
         };
         let PlacedPair { pair, .. } = self.motion.placed_pair(index, t, &mut poses);
         self.evaluations += 1;
-        let (a, b) = pair.bodies;
-        let Some(found) = query::within_margin(a, b, pair.pose_ab, pair.info.padding, scratch) else {
-            return false;
-        };
+        let Some(point) = common_point(&pair, scratch) else { return false };
         self.cutoff = t;
-        let point = self.point_in_root(&pair, &found.witness_points[0], t);
+        let point = self.point_in_root(&pair, &point, t);
         self.contact = Some(PairContact { pair: index, t, point });
         true
+    }
+
+    /// True if any pair touches at t, as in a query on that state; `None` if obstacles move. Overwrites the pairs that
+    /// level 0 left open.
+    pub fn collides_at(&mut self, t: f64) -> Option<bool> {
+        let CheckedMotion { pairs, segment } = self.motion;
+        if !segment.obstacles().is_empty() {
+            return None;
+        }
+        let MotionWorkspace { robot, priority, obstacles, scratch, motion } = &mut *self.workspace;
+        segment.positions_at(t, &mut motion.positions);
+        Some(ContactSearch { pairs, robot, priority, obstacles, scratch }.any_contact_at(&motion.positions))
     }
 
     /// Evaluates a pair until nothing of the interval before the cutoff is left, the earliest part first.
@@ -316,6 +340,12 @@ impl<'a, 'w> Prover<'a, 'w> {
         }
         let unknown = [(lower - padding).greater(0.0), f64::INFINITY];
         if motion > WORTH_SEARCHING {
+            if self.seeks_contacts
+                && *lower <= padding
+                && let Some(point) = common_point(pair, scratch)
+            {
+                return Evaluation::Contact(self.point_in_root(pair, &point, middle), motion);
+            }
             return proven_by(&midpoint, *lower).unwrap_or(Evaluation::Open { distance: unknown, motion });
         }
         // if padding and tolerances use up most of a distance, a relative tolerance is too large
@@ -385,6 +415,13 @@ impl<'a, 'w> Prover<'a, 'w> {
             },
         }
     }
+}
+
+/// A point of the first body (in its frame) where a pair touches.
+fn common_point(pair: &PosedPair, scratch: &mut Scratch) -> Option<Point> {
+    let (a, b) = pair.bodies;
+    let found = query::within_margin(a, b, pair.pose_ab, pair.info.padding, scratch)?;
+    Some(found.witness_points[0])
 }
 
 /// The interval that a distance (m) proves free, if it is long enough.

@@ -19,6 +19,11 @@ impl PairPriority {
         self.pairs.get(rank).copied()
     }
 
+    /// Rank of a pair; pairs that did not collide recently come last.
+    pub fn rank(&self, pair: usize) -> usize {
+        self.pairs.iter().position(|known| *known == pair).unwrap_or(MOST)
+    }
+
     pub fn contains(&self, pair: usize) -> bool {
         self.pairs.contains(&pair)
     }

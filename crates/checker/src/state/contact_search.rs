@@ -19,15 +19,20 @@ pub struct ContactSearch<'a> {
 impl ContactSearch<'_> {
     /// True if a pair touches.
     pub fn any_contact(&mut self, q: &Configuration) -> bool {
+        self.any_contact_at(q.positions())
+    }
+
+    /// As [`Self::any_contact`], with the positions of a configuration.
+    pub fn any_contact_at(&mut self, positions: &[f64]) -> bool {
         let level = self.scratch.level();
         dispatch!(level, simd => {
             self.scratch.work.volume_tests += self.pairs.self_pairs().count() as u64;
-            self.robot.screen_for_contact(simd, self.pairs, q.positions());
+            self.robot.screen_for_contact(simd, self.pairs, positions);
             if self.robot.near().iter().any(|group| *group != 0) && self.any_self_contact() {
                 return true;
             }
             let Self { pairs, robot, obstacles, scratch, .. } = self;
-            let is_expected = pairs.world().reachable().is_expected(q.positions());
+            let is_expected = pairs.world().reachable().is_expected(positions);
             let segments = robot.segments(pairs);
             ObstacleContacts { pairs, obstacles, scratch }
                 .any_in_state(simd, segments, is_expected, &|body| robot.frame(body))

@@ -1,13 +1,12 @@
-//! Named states (`<group_state>`): not used by any check; their errors are reported as warnings.
+//! Named states (`<group_state>`): their positions and their errors.
 
 use std::collections::HashSet;
 
 use roxmltree::Node;
 
-use super::{Group, Reader};
+use super::{Group, GroupState, Reader};
 use crate::JointKind;
 use crate::decimal_numbers::{decimal, shortened};
-use crate::srdf::GroupState;
 use crate::xml::own_children;
 
 /// Maximum number of remarks on named states; a thoroughly wrong text has thousands.
@@ -17,19 +16,20 @@ const MOST_REMARKS: usize = 20;
 const QUATERNION_SLACK: f64 = 1e-3;
 
 impl<'d> Reader<'d> {
-    /// Reads the named states; what is wrong with a value leaves it out, with a warning.
     pub(super) fn read_group_states(&mut self, root: Node<'d, 'd>, groups: &[Group]) -> Vec<GroupState> {
-        let mut states = Vec::new();
         let mut remarks: Vec<(Node, String, String)> = Vec::new();
+        let mut states: Vec<GroupState> = Vec::new();
         let mut seen = HashSet::new();
         for state in own_children(root, "group_state") {
             let text = |name| state.attribute(name).unwrap_or_default().trim();
             let (name, group) = (text("name"), text("group"));
             let element = format!("group_state '{}'", shortened(name));
             let mut remark = |node, message: String| remarks.push((node, element.clone(), message));
+            let mut is_first = true;
             if name.is_empty() {
                 remark(state, "has no name".to_owned());
             } else if !seen.insert((name, group)) {
+                is_first = false;
                 remark(state, format!("is there twice for group '{}'", shortened(group)));
             }
             let members = groups.iter().find(|g| g.name == group);
@@ -38,20 +38,28 @@ impl<'d> Reader<'d> {
             } else if members.is_none() {
                 remark(state, format!("there is no group '{}'", shortened(group)));
             }
-            let (mut joints, mut positions) = (HashSet::new(), Vec::new());
+            let mut fault = None;
+            let mut positions = Vec::new();
+            let mut joints = HashSet::new();
             for joint in own_children(state, "joint") {
-                let joint_name = joint.attribute("name").unwrap_or_default().trim();
-                let fault = self.fault_of_joint(joint_name, members);
-                let fault = fault.or_else(|| self.fault_of_value(joint, joint_name));
-                let twice = (!joint_name.is_empty() && !joints.insert(joint_name))
-                    .then(|| format!("joint '{}' is given twice", shortened(joint_name)));
-                if twice.is_none() {
-                    positions.extend(self.named_values(joint, joint_name));
-                }
-                fault.into_iter().chain(twice).for_each(|message| remark(joint, message));
+                let name = joint.attribute("name").unwrap_or_default().trim();
+                let of_name = self.fault_of_joint(name, members);
+                let values = if of_name.is_none() { self.values(joint, name) } else { Ok(Vec::new()) };
+                let (values, of_value) = match values {
+                    Ok(values) => (values, None),
+                    Err(message) => (Vec::new(), Some(message)),
+                };
+                let twice = (!name.is_empty() && !joints.insert(name))
+                    .then(|| format!("joint '{}' is given twice", shortened(name)));
+                let faults = || of_name.iter().chain(&of_value).chain(&twice);
+                fault = fault.or_else(|| faults().next().cloned());
+                let outside = self.outside(name, &values);
+                faults().cloned().chain(outside).for_each(|message| remark(joint, message));
+                positions.extend(self.named_positions(name, &values));
             }
-            if members.is_some() && !name.is_empty() {
-                states.push(GroupState { name: name.to_owned(), group: group.to_owned(), positions });
+            if is_first && !name.is_empty() {
+                let (name, group) = (name.to_owned(), group.to_owned());
+                states.push(GroupState { name, group, positions, fault });
             }
         }
         let more = remarks.len().saturating_sub(MOST_REMARKS);
@@ -64,18 +72,16 @@ impl<'d> Reader<'d> {
         states
     }
 
-    /// Values of a joint of the robot by the names of its positions; empty if they are not the right number of numbers.
-    fn named_values(&self, node: Node, name: &str) -> Vec<(String, f64)> {
-        let Some(&id) = self.joints.get(name) else { return Vec::new() };
-        let text = node.attribute("value").unwrap_or_default();
-        let values: Result<Vec<f64>, String> = text.split_whitespace().map(decimal).collect();
-        let suffixes = self.model.joint(id).kind.position_suffixes();
-        match values {
-            Ok(values) if values.len() == suffixes.len() => {
-                suffixes.iter().map(|suffix| format!("{name}{suffix}")).zip(values).collect()
-            }
-            _ => Vec::new(),
-        }
+    /// The names of a joint's positions with their values; none for virtual joints.
+    fn named_positions(&self, name: &str, values: &[f64]) -> Vec<(String, f64)> {
+        let Some(id) = self.joints.get(name).filter(|_| !self.is_virtual(name)) else { return Vec::new() };
+        let joint = self.model.joint(*id);
+        let suffixes = if values.len() == 1 { &[""][..] } else { joint.kind.position_suffixes() };
+        suffixes.iter().zip(values).map(|(suffix, value)| (format!("{name}{suffix}"), *value)).collect()
+    }
+
+    fn is_virtual(&self, name: &str) -> bool {
+        self.virtual_joints.iter().any(|joint| joint.name == name)
     }
 
     /// Error in a joint name of a group state, if there is one.
@@ -93,33 +99,32 @@ impl<'d> Reader<'d> {
         Some(format!("joint '{name}' is not in group '{}'", shortened(&group.name)))
     }
 
-    /// Error in a joint value of a group state, if there is one.
-    fn fault_of_value(&self, node: Node, name: &str) -> Option<String> {
-        let count = self.position_count(name)?;
+    /// The values of a joint of a group state, or the error in them; none if the number of values is not known.
+    fn values(&self, node: Node, name: &str) -> Result<Vec<f64>, String> {
+        let Some(count) = self.position_count(name) else { return Ok(Vec::new()) };
         let quoted = shortened(name);
-        let Some(text) = node.attribute("value") else {
-            return Some(format!("joint '{quoted}' has no value"));
-        };
+        let text = node.attribute("value").ok_or_else(|| format!("joint '{quoted}' has no value"))?;
         let values: Result<Vec<f64>, String> = text.split_whitespace().map(decimal).collect();
-        let values = match values {
-            Ok(values) => values,
-            Err(why) => return Some(format!("joint '{quoted}': value {why}")),
-        };
+        let values = values.map_err(|why| format!("joint '{quoted}': value {why}"))?;
         if values.len() != count {
             let (given, plural) = (values.len(), if count == 1 { "" } else { "s" });
-            return Some(format!("joint '{quoted}' has {given} values, but must have {count} value{plural}"));
-        }
-        let id = self.joints.get(name).copied();
-        if let (Some(id), &[value]) = (id, &values[..])
-            && let Some(outside) = self.model.outside_limit(id, value)
-        {
-            return Some(outside.to_string());
+            return Err(format!("joint '{quoted}' has {given} values, but must have {count} value{plural}"));
         }
         let is_floating = count == 7;
         let length = || values[3..].iter().map(|c| c * c).sum::<f64>().sqrt();
-        (is_floating && (length() - 1.0).abs() > QUATERNION_SLACK).then(|| {
-            format!("joint '{quoted}' has a quaternion (x, y, z, w) of length {}, but it must be 1", length())
-        })
+        if is_floating && (length() - 1.0).abs() > QUATERNION_SLACK {
+            return Err(format!(
+                "joint '{quoted}' has a quaternion (x, y, z, w) of length {}, but it must be 1",
+                length()
+            ));
+        }
+        Ok(values)
+    }
+
+    /// A remark on a value beyond the limits of its joint: it is used nevertheless.
+    fn outside(&self, name: &str, values: &[f64]) -> Option<String> {
+        let (id, &[value]) = (self.joints.get(name)?, values) else { return None };
+        self.model.outside_limit(*id, value).map(|outside| outside.to_string())
     }
 
     /// Number of values of a joint in a state; `None` if it is not known.

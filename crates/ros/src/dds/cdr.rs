@@ -61,7 +61,8 @@ mod tests {
 
     use super::*;
     use crate::messages::clearance_srvs::{
-        CheckStatesResponse, CheckTrajectoryResponse, FindFreeStateResponse, GetDistancesResponse,
+        CheckMotionsResponse, CheckStatesResponse, CheckTrajectoryResponse, FindFreeStateResponse,
+        GetDistancesResponse,
     };
 
     /// Whether a blank message is short and does not change when it is encoded and decoded.
@@ -73,6 +74,7 @@ mod tests {
     #[test]
     fn every_response_that_may_be_long_has_a_blank_one() {
         assert!(is_blank::<GetPlanningSceneResponse>() && is_blank::<GetStateValidityResponse>());
+        assert!(is_blank::<CheckMotionsResponse>());
         assert!(is_blank::<CheckStatesResponse>() && is_blank::<GetDistancesResponse>());
         assert!(is_blank::<CheckTrajectoryResponse>() && is_blank::<FindFreeStateResponse>());
         assert!(is_blank::<GetParametersResponse>());

@@ -117,6 +117,70 @@ pub struct CheckTrajectoryFeedback {
     pub time_free: f64,
 }
 
+/// Request: are these straight motions free of collisions?
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CheckMotionsRequest {
+    pub joint_names: Vec<String>,
+    pub group: String,
+    pub starts: Vec<f64>,
+    pub goals: Vec<f64>,
+    pub other_joints: Vec<String>,
+    pub other_positions: Vec<f64>,
+    pub tolerance: f64,
+    pub any_contact: bool,
+    pub timeout: f64,
+    pub joint_tolerances: Vec<f64>,
+    pub continuous_joint_direction: u8,
+}
+
+impl CheckMotionsRequest {
+    /// The settings for each of the checks.
+    #[must_use]
+    pub fn terms(&self) -> MotionTerms {
+        MotionTerms {
+            tolerance: self.tolerance,
+            any_contact: self.any_contact,
+            timeout: self.timeout,
+            continuous_joint_direction: self.continuous_joint_direction,
+            ..MotionTerms::default()
+        }
+    }
+}
+
+/// Results for straight motions. The default status is `ERROR`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CheckMotionsResponse {
+    pub verdict: u8,
+    pub message: String,
+    pub reason_code: String,
+    pub verdicts: Vec<u8>,
+    pub reasons: Vec<u8>,
+    pub t_free: Vec<f64>,
+    pub t_contact: Vec<f64>,
+    pub pair_a: Vec<i32>,
+    pub pair_b: Vec<i32>,
+    pub bodies: Vec<String>,
+    pub body_types: Vec<u8>,
+    pub joint_names: Vec<String>,
+    pub model_revision: u64,
+    pub world_revision: u64,
+    pub compute_time: f64,
+}
+
+impl CheckMotionsResponse {
+    pub const ERROR: u8 = 0;
+    pub const FREE: u8 = 1;
+    pub const CONTACT: u8 = 2;
+    pub const UNDECIDED: u8 = 3;
+
+    pub const REASON_NONE: u8 = 0;
+    pub const REASON_TOLERANCE: u8 = 1;
+    pub const REASON_TUBE: u8 = 2;
+    pub const REASON_DEADLINE: u8 = 3;
+    pub const REASON_BUDGET: u8 = 4;
+    pub const REASON_OVERFLOW: u8 = 5;
+}
+
 /// Request: are these states free of collisions, and how large are their distances?
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CheckStatesRequest {
@@ -240,6 +304,8 @@ impl Message for CheckTrajectoryRequest {}
 impl Message for CheckMotionResponse {}
 impl Message for CheckTrajectoryResponse {}
 impl Message for CheckTrajectoryFeedback {}
+impl Message for CheckMotionsRequest {}
+impl Message for CheckMotionsResponse {}
 impl Message for CheckStatesRequest {}
 impl Message for CheckStatesResponse {}
 impl Message for GetDistancesRequest {}
@@ -316,6 +382,32 @@ mod tests {
             ("ALREADY_FREE", FindFreeStateResponse::ALREADY_FREE),
             ("FOUND", FindFreeStateResponse::FOUND),
             ("NONE_FOUND", FindFreeStateResponse::NONE_FOUND),
+        ];
+        assert_eq!(constants_in_text(response), expected);
+    }
+
+    #[test]
+    fn the_batch_of_motions_is_as_in_its_srv_file() {
+        let (request, response) = srv!("CheckMotions");
+        assert_eq!(fields_in_rust::<CheckMotionsRequest>(), fields_in_text(request));
+        assert_eq!(fields_in_rust::<CheckMotionsResponse>(), fields_in_text(response));
+        let directions = [
+            ("DEFAULT", MotionTerms::DEFAULT),
+            ("SHORTEST", MotionTerms::SHORTEST),
+            ("AS_GIVEN", MotionTerms::AS_GIVEN),
+        ];
+        assert_eq!(constants_in_text(request), directions);
+        let expected = [
+            ("ERROR", CheckMotionsResponse::ERROR),
+            ("FREE", CheckMotionsResponse::FREE),
+            ("CONTACT", CheckMotionsResponse::CONTACT),
+            ("UNDECIDED", CheckMotionsResponse::UNDECIDED),
+            ("REASON_NONE", CheckMotionsResponse::REASON_NONE),
+            ("REASON_TOLERANCE", CheckMotionsResponse::REASON_TOLERANCE),
+            ("REASON_TUBE", CheckMotionsResponse::REASON_TUBE),
+            ("REASON_DEADLINE", CheckMotionsResponse::REASON_DEADLINE),
+            ("REASON_BUDGET", CheckMotionsResponse::REASON_BUDGET),
+            ("REASON_OVERFLOW", CheckMotionsResponse::REASON_OVERFLOW),
         ];
         assert_eq!(constants_in_text(response), expected);
     }

@@ -2,10 +2,12 @@
 //! checker.
 
 pub mod action_goals; // goals of an action
+pub mod body_list; // names of bodies in the response to a batch
 pub mod enable_service; // `~/enable`
 pub mod gradient_rows; // signed distances and derivatives of `~/get_distances`
+pub mod motion_batches; // evaluation of `~/check_motions` requests
 pub mod motion_requests; // evaluation of motion requests
-pub mod motion_services; // `~/check_motion` and `~/check_trajectory`
+pub mod motion_services; // `~/check_motion`, `~/check_motions` and `~/check_trajectory`
 pub mod parameter_services; // the standard parameter services
 pub mod recovery_requests; // evaluation of requests for free states
 pub mod rejection; // reasons for which requests are rejected

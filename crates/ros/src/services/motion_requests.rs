@@ -34,7 +34,7 @@ const SHORTEST_PROOF: usize = 20;
 const LOOKS: u64 = 2_000_000;
 
 /// Default timeout of checks that cannot be canceled, because other requests wait in the queue.
-const LONGEST: Duration = Duration::from_secs(60);
+pub const LONGEST: Duration = Duration::from_secs(60);
 
 /// Response with the optional results that the request selects.
 #[derive(Clone, Debug, PartialEq)]
@@ -112,7 +112,7 @@ fn evaluate(
     response
 }
 
-fn options(
+pub fn options(
     terms: &MotionTerms,
     default_timeout: Option<Duration>,
     started: Instant,
@@ -136,7 +136,7 @@ struct RequestedMotion {
 }
 
 /// Direction of continuous joints, if the request contains one.
-fn direction(terms: &MotionTerms) -> Result<Option<ContinuousDirection>, Rejection> {
+pub fn direction(terms: &MotionTerms) -> Result<Option<ContinuousDirection>, Rejection> {
     match terms.continuous_joint_direction {
         MotionTerms::DEFAULT => Ok(None),
         MotionTerms::SHORTEST => Ok(Some(ContinuousDirection::Shortest)),
@@ -191,7 +191,11 @@ impl RequestContext<'_> {
         })
     }
 
-    fn shortest(&self, ends: Vec<Configuration>) -> Result<(Vec<Configuration>, Vec<HeldTurn>), Rejection> {
+    /// The ends of a motion by half a turn at most, and the joints that cannot move so.
+    pub fn shortest(
+        &self,
+        ends: Vec<Configuration>,
+    ) -> Result<(Vec<Configuration>, Vec<HeldTurn>), Rejection> {
         shortest_turns(self.robot(), ends).map_err(|error| bad_request(format!("the shortest way: {error}")))
     }
 

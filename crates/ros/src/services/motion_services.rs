@@ -1,4 +1,4 @@
-//! `~/check_motion` and `~/check_trajectory`, the latter also as an action. Requests and responses are handled on the
+//! `~/check_motion`, `~/check_motions` and `~/check_trajectory`, the last also as an action. Requests and responses are handled on the
 //! services thread. Checks run one after the other on a separate thread, so that a long motion does not delay other
 //! work.
 
@@ -22,11 +22,13 @@ use crate::dds::quality::Quality;
 use crate::dds::server::{RequestId, Server};
 use crate::dds::type_name::TypeName;
 use crate::messages::clearance_srvs::{
-    CheckMotionRequest, CheckMotionResponse, CheckTrajectoryRequest, CheckTrajectoryResponse,
+    CheckMotionRequest, CheckMotionResponse, CheckMotionsRequest, CheckMotionsResponse,
+    CheckTrajectoryRequest, CheckTrajectoryResponse,
 };
 use crate::monitor_events::current_evaluation::{CurrentEvaluation, newest};
 use crate::names::Names;
 use crate::parameters::parameter_store::ParameterStore;
+use crate::services::motion_batches::{evaluate_motions, rejected_motions};
 use crate::services::motion_requests::{MotionResponse, evaluate_motion, evaluate_trajectory};
 use crate::services::rejection::Rejection;
 use crate::services::trajectory_action::{Goal, StartedGoal, TrajectoryAction};
@@ -37,12 +39,14 @@ const WAITING: usize = 16;
 /// Queued request.
 enum Request {
     Motion(RequestId, CheckMotionRequest),
+    Motions(RequestId, CheckMotionsRequest),
     Trajectory(RequestId, CheckTrajectoryRequest),
     Goal(Goal),
 }
 
 enum Response {
     Motion(RequestId, Box<MotionResponse>),
+    Motions(RequestId, Box<CheckMotionsResponse>),
     Trajectory(RequestId, Box<MotionResponse>),
     /// The check of a goal has started.
     Started(StartedGoal),
@@ -52,6 +56,7 @@ enum Response {
 /// Network side: receives requests and sends responses.
 pub struct MotionServices {
     motions: Server<CheckMotionRequest, CheckMotionResponse>,
+    batches: Server<CheckMotionsRequest, CheckMotionsResponse>,
     trajectories: Server<CheckTrajectoryRequest, CheckTrajectoryResponse>,
     goals: TrajectoryAction,
     certificates: Publisher<StringMessage>,
@@ -87,6 +92,10 @@ impl MotionServices {
         let services = Self {
             motions: middleware
                 .server(&names.resolve("~/check_motion")?, TypeName::new("clearance_msgs", "CheckMotion"))?,
+            batches: middleware.server(
+                &names.resolve("~/check_motions")?,
+                TypeName::new("clearance_msgs", "CheckMotions"),
+            )?,
             trajectories: middleware.server(
                 &names.resolve("~/check_trajectory")?,
                 TypeName::new("clearance_msgs", "CheckTrajectory"),
@@ -120,6 +129,12 @@ impl MotionServices {
                 self.enqueue(Request::Motion(id, request), &sending);
             }
         };
+        let batches = async {
+            loop {
+                let (id, request) = self.batches.next().await;
+                self.enqueue(Request::Motions(id, request), &sending);
+            }
+        };
         let trajectories = async {
             loop {
                 let (id, request) = self.trajectories.next().await;
@@ -132,15 +147,15 @@ impl MotionServices {
             }
         };
         let goals = self.goals.serve(&sending, |goal| self.requests.try_send(Request::Goal(goal)).is_ok());
-        let services = future::zip(future::zip(motions, trajectories), responses);
+        let requests = future::zip(future::zip(motions, batches), trajectories);
+        let services = future::zip(requests, responses);
         sending.run(future::zip(services, goals)).await;
     }
 
     fn enqueue<'a>(&'a self, request: Request, sending: &LocalExecutor<'a>) {
         // when the worker has ended, the service reports that it is busy
         if let Err(rejected) = self.requests.try_send(request) {
-            let motion_response = MotionResponse::from(&Rejection::Busy(WAITING));
-            self.send(rejected.into_inner().into_response(motion_response), sending);
+            self.send(rejected.into_inner().rejected(&Rejection::Busy(WAITING)), sending);
         }
     }
 
@@ -149,6 +164,9 @@ impl MotionServices {
             Response::Motion(id, motion_response) => {
                 let CheckTrajectoryResponse { motion, turns, .. } = self.publish_results(*motion_response);
                 sending.spawn(self.motions.respond(id, CheckMotionResponse { motion, turns })).detach();
+            }
+            Response::Motions(id, response) => {
+                sending.spawn(self.batches.respond(id, *response)).detach();
             }
             Response::Trajectory(id, motion_response) => {
                 let response = self.publish_results(*motion_response);
@@ -198,32 +216,50 @@ impl MotionWorker {
 
     fn evaluate(&mut self, request: Request, evaluation: Option<&Evaluation>) -> Response {
         let usual = self.parameters.get().continuous_direction();
-        let evaluated = self.guarded(|workspace| match &request {
-            Request::Motion(_, request) => evaluate_motion(request, usual, evaluation, workspace),
-            Request::Trajectory(_, request) => evaluate_trajectory(request, None, evaluation, workspace),
-            Request::Goal(Goal { request, watch, .. }) => {
-                evaluate_trajectory(request, Some(watch.clone()), evaluation, workspace)
+        let or_failed = |response: Option<MotionResponse>| {
+            Box::new(response.unwrap_or_else(|| MotionResponse::from(&Rejection::Internal)))
+        };
+        match request {
+            Request::Motion(id, request) => {
+                let response = self.guarded(|memory| evaluate_motion(&request, usual, evaluation, memory));
+                Response::Motion(id, or_failed(response))
             }
-        });
-        request.into_response(evaluated)
+            Request::Motions(id, request) => {
+                let response = self.guarded(|memory| evaluate_motions(&request, evaluation, memory));
+                let response = response.unwrap_or_else(|| rejected_motions(&Rejection::Internal));
+                Response::Motions(id, Box::new(response))
+            }
+            Request::Trajectory(id, request) => {
+                let response = self.guarded(|memory| evaluate_trajectory(&request, None, evaluation, memory));
+                Response::Trajectory(id, or_failed(response))
+            }
+            Request::Goal(Goal { id, request, watch, .. }) => {
+                let response =
+                    self.guarded(|memory| evaluate_trajectory(&request, Some(watch), evaluation, memory));
+                Response::Goal(id, or_failed(response))
+            }
+        }
     }
 
     /// Processes an untrusted request. A panic in it must not end the node.
-    fn guarded(&mut self, evaluate: impl FnOnce(&mut Option<Workspace>) -> MotionResponse) -> MotionResponse {
-        catch_unwind(AssertUnwindSafe(|| evaluate(&mut self.workspace))).unwrap_or_else(|_| {
+    fn guarded<T>(&mut self, evaluate: impl FnOnce(&mut Option<Workspace>) -> T) -> Option<T> {
+        let evaluated = catch_unwind(AssertUnwindSafe(|| evaluate(&mut self.workspace)));
+        if evaluated.is_err() {
             log::error!("a motion could not be checked: the program failed inside");
             self.workspace = None;
-            MotionResponse::from(&Rejection::Internal)
-        })
+        }
+        evaluated.ok()
     }
 }
 
 impl Request {
-    fn into_response(self, motion_response: MotionResponse) -> Response {
+    fn rejected(self, rejection: &Rejection) -> Response {
+        let motion_response = || Box::new(MotionResponse::from(rejection));
         match self {
-            Self::Motion(id, _) => Response::Motion(id, Box::new(motion_response)),
-            Self::Trajectory(id, _) => Response::Trajectory(id, Box::new(motion_response)),
-            Self::Goal(goal) => Response::Goal(goal.id, Box::new(motion_response)),
+            Self::Motion(id, _) => Response::Motion(id, motion_response()),
+            Self::Motions(id, _) => Response::Motions(id, Box::new(rejected_motions(rejection))),
+            Self::Trajectory(id, _) => Response::Trajectory(id, motion_response()),
+            Self::Goal(goal) => Response::Goal(goal.id, motion_response()),
         }
     }
 }

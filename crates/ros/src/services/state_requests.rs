@@ -8,15 +8,15 @@ use clearance_proximity::Effort;
 use clearance_robot::Configuration;
 use clearance_robot::quoted_list;
 use clearance_scene::BodyId;
-use std::collections::hash_map::Entry;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 use std::time::{Duration, Instant};
 
 use crate::messages::clearance_msgs::PairDistance as PairDistanceMessage;
 use crate::messages::clearance_srvs::{
     CheckStatesRequest, CheckStatesResponse, GetDistancesRequest, GetDistancesResponse,
 };
-use crate::messages::collision_state::{body_type, distance_message};
+use crate::messages::collision_state::distance_message;
+use crate::services::body_list::{BodyList, NOBODY};
 use crate::services::gradient_rows::{add_gradients, bytes_of_gradient};
 use crate::services::rejection::{Rejection, bad_request, shortened};
 use crate::services::request_context::{RequestContext, deadline, not_negative, revisions};
@@ -26,9 +26,6 @@ const STATES: usize = 10_000;
 
 /// Maximum size of the pairs in a response (bytes): about 6000 pairs.
 const LONGEST_PAIRS: usize = 1_000_000;
-
-/// Maximum size of the body names in the response to a batch (bytes).
-const LONGEST_NAMES: usize = 10_000;
 
 /// Default timeout of a batch. A client that needs longer must set a timeout, because other requests wait in the queue.
 const LONGEST_BATCH: Duration = Duration::from_secs(60);
@@ -41,12 +38,6 @@ pub const MANY_PAIRS: usize = 100_000;
 
 /// Size of a pair without the names of its bodies (bytes).
 const BYTES_OF_PAIR: usize = 96;
-
-/// Size of the data that is sent with each name, without its letters (bytes).
-const BYTES_OF_TEXT: usize = 12;
-
-/// Index that stands for no body.
-const NOBODY: i32 = -1;
 
 /// Responds to a request for many states. The workspace is memory that is reused to make later checks faster.
 #[must_use]
@@ -204,9 +195,7 @@ impl RequestContext<'_> {
 struct BatchResponse<'a> {
     checker: &'a CollisionChecker,
     with_distance: bool,
-    indices: HashMap<BodyId, i32>,
-    /// Free space for names in the response (bytes).
-    room: usize,
+    bodies: BodyList,
     unknown: usize,
     /// By state: the nearest self pair and the nearest world pair.
     nearest_of_kinds: Vec<[Option<(BodyId, BodyId)>; 2]>,
@@ -219,8 +208,7 @@ impl<'a> BatchResponse<'a> {
         Self {
             checker,
             with_distance,
-            indices: HashMap::new(),
-            room: LONGEST_NAMES,
+            bodies: BodyList::new(),
             unknown: 0,
             nearest_of_kinds: Vec::new(),
             response,
@@ -265,21 +253,9 @@ impl<'a> BatchResponse<'a> {
         };
     }
 
-    /// Index of a body in the response's list of bodies; `NOBODY` if its name does not fit.
+    /// Index of a body in the response's list of bodies.
     fn index(&mut self, body: BodyId) -> i32 {
-        let response = &mut self.response;
-        let name = self.checker.body_name(body);
-        match self.indices.entry(body) {
-            Entry::Occupied(entry) => *entry.get(),
-            Entry::Vacant(_) if name.len() + BYTES_OF_TEXT > self.room => NOBODY,
-            Entry::Vacant(entry) => {
-                self.room -= name.len() + BYTES_OF_TEXT;
-                let next = i32::try_from(response.bodies.len()).unwrap_or(NOBODY);
-                response.bodies.push(name.to_owned());
-                response.body_types.push(body_type(body));
-                *entry.insert(next)
-            }
-        }
+        self.bodies.index(self.checker, body)
     }
 
     /// Adds the nearest pairs of both kinds. Their names follow those of the colliding and the nearest pairs, which have
@@ -306,6 +282,7 @@ impl<'a> BatchResponse<'a> {
         if self.unknown > 0 {
             "deadline".clone_into(&mut self.response.reason_code);
         }
+        (self.response.bodies, self.response.body_types) = (self.bodies.names, self.bodies.types);
         self.response
     }
 }
