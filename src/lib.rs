@@ -22,6 +22,7 @@
 //! | describe its surroundings | [`World`], [`SceneLoader`] (MoveIt scenes, octrees, point clouds) |
 //! | check states | [`CollisionChecker::is_free`], [`CollisionChecker::check`], [`CollisionChecker::check_states`] |
 //! | check motions | [`CollisionChecker::check_motion`], [`CollisionChecker::check_trajectory`] |
+//! | plan a path of proven motions | [`planner::plan`] |
 //! | keep a proof, and check it again | [`CollisionChecker::certify_motion`], [`Verifier`] |
 //! | follow a stream of joint states | [`CollisionChecker::streaming_workspace`], [`monitor`] |
 //! | two posed bodies without a robot | [`proximity`] |
@@ -65,6 +66,10 @@ pub use clearance_proximity as proximity;
 /// Checks of a robot in its world: states, batches, streams and motions.
 #[doc(inline)]
 pub use clearance_checker as checker;
+
+/// A small motion planner whose edges are proven free.
+#[doc(inline)]
+pub use clearance_planner as planner;
 
 /// Independent verification of certificates.
 #[doc(inline)]

@@ -150,9 +150,8 @@ impl RobotModel {
                 continue;
             };
             let quaternion = &mut positions[first + 3..first + 7];
-            let unit = unit_quaternion(std::array::from_fn(|i| quaternion[i])).map_err(|length| {
-                ConfigurationError::NotAQuaternion { joint: joint.name.clone(), length }
-            })?;
+            let unit = unit_quaternion(std::array::from_fn(|i| quaternion[i]))
+                .map_err(|length| ConfigurationError::NotAQuaternion { joint: joint.name.clone(), length })?;
             quaternion.copy_from_slice(&unit);
         }
         Ok(())

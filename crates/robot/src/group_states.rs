@@ -55,14 +55,19 @@ impl RobotModel {
     ///
     /// # Errors
     /// As [`Self::group_state`].
-    pub fn group_state_over(&self, rest: &Configuration, name: &str) -> Result<Configuration, GroupStateError> {
+    pub fn group_state_over(
+        &self,
+        rest: &Configuration,
+        name: &str,
+    ) -> Result<Configuration, GroupStateError> {
         let state = self.find_group_state(name)?;
         let name = || state.name.clone();
         if let Some(fault) = &state.fault {
             return Err(GroupStateError::Faulty { name: name(), fault: fault.clone() });
         }
         let positions = state.positions.iter().map(|(joint, position)| (joint.as_str(), *position));
-        self.configuration_over(rest, positions).map_err(|error| GroupStateError::Positions { name: name(), error })
+        self.configuration_over(rest, positions)
+            .map_err(|error| GroupStateError::Positions { name: name(), error })
     }
 
     fn find_group_state(&self, name: &str) -> Result<&GroupState, GroupStateError> {

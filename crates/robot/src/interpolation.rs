@@ -62,7 +62,12 @@ impl RobotModel {
     /// # Panics
     /// If there is not one factor for each position, or if a configuration is of a robot with another number of positions.
     #[must_use]
-    pub fn weighted_joint_space_distance(&self, a: &Configuration, b: &Configuration, weights: &[f64]) -> f64 {
+    pub fn weighted_joint_space_distance(
+        &self,
+        a: &Configuration,
+        b: &Configuration,
+        weights: &[f64],
+    ) -> f64 {
         assert_eq!(weights.len(), self.position_names().len(), "a weight for every position");
         self.norm_of_difference(a, b, |position| weights[position])
     }

@@ -42,7 +42,11 @@ pub struct UnknownGroup {
 
 /// The names that there are, as part of an error message.
 pub(super) fn known_names(holder: &str, known: &[String]) -> String {
-    if known.is_empty() { format!("its {holder} has none") } else { format!("its {holder} has {}", quoted_list(known)) }
+    if known.is_empty() {
+        format!("its {holder} has none")
+    } else {
+        format!("its {holder} has {}", quoted_list(known))
+    }
 }
 
 impl RobotModel {
@@ -194,10 +198,11 @@ impl JointGroup {
 
 /// The largest position of a joint with which it and its mimic joints can be computed.
 fn farthest(robot: &RobotModel, leader: JointId) -> f64 {
-    let of_follower = robot.mimicking_joints().filter(|(_, mimic)| mimic.joint == leader).map(|(_, mimic)| {
-        let room = (LARGEST_COORDINATE - mimic.offset.abs()).greater(0.0);
-        if mimic.multiplier == 0.0 { f64::INFINITY } else { room / mimic.multiplier.abs() }
-    });
+    let of_follower =
+        robot.mimicking_joints().filter(|(_, mimic)| mimic.joint == leader).map(|(_, mimic)| {
+            let room = (LARGEST_COORDINATE - mimic.offset.abs()).greater(0.0);
+            if mimic.multiplier == 0.0 { f64::INFINITY } else { room / mimic.multiplier.abs() }
+        });
     of_follower.fold(LARGEST_COORDINATE, f64::lesser)
 }
 

@@ -87,7 +87,8 @@ mod tests {
     use super::*;
     use crate::MeshFiles;
 
-    const URDF: &str = "<robot name='r'><link name='a'/><link name='b'/><link name='c'/><link name='d'/><link name='e'/>
+    const URDF: &str =
+        "<robot name='r'><link name='a'/><link name='b'/><link name='c'/><link name='d'/><link name='e'/>
         <joint name='base' type='floating'><parent link='a'/><child link='b'/></joint>
         <joint name='cart' type='planar'><parent link='b'/><child link='c'/><axis xyz='0 0 1'/></joint>
         <joint name='wheel' type='continuous'><parent link='c'/><child link='d'/><axis xyz='0 0 1'/></joint>
@@ -102,8 +103,20 @@ mod tests {
         let count = 4000;
         let samples: Vec<Vec<f64>> =
             (0..count).map(|_| robot.sample(&region, || random.f64()).positions().to_vec()).collect();
-        let expected =
-            [(1.0, 2.0), (2.0, 4.0), (3.0, 6.0), (-1.0, 1.0), (-1.0, 1.0), (-1.0, 1.0), (-1.0, 1.0), (1.0, 2.0), (2.0, 4.0), (-PI, PI), (-PI, PI), (0.5, 1.5)];
+        let expected = [
+            (1.0, 2.0),
+            (2.0, 4.0),
+            (3.0, 6.0),
+            (-1.0, 1.0),
+            (-1.0, 1.0),
+            (-1.0, 1.0),
+            (-1.0, 1.0),
+            (1.0, 2.0),
+            (2.0, 4.0),
+            (-PI, PI),
+            (-PI, PI),
+            (0.5, 1.5),
+        ];
         assert_eq!(robot.position_names().len(), expected.len());
         for (i, (low, high)) in expected.into_iter().enumerate() {
             let mean = samples.iter().map(|q| q[i]).sum::<f64>() / f64::from(count);

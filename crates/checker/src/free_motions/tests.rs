@@ -45,7 +45,10 @@ fn motion(robot: &RobotModel, world: &World, random: &mut Random) -> MotionSegme
         let [linear, angular] = [(); 2].map(|()| random.vector(0.4).into());
         let name = obstacle.name.clone();
         motion = motion
-            .with_obstacles(world, vec![MovingObstacle { name, linear, angular, centre: [0.0; 3], start: None }])
+            .with_obstacles(
+                world,
+                vec![MovingObstacle { name, linear, angular, centre: [0.0; 3], start: None }],
+            )
             .unwrap();
     }
     motion

@@ -64,7 +64,10 @@ pub fn screen_block(prover: &mut Prover, block: usize, blocks: usize) -> [f64; L
 
 /// The runs of a block's intervals in which level 0 leaves pairs open. A pair that is always near often moves little:
 /// its whole run is searched as one interval.
-pub fn open_runs<'p>(prover: &'p Prover, ends: &'p [f64; LANES + 1]) -> impl Iterator<Item = PairInterval> + 'p {
+pub fn open_runs<'p>(
+    prover: &'p Prover,
+    ends: &'p [f64; LANES + 1],
+) -> impl Iterator<Item = PairInterval> + 'p {
     (0..LANES).flat_map(move |lane| {
         prover.near().iter().filter_map(move |near| {
             let end = run_from(near.intervals, lane)?;

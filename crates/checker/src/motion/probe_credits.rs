@@ -23,8 +23,11 @@ impl ProbeCredits {
     /// Records the result of a test.
     pub fn tested(&mut self, probe: usize, is_contact: bool) {
         let credit = &mut self.0[probe];
-        *credit =
-            if is_contact { (*credit + TESTS_PER_CONTACT).min(LARGEST_CREDIT) } else { credit.saturating_sub(1) };
+        *credit = if is_contact {
+            (*credit + TESTS_PER_CONTACT).min(LARGEST_CREDIT)
+        } else {
+            credit.saturating_sub(1)
+        };
     }
 
     /// Records a contact that no test found: it pays for one test in the next motion.

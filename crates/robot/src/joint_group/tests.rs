@@ -21,7 +21,11 @@ const SRDF: &str = "<robot name='r'>
     <group_state name='placed' group='all'><joint name='base' value='1 2 3 0 0 0 1'/></group_state></robot>";
 
 fn model() -> RobotModel {
-    RobotModel::from_text(&crate::RobotText { urdf: URDF, srdf: Some(SRDF), ..crate::RobotText::default() }, &MeshFiles::default()).unwrap()
+    RobotModel::from_text(
+        &crate::RobotText { urdf: URDF, srdf: Some(SRDF), ..crate::RobotText::default() },
+        &MeshFiles::default(),
+    )
+    .unwrap()
 }
 
 #[test]

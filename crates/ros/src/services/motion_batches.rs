@@ -88,11 +88,12 @@ impl RequestContext<'_> {
             }
             let mut segment = MotionSegment::straight(self.robot(), &ends[0], &ends[1]);
             if let Some(tube) = &tube {
-                segment = segment.with_tube(self.robot(), tube.clone()).map_err(|error| {
-                    bad_request(format!("joint_tolerances: {error}"))
-                })?;
+                segment = segment
+                    .with_tube(self.robot(), tube.clone())
+                    .map_err(|error| bad_request(format!("joint_tolerances: {error}")))?;
             }
-            let trajectory = Trajectory::of_segments(vec![segment.clone()]).map_err(|error| reject(&error))?;
+            let trajectory =
+                Trajectory::of_segments(vec![segment.clone()]).map_err(|error| reject(&error))?;
             notes.add(i, trajectory.long_turn_note(self.robot()));
             segments.push(segment);
         }

@@ -192,7 +192,10 @@ impl RequestContext<'_> {
     }
 
     /// The ends of a motion by half a turn at most, and the joints that cannot move so.
-    pub fn shortest(&self, ends: Vec<Configuration>) -> Result<(Vec<Configuration>, Vec<HeldTurn>), Rejection> {
+    pub fn shortest(
+        &self,
+        ends: Vec<Configuration>,
+    ) -> Result<(Vec<Configuration>, Vec<HeldTurn>), Rejection> {
         shortest_turns(self.robot(), ends).map_err(|error| bad_request(format!("the shortest way: {error}")))
     }
 

@@ -92,8 +92,10 @@ impl MotionServices {
         let services = Self {
             motions: middleware
                 .server(&names.resolve("~/check_motion")?, TypeName::new("clearance_msgs", "CheckMotion"))?,
-            batches: middleware
-                .server(&names.resolve("~/check_motions")?, TypeName::new("clearance_msgs", "CheckMotions"))?,
+            batches: middleware.server(
+                &names.resolve("~/check_motions")?,
+                TypeName::new("clearance_msgs", "CheckMotions"),
+            )?,
             trajectories: middleware.server(
                 &names.resolve("~/check_trajectory")?,
                 TypeName::new("clearance_msgs", "CheckTrajectory"),
