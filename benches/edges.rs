@@ -29,7 +29,7 @@ const EDGES: usize = 300;
 /// Number of random edges after which rare kinds are given up.
 const ATTEMPTS: usize = 30_000;
 
-const PASSES: usize = 7;
+const PASSES: usize = 15;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
@@ -122,7 +122,7 @@ fn measure(checker: &CollisionChecker, Edges(edges): &Edges) -> [f64; 3] {
 
 fn main() {
     let selected: Vec<String> = std::env::args().skip(1).filter(|name| !name.starts_with("--")).collect();
-    for (name, robot) in robots::all(&["ur5e", "panda", "fetch", "g1"]) {
+    for (name, robot) in robots::all(&["ur5e", "panda", "g1"]) {
         if !selected.is_empty() && !selected.iter().any(|other| other == name) {
             continue;
         }

@@ -21,7 +21,9 @@
 //! | read a robot | [`RobotModel::load`], [`RobotModel::from_text`] |
 //! | describe its surroundings | [`World`], [`SceneLoader`] (MoveIt scenes, octrees, point clouds) |
 //! | check states | [`CollisionChecker::is_free`], [`CollisionChecker::check`], [`CollisionChecker::check_states`] |
+//! | sample and interpolate states | [`RobotModel::sample`], [`RobotModel::interpolate`], [`RobotModel::joint_group`] |
 //! | check motions | [`CollisionChecker::check_motion`], [`CollisionChecker::check_trajectory`] |
+//! | check the edges of a planner | [`CollisionChecker::is_motion_free`], [`CollisionChecker::are_motions_free`] |
 //! | plan a path of proven motions | [`planner::plan`] |
 //! | keep a proof, and check it again | [`CollisionChecker::certify_motion`], [`Verifier`] |
 //! | follow a stream of joint states | [`CollisionChecker::streaming_workspace`], [`monitor`] |
@@ -46,6 +48,11 @@
 /// Shapes, triangle meshes, poses and the tolerances of all computations.
 #[doc(inline)]
 pub use clearance_geometry as geometry;
+
+/// The linear algebra library whose types are in this interface: points (`Point3<f64>`), vectors (`Vector3<f64>`), rotations
+/// (`UnitQuaternion<f64>`) and poses (`Isometry3<f64>`), named `Point`, `Vector`, `Rotation` and `Pose` in [`geometry::math`].
+#[doc(inline)]
+pub use clearance_geometry::nalgebra;
 
 /// Robots: URDF, SRDF and mesh files, configurations and forward kinematics.
 #[doc(inline)]
@@ -86,7 +93,9 @@ pub use clearance_checker::{
 };
 pub use clearance_geometry::{Primitive, Shape};
 pub use clearance_motion::{Certificate, MotionSegment, Trajectory, TrajectoryPoint};
-pub use clearance_robot::{Configuration, JointId, LinkId, MeshFiles, ModelError, RobotModel};
+pub use clearance_robot::{
+    Configuration, JointGroup, JointId, LinkId, MeshFiles, ModelError, RobotModel, SamplingBox,
+};
 pub use clearance_scene::{
     AllowedCollisionMatrix, AttachedObject, BodyId, MeshModel, Obstacle, ObstacleId, Scene, SceneLoader,
     Settings, World,

@@ -22,6 +22,8 @@ mod solid_mesh;
 mod triangle;
 mod voxels;
 
+pub use nalgebra;
+
 pub use inside_test::InsideTest;
 pub use mesh::{MeshError, TriangleMesh};
 pub use plane::{Plane, PlaneError};

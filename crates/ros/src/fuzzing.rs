@@ -15,7 +15,9 @@ use ros2_interfaces_jazzy_serde::moveit_msgs::srv::GetStateValidityRequest;
 use crate::dds::cdr;
 use crate::loading::loader::Loader;
 use crate::loading::loader_inputs::Pass;
-use crate::messages::clearance_srvs::{CheckMotionRequest, CheckTrajectoryRequest, FindFreeStateRequest};
+use crate::messages::clearance_srvs::{
+    CheckMotionRequest, CheckMotionsRequest, CheckTrajectoryRequest, FindFreeStateRequest,
+};
 use crate::messages::collision_state::collision_state;
 use crate::messages::joint_state::joint_state_input;
 use crate::monitor_events::monitor_event::MonitorEvent;
@@ -30,6 +32,7 @@ use crate::scene::loader_command::LoaderCommand;
 use crate::scene::scene_command::SceneCommand;
 use crate::scene::scene_update_context::{SceneUpdateContext, robots_at_stamps};
 use crate::scene::transform_messages::note_transforms;
+use crate::services::motion_batches::evaluate_motions;
 use crate::services::motion_requests::{evaluate_motion, evaluate_trajectory};
 use crate::services::parameter_services::changes;
 use crate::services::recovery_requests::search_free_state;
@@ -64,10 +67,11 @@ pub enum MessageKind {
     GetStateValidity,
     SetParameters,
     FindFreeState,
+    CheckMotions,
 }
 
 impl MessageKind {
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 19] = [
         Self::Description,
         Self::Semantic,
         Self::JointState,
@@ -86,6 +90,7 @@ impl MessageKind {
         Self::GetStateValidity,
         Self::SetParameters,
         Self::FindFreeState,
+        Self::CheckMotions,
     ];
 }
 
@@ -195,6 +200,11 @@ impl OfflineNode {
                 limit_time(&mut request.terms.timeout);
                 let response = evaluate_trajectory(&request, None, evaluation, workspace);
                 cdr::encode(&response.response).map(drop)
+            }
+            MessageKind::CheckMotions => {
+                let mut request: CheckMotionsRequest = cdr::decode(bytes)?;
+                limit_time(&mut request.timeout);
+                cdr::encode(&evaluate_motions(&request, evaluation, workspace)).map(drop)
             }
             MessageKind::CheckStates => {
                 cdr::encode(&evaluate_states(&cdr::decode(bytes)?, evaluation, workspace)).map(drop)

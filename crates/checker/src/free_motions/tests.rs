@@ -11,6 +11,9 @@ use clearance_scene::World;
 use crate::random_scenes::{coordinate, robot, settings, world};
 use crate::{CollisionChecker, MotionOptions, MotionOrder, Workspace};
 
+/// Limit of evaluations: enough for all but motions that stay undecided.
+const BUDGET: u64 = 5000;
+
 /// A checker of a random robot in a random world.
 fn checker(random: &mut Random) -> CollisionChecker {
     let (robot, world) = (Arc::new(robot(random)), world(random));
@@ -24,7 +27,7 @@ fn state(robot: &RobotModel, random: &mut Random) -> Configuration {
 
 /// A straight motion from a state, mostly short.
 fn motion_from(from: &Configuration, robot: &RobotModel, random: &mut Random) -> MotionSegment {
-    let length = [0.0, 0.01, 0.1, 0.1, 0.5, 0.5, 3.0, 3e4][random.below(8)];
+    let length = [0.0, 0.01, 0.1, 0.1, 0.5, 0.5, 0.5, 3.0, 3.0, 3e4][random.below(10)];
     let to: Vec<f64> = from.positions().iter().map(|q| q + random.within(length)).collect();
     MotionSegment::straight(robot, from, &robot.configuration(&to).unwrap())
 }
@@ -58,7 +61,7 @@ fn options(random: &mut Random) -> MotionOptions {
     let standard = MotionOptions::default();
     MotionOptions {
         tolerance: [standard.tolerance, standard.tolerance, 0.0, 0.05][random.below(4)],
-        budget: [standard.budget, 1000, 10, 0][random.below(4)],
+        budget: [BUDGET, 1000, 10, 0][random.below(4)],
         order: [MotionOrder::Earliest, MotionOrder::Any][random.below(2)],
         ..standard
     }
@@ -74,7 +77,7 @@ fn are_samples_free(checker: &CollisionChecker, motion: &MotionSegment, workspac
 fn a_motion_is_free_exactly_if_the_check_finds_it_free() {
     let mut random = Random::new(5);
     let mut counts = [0; 2];
-    for _ in 0..500 {
+    for _ in 0..200 {
         let checker = checker(&mut random);
         let [mut used, mut other, mut portable] =
             [checker.workspace(), checker.workspace(), checker.portable_workspace()];
@@ -91,22 +94,16 @@ fn a_motion_is_free_exactly_if_the_check_finds_it_free() {
             counts[usize::from(is_free)] += 1;
         }
     }
-    assert!(counts.iter().all(|count| *count > 1000), "{counts:?}");
+    assert!(counts.iter().all(|count| *count > 500), "{counts:?}");
 }
 
 #[test]
 fn a_motion_of_another_robot_or_after_the_deadline_is_not_free() {
     let mut random = Random::new(8);
-    let [one, other] = std::iter::repeat_with(|| checker(&mut random))
-        .take(100)
-        .fold([None, None], |found: [Option<CollisionChecker>; 2], checker| {
-            match checker.robot().position_names().len() {
-                2 => [Some(checker), found[1].clone()],
-                3 => [found[0].clone(), Some(checker)],
-                _ => found,
-            }
-        })
-        .map(Option::unwrap);
+    let checkers: Vec<CollisionChecker> = (0..100).map(|_| checker(&mut random)).collect();
+    let with_joints =
+        |count| checkers.iter().find(|checker| checker.robot().position_names().len() == count).unwrap();
+    let [one, other] = [2, 3].map(with_joints);
     let rest = other.robot().default_configuration();
     assert!(!one.is_motion_free(&rest, &rest, &mut one.workspace()));
     let over = MotionOptions { deadline: Some(std::time::Instant::now()), ..MotionOptions::default() };
@@ -117,11 +114,11 @@ fn a_motion_of_another_robot_or_after_the_deadline_is_not_free() {
 #[test]
 fn threads_and_earlier_motions_change_no_result() {
     let mut random = Random::new(6);
-    for _ in 0..20 {
+    for _ in 0..10 {
         let checker = checker(&mut random);
         let motions: Vec<_> =
-            (0..300).map(|_| motion(checker.robot(), checker.world(), &mut random)).collect();
-        let options = MotionOptions::default();
+            (0..200).map(|_| motion(checker.robot(), checker.world(), &mut random)).collect();
+        let options = MotionOptions { budget: BUDGET, ..MotionOptions::default() };
         let single = |motion| checker.is_motion_free_with(motion, &options, &mut checker.workspace());
         let expected: Vec<bool> = motions.iter().map(single).collect();
         for threads in [1, 2, 5] {
@@ -144,15 +141,16 @@ struct Works {
 
 fn works(checker: &CollisionChecker, motions: &[MotionSegment]) -> Works {
     let mut works = Works::default();
-    let mut workspaces = [checker.workspace(), checker.workspace(), checker.workspace()];
+    let mut workspaces = [checker.workspace(), checker.workspace()];
     for motion in motions {
         let mut in_order = |order| {
-            let options = MotionOptions { order, ..MotionOptions::default() };
+            let options = MotionOptions { order, budget: BUDGET, ..MotionOptions::default() };
             checker.check_motion_with(motion, &options, &mut workspaces[0]).work
         };
         works.earliest += in_order(MotionOrder::Earliest);
         works.any += in_order(MotionOrder::Any);
-        let _ = checker.is_motion_free_with(motion, &MotionOptions::default(), &mut workspaces[1]);
+        let options = MotionOptions { budget: BUDGET, ..MotionOptions::default() };
+        let _ = checker.is_motion_free_with(motion, &options, &mut workspaces[1]);
         works.free += workspaces[1].work();
     }
     works
@@ -163,7 +161,7 @@ fn works(checker: &CollisionChecker, motions: &[MotionSegment]) -> Works {
 fn the_work_is_that_of_the_cheaper_order() {
     let mut random = Random::new(7);
     let mut sums = [Works::default(), Works::default()];
-    for _ in 0..150 {
+    for _ in 0..60 {
         let checker = checker(&mut random);
         let mut workspace = checker.workspace();
         let mut motions = [Vec::new(), Vec::new()];
@@ -171,7 +169,8 @@ fn the_work_is_that_of_the_cheaper_order() {
             let from = state(checker.robot(), &mut random);
             if checker.is_free(&from, &mut workspace) {
                 let motion = motion_from(&from, checker.robot(), &mut random);
-                let is_free = checker.is_motion_free_with(&motion, &MotionOptions::default(), &mut workspace);
+                let options = MotionOptions { budget: BUDGET, ..MotionOptions::default() };
+                let is_free = checker.is_motion_free_with(&motion, &options, &mut workspace);
                 motions[usize::from(is_free)].push(motion);
             }
         }
@@ -184,8 +183,7 @@ fn the_work_is_that_of_the_cheaper_order() {
     }
     let tests = |work: &Work| work.volume_tests + work.primitive_tests;
     let [colliding, free] = &sums;
-    eprintln!("{colliding:?} {free:?}");
-    assert!(20 * tests(&free.free) <= 21 * tests(&free.earliest), "{free:?}");
+    assert!(10 * tests(&free.free) <= 11 * tests(&free.earliest), "{free:?}");
     assert!(tests(&colliding.free) <= tests(&colliding.any), "{colliding:?}");
     assert!(2 * tests(&colliding.free) <= tests(&colliding.earliest), "{colliding:?}");
 }

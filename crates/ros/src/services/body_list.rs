@@ -9,7 +9,7 @@ use clearance_scene::BodyId;
 use crate::messages::collision_state::body_type;
 
 /// Maximum size of the body names in the response to a batch (bytes).
-const LONGEST_NAMES: usize = 10_000;
+pub const LONGEST_NAMES: usize = 10_000;
 
 /// Size of the data that is sent with each name, without its letters (bytes).
 const BYTES_OF_TEXT: usize = 12;

@@ -216,24 +216,28 @@ impl MotionWorker {
 
     fn evaluate(&mut self, request: Request, evaluation: Option<&Evaluation>) -> Response {
         let usual = self.parameters.get().continuous_direction();
-        let evaluated = self.guarded(|workspace| match &request {
+        let or_failed = |response: Option<MotionResponse>| {
+            Box::new(response.unwrap_or_else(|| MotionResponse::from(&Rejection::Internal)))
+        };
+        match request {
             Request::Motion(id, request) => {
-                let response = evaluate_motion(request, usual, evaluation, workspace);
-                Response::Motion(*id, Box::new(response))
+                let response = self.guarded(|memory| evaluate_motion(&request, usual, evaluation, memory));
+                Response::Motion(id, or_failed(response))
             }
             Request::Motions(id, request) => {
-                Response::Motions(*id, evaluate_motions(request, evaluation, workspace))
+                let response = self.guarded(|memory| evaluate_motions(&request, evaluation, memory));
+                Response::Motions(id, response.unwrap_or_else(|| rejected_motions(&Rejection::Internal)))
             }
             Request::Trajectory(id, request) => {
-                let response = evaluate_trajectory(request, None, evaluation, workspace);
-                Response::Trajectory(*id, Box::new(response))
+                let response = self.guarded(|memory| evaluate_trajectory(&request, None, evaluation, memory));
+                Response::Trajectory(id, or_failed(response))
             }
             Request::Goal(Goal { id, request, watch, .. }) => {
-                let response = evaluate_trajectory(request, Some(watch.clone()), evaluation, workspace);
-                Response::Goal(*id, Box::new(response))
+                let response =
+                    self.guarded(|memory| evaluate_trajectory(&request, Some(watch), evaluation, memory));
+                Response::Goal(id, or_failed(response))
             }
-        });
-        evaluated.unwrap_or_else(|| request.rejected(&Rejection::Internal))
+        }
     }
 
     /// Processes an untrusted request. A panic in it must not end the node.
