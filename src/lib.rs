@@ -24,6 +24,7 @@
 //! | sample and interpolate states | [`RobotModel::sample`], [`RobotModel::interpolate`], [`RobotModel::joint_group`] |
 //! | check motions | [`CollisionChecker::check_motion`], [`CollisionChecker::check_trajectory`] |
 //! | check the edges of a planner | [`CollisionChecker::is_motion_free`], [`CollisionChecker::are_motions_free`] |
+//! | plan a path of proven motions | [`planner::plan`] |
 //! | keep a proof, and check it again | [`CollisionChecker::certify_motion`], [`Verifier`] |
 //! | follow a stream of joint states | [`CollisionChecker::streaming_workspace`], [`monitor`] |
 //! | two posed bodies without a robot | [`proximity`] |
@@ -81,6 +82,10 @@ pub use clearance_proximity as proximity;
 /// Checks of a robot in its world: states, batches, streams and motions.
 #[doc(inline)]
 pub use clearance_checker as checker;
+
+/// A small motion planner whose edges are proven free.
+#[doc(inline)]
+pub use clearance_planner as planner;
 
 /// Independent verification of certificates.
 #[doc(inline)]

@@ -23,6 +23,7 @@ mod motion;
 mod motion_args;
 #[cfg(feature = "ros")]
 mod node;
+mod plan;
 mod progress;
 mod recover;
 #[cfg(feature = "ros")]
@@ -75,6 +76,8 @@ enum Command {
     Motion(Box<motion::MotionArgs>),
     /// Find a free state near a state that collides, and a motion to it that is proven free after its first exit
     Recover(Box<recover::RecoverArgs>),
+    /// Search a path between two states whose edges are proven free
+    Plan(Box<plan::PlanArgs>),
     /// Verify a certificate that a motion is free, with code that is independent of the checker
     Verify(Box<verify::VerifyArgs>),
     /// Measure the time of checks of a robot in a world, and compare broad-phase structures
@@ -138,6 +141,10 @@ fn dispatch(arguments: Arguments) -> Result<ExitStatus, Failure> {
         Some(Command::Recover(args)) => {
             log_to_stderr(arguments.log_level.unwrap_or(LevelFilter::Warn));
             recover::run(&args)
+        }
+        Some(Command::Plan(args)) => {
+            log_to_stderr(arguments.log_level.unwrap_or(LevelFilter::Warn));
+            plan::run(&args)
         }
         Some(Command::Verify(args)) => {
             log_to_stderr(arguments.log_level.unwrap_or(LevelFilter::Warn));

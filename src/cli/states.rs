@@ -93,6 +93,17 @@ pub fn from_text(argument: &str, text: &str, robot: &RobotModel) -> Result<Confi
     robot.configuration_from_names(named).map_err(|e| Failure::Input(format!("{argument}: {e}")))
 }
 
+/// As [`from_text`]; joints without a value are as in `rest`.
+pub fn from_text_over(
+    argument: &str,
+    text: &str,
+    robot: &RobotModel,
+    rest: &Configuration,
+) -> Result<Configuration, Failure> {
+    let named = assignments::parse(argument, text)?;
+    robot.configuration_over(rest, named).map_err(|e| Failure::Input(format!("{argument}: {e}")))
+}
+
 /// Tolerance for each position: one number for all joints, or values by joint name and zero for the others. A tolerance of a mimic joint
 /// applies to its leader.
 pub fn tube_from_text(text: &str, robot: &RobotModel) -> Result<Vec<f64>, Failure> {

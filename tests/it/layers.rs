@@ -11,6 +11,7 @@ const CRATES: [(&str, &[&str]); 11] = [
     ("scene", &["geometry", "files", "robot"]),
     ("motion", &["geometry", "files", "robot", "scene"]),
     ("checker", &["geometry", "proximity", "robot", "scene", "motion"]),
+    ("planner", &["robot", "motion", "checker"]),
     ("verifier", &["geometry", "robot", "scene", "motion"]),
     ("monitor", &["geometry", "proximity", "robot", "scene", "checker"]),
     ("ros", &["geometry", "files", "proximity", "robot", "scene", "motion", "checker", "monitor"]),

@@ -25,6 +25,7 @@ mod motions;
 mod moving;
 mod other_shapes;
 mod penetration;
+mod planner;
 mod program;
 mod random;
 mod recovery;

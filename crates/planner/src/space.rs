@@ -1,0 +1,97 @@
+//! The positions that move, and their ranges.
+
+use std::f64::consts::PI;
+
+use clearance_robot::{Configuration, JointGroup, RobotModel};
+
+use crate::options::PlanError;
+
+/// The box of all states of a group within the limits, widened to the start and the goal where there is no limit.
+#[derive(Clone, Debug)]
+pub struct Space<'p> {
+    group: &'p JointGroup,
+    start: &'p Configuration,
+    goal: &'p Configuration,
+    ranges: Vec<[f64; 2]>,
+}
+
+impl<'p> Space<'p> {
+    pub fn new(
+        robot: &RobotModel,
+        group: &'p JointGroup,
+        start: &'p Configuration,
+        goal: &'p Configuration,
+    ) -> Result<Self, PlanError> {
+        if group.is_empty() {
+            return Err(PlanError::EmptyGroup(group.name().to_owned()));
+        }
+        if let Some(joint) = group.joint_names().iter().find(|name| robot.joint_by_name(name).is_none()) {
+            return Err(PlanError::SeveralPositions { joint: joint.clone(), group: group.name().to_owned() });
+        }
+        let moves = |index: &usize| group.positions().contains(index);
+        let mut others = (0..start.positions().len()).filter(|index| !moves(index));
+        if let Some(index) = others.find(|i| start.positions()[*i] != goal.positions()[*i]) {
+            let joint = robot.position_names()[index].clone();
+            return Err(PlanError::OtherJoint { joint, group: group.name().to_owned() });
+        }
+        let space = Self { group, start, goal, ranges: Vec::new() };
+        let ends = [space.of(start), space.of(goal)];
+        for (end, positions) in ["start", "goal"].into_iter().zip(&ends) {
+            space.check_limits(end, positions)?;
+        }
+        let range = |i: usize| {
+            let (lower, upper) = (group.lower()[i], group.upper()[i]);
+            let widened = |bound: f64, otherwise: f64| if bound.is_finite() { bound } else { otherwise };
+            let [low, high] = [ends[0][i].min(ends[1][i]), ends[0][i].max(ends[1][i])];
+            [widened(lower, low.min(-PI)), widened(upper, high.max(PI))]
+        };
+        Ok(Self { ranges: (0..group.len()).map(range).collect(), ..space })
+    }
+
+    fn check_limits(&self, end: &'static str, positions: &[f64]) -> Result<(), PlanError> {
+        let limits = self.group.lower().iter().zip(self.group.upper());
+        for ((joint, &value), (&lower, &upper)) in self.group.joint_names().iter().zip(positions).zip(limits)
+        {
+            if !(lower..=upper).contains(&value) {
+                return Err(PlanError::BeyondLimits { end, joint: joint.clone(), value, lower, upper });
+            }
+        }
+        Ok(())
+    }
+
+    pub fn start(&self) -> Vec<f64> {
+        self.of(self.start)
+    }
+
+    pub fn goal(&self) -> Vec<f64> {
+        self.of(self.goal)
+    }
+
+    fn of(&self, q: &Configuration) -> Vec<f64> {
+        let mut positions = vec![0.0; self.group.len()];
+        self.group.get(q, &mut positions);
+        positions
+    }
+
+    /// The state of the whole robot.
+    pub fn state(&self, positions: &[f64]) -> Configuration {
+        let mut q = self.start.clone();
+        self.group.set(&mut q, positions).expect("positions within the ranges are finite");
+        q
+    }
+
+    /// A uniform sample.
+    pub fn sample(&self, random: &mut fastrand::Rng) -> Vec<f64> {
+        self.ranges.iter().map(|[low, high]| low + (high - low) * random.f64()).collect()
+    }
+}
+
+/// Square of the Euclidean distance (rad, m).
+pub fn squared_distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
+}
+
+/// The state on the line between two, at t in 0 to 1.
+pub fn between(a: &[f64], b: &[f64], t: f64) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a + t * (b - a)).collect()
+}
