@@ -1,7 +1,6 @@
 //! `clearance plan`: searches a path between two states whose edges are proven free.
 
 use std::path::{Path as FilePath, PathBuf};
-use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use clap::Args;
@@ -12,6 +11,7 @@ use clearance_files::input_files;
 use clearance_files::readable_text::on_one_line;
 use serde::Serialize;
 
+use super::exit_status::ExitStatus;
 use super::failure::Failure;
 use super::model_args::{ModelArgs, WorldArgs};
 use super::run_args::{Format, PairArgs, internal, positive, print_line};
@@ -95,7 +95,7 @@ struct PlanOutput {
     reason_text: String,
 }
 
-pub fn run(args: &PlanArgs) -> Result<ExitCode, Failure> {
+pub fn run(args: &PlanArgs) -> Result<ExitStatus, Failure> {
     let options = args.options()?;
     if let Some(path) = &args.certificate {
         input_files::check_target(path).map_err(Failure::input)?;
@@ -118,7 +118,7 @@ pub fn run(args: &PlanArgs) -> Result<ExitCode, Failure> {
         planner::plan(&checker, &group, &from, &to, &options, &mut workspace).map_err(Failure::input)?;
     let plan_seconds = begin.elapsed().as_secs_f64();
     if let (Some(file), Plan::Found(path)) = (&args.certificate, &plan) {
-        write_certificate(&checker, path, args.tolerance(), file)?;
+        write_certificate(&checker, path, options.tolerance, file)?;
     }
     let none = PlanOutput {
         robot: robot.name().to_owned(),
@@ -142,7 +142,7 @@ pub fn run(args: &PlanArgs) -> Result<ExitCode, Failure> {
         Format::Json => print_line(&serde_json::to_string(&output).map_err(internal)?)?,
         Format::Text => print_line(&text(&output))?,
     }
-    Ok(ExitCode::from(u8::from(!matches!(plan, Plan::Found(_)))))
+    Ok(ExitStatus::from(u8::from(!matches!(plan, Plan::Found(_)))))
 }
 
 impl PlanArgs {
@@ -155,10 +155,6 @@ impl PlanArgs {
             shortcuts: self.shortcuts,
             ..PlanOptions::default()
         })
-    }
-
-    fn tolerance(&self) -> f64 {
-        PlanOptions::default().tolerance
     }
 }
 

@@ -199,8 +199,7 @@ fn the_problems_of_the_shared_scenes_are_solved() {
             let checker = scene_checker(&scene, problem, &robot, &meshes);
             let group = group_of(&robot, problem);
             let ends = [0.0, 1.0].map(|t| scene_configuration(problem, &robot, t));
-            let options = PlanOptions { most_edges: 20_000, ..PlanOptions::default() };
-            match found(&checker, &group, &ends, &options) {
+            match found(&checker, &group, &ends, &PlanOptions::default()) {
                 Plan::Found(path) => {
                     assert!(is_valid("start_valid") && is_valid("goal_valid"));
                     assert_sound(&checker, &group, &ends, &path);
