@@ -25,9 +25,9 @@ pub struct PlanArgs {
     #[command(flatten)]
     world: WorldArgs,
 
-    /// Group of the SRDF whose joints move
+    /// Only the joints of this group of the SRDF move [default: all joints]
     #[arg(long, value_name = "NAME")]
-    group: String,
+    group: Option<String>,
 
     /// Start: "j1=0.1 j2=-1.2", or the name of a group state of the SRDF. Joints that are not named are at 0, or at their nearest limit
     #[arg(long, value_name = "J=X ...", allow_hyphen_values = true)]
@@ -104,7 +104,9 @@ pub fn run(args: &PlanArgs) -> Result<ExitStatus, Failure> {
     let checker = args.pairs.checker(&args.model, &args.world)?;
     let load_seconds = start.elapsed().as_secs_f64();
     let robot = checker.robot();
-    let group = robot.joint_group(&args.group).map_err(|e| Failure::Input(format!("--group: {e}")))?;
+    let of_name =
+        |name: &String| robot.joint_group(name).map_err(|e| Failure::Input(format!("--group: {e}")));
+    let group = args.group.as_ref().map_or_else(|| Ok(robot.all_joints()), of_name)?;
     let from = state("--from", &args.from, robot, &robot.default_configuration())?;
     let to = state("--to", &args.to, robot, &from)?;
     if checker.pairs().is_empty() {

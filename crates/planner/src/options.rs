@@ -2,6 +2,8 @@
 
 use std::time::Instant;
 
+use clearance_checker::Watch;
+
 /// Limits of a search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlanOptions {
@@ -17,11 +19,21 @@ pub struct PlanOptions {
     pub shortcuts: u32,
     /// Time at which the search ends.
     pub deadline: Option<Instant>,
+    /// Handle by which another thread may stop the search.
+    pub watch: Option<Watch>,
 }
 
 impl Default for PlanOptions {
     fn default() -> Self {
-        Self { seed: 1, range: 1.0, tolerance: 5e-4, most_edges: 200_000, shortcuts: 64, deadline: None }
+        Self {
+            seed: 1,
+            range: 1.0,
+            tolerance: 5e-4,
+            most_edges: 200_000,
+            shortcuts: 64,
+            deadline: None,
+            watch: None,
+        }
     }
 }
 

@@ -39,6 +39,12 @@ pub enum NoPlan {
         /// Number of edges that were checked.
         edges: u64,
     },
+    /// Another thread stopped the search.
+    #[error("stopped after {edges} edges")]
+    Canceled {
+        /// Number of edges that were checked.
+        edges: u64,
+    },
     /// The time was over.
     #[error("none found in time, within {edges} edges")]
     Deadline {
@@ -56,6 +62,7 @@ impl NoPlan {
             Self::GoalNotFree => "goal_not_free",
             Self::MostEdges { .. } => "most_edges",
             Self::Deadline { .. } => "deadline",
+            Self::Canceled { .. } => "canceled",
         }
     }
 }

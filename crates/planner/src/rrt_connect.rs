@@ -3,7 +3,7 @@
 
 use std::time::Instant;
 
-use clearance_checker::{CollisionChecker, MotionOptions, Workspace};
+use clearance_checker::{CollisionChecker, MotionOptions, Watch, Workspace};
 use clearance_motion::MotionSegment;
 
 use crate::options::PlanOptions;
@@ -36,6 +36,7 @@ impl<'s> Search<'s> {
         let motion = MotionOptions {
             tolerance: options.tolerance,
             deadline: options.deadline,
+            watch: options.watch.clone(),
             ..MotionOptions::default()
         };
         let random = fastrand::Rng::with_seed(options.seed);
@@ -60,7 +61,17 @@ impl<'s> Search<'s> {
 
     fn reason(&self) -> NoPlan {
         let edges = self.edges;
-        if self.is_late() { NoPlan::Deadline { edges } } else { NoPlan::MostEdges { edges } }
+        if self.is_stopped() {
+            NoPlan::Canceled { edges }
+        } else if self.is_late() {
+            NoPlan::Deadline { edges }
+        } else {
+            NoPlan::MostEdges { edges }
+        }
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.options.watch.as_ref().is_some_and(Watch::is_stopped)
     }
 
     fn is_late(&self) -> bool {
@@ -69,7 +80,7 @@ impl<'s> Search<'s> {
 
     /// Whether the line between two states is proven free.
     pub fn is_free(&mut self, from: &[f64], to: &[f64]) -> Result<bool, Over> {
-        if self.edges >= self.options.most_edges || self.is_late() {
+        if self.edges >= self.options.most_edges || self.is_stopped() || self.is_late() {
             return Err(Over);
         }
         self.edges += 1;

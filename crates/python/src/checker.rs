@@ -16,6 +16,7 @@ use crate::batches::run;
 use crate::error::error;
 use crate::joint_space::JointSpace;
 use crate::motion_queries::{self, MotionSettings, TrajectoryArrays};
+use crate::planning::{self, PlanArguments};
 use crate::poses;
 use crate::recovery::{self, SearchLimits};
 use crate::robot::Robot;
@@ -438,6 +439,29 @@ impl Checker {
     ) -> PyResult<Bound<'py, PyAny>> {
         let limits = SearchLimits { max_distance, clearance, max_checks, timeout, locked };
         recovery::find_free_state(py, &self.core, q, limits)
+    }
+
+    /// Searches a path of straight edges from `start` to `goal`, both of shape (n,), whose edges are proven free: `Plan`.
+    ///
+    /// RRT-Connect with shortcuts. Only the joints of the group move, within their limits. `range` (rad, m): largest length of an edge of
+    /// the search. `timeout` (s) and `max_edges` limit the search. Without `timeout`, the same seed gives the same path. Nothing is proven
+    /// if no path is found. Raises `Error` for a start or goal beyond joint limits.
+    #[pyo3(signature = (start, goal, *, seed=1, timeout=None, max_edges=200_000, range=1.0, shortcuts=64, certificate=false))]
+    #[allow(clippy::too_many_arguments)] // one for each keyword
+    fn plan<'py>(
+        &self,
+        py: Python<'py>,
+        start: &Bound<'py, PyAny>,
+        goal: &Bound<'py, PyAny>,
+        seed: u64,
+        timeout: Option<f64>,
+        max_edges: u64,
+        range: f64,
+        shortcuts: u32,
+        certificate: bool,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let arguments = PlanArguments { seed, timeout, max_edges, range, shortcuts, certificate };
+        planning::plan(py, &self.core, [start, goal], &arguments)
     }
 
     fn __repr__(&self) -> String {

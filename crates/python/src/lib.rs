@@ -25,6 +25,7 @@ mod command;
 mod error;
 mod joint_space;
 mod motion_queries;
+mod planning;
 mod poses;
 mod recovery;
 mod results;

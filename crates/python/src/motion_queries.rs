@@ -246,7 +246,7 @@ pub fn check_trajectory<'py>(
     crate::results::make(py, "TrajectoryReport", &fields)
 }
 
-fn certificate_object(
+pub fn certificate_object(
     py: Python<'_>,
     certificate: Option<clearance::Certificate>,
 ) -> PyResult<Option<Bound<'_, Certificate>>> {

@@ -60,12 +60,23 @@ impl RobotModel {
             name: name.to_owned(),
             known: groups.iter().map(|group| group.name.clone()).collect(),
         })?;
-        Ok(JointGroup::new(self, name, &group.joints))
+        Ok(JointGroup::of_joints(self, name, &group.joints))
+    }
+
+    /// All joints as one group, with the robot's name.
+    #[must_use]
+    pub fn all_joints(&self) -> JointGroup {
+        JointGroup::of_joints(self, self.name(), &self.joint_ids().collect::<Vec<_>>())
     }
 }
 
 impl JointGroup {
-    fn new(robot: &RobotModel, name: &str, joints: &[JointId]) -> Self {
+    /// A group of these joints, whether the SRDF has it or not.
+    ///
+    /// # Panics
+    /// If a joint is not one of the robot's.
+    #[must_use]
+    pub fn of_joints(robot: &RobotModel, name: &str, joints: &[JointId]) -> Self {
         let mut group = Self {
             name: name.to_owned(),
             joint_names: Vec::new(),

@@ -15,6 +15,7 @@ from ._results import (
     EdgeReports,
     FreeState,
     MotionReport,
+    Plan,
     TrajectoryReport,
     Verification,
 )
@@ -223,6 +224,18 @@ class Checker:
         timeout: float | None = None,
         locked: Sequence[str] = ...,
     ) -> FreeState: ...
+    def plan(
+        self,
+        start: ArrayLike,
+        goal: ArrayLike,
+        *,
+        seed: int = 1,
+        timeout: float | None = None,
+        max_edges: int = 200000,
+        range: float = 1.0,
+        shortcuts: int = 64,
+        certificate: bool = False,
+    ) -> Plan: ...
 
 @final
 class Certificate:

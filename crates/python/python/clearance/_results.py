@@ -248,6 +248,26 @@ class FreeState:
     """Number of states that were checked."""
 
 
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """Result of the search of a path."""
+
+    found: bool
+    """True if there is a path."""
+    path: Optional[Floats]
+    """States from the start to the goal, shape (k, n); every straight edge between two in succession is proven free."""
+    length: Optional[float]
+    """Sum of the Euclidean norms of the changes along all edges (rad, m)."""
+    reason: str
+    """``found``, ``start_not_free``, ``goal_not_free``, ``most_edges`` or ``deadline``."""
+    edges: int
+    """Number of edges that were checked."""
+    nodes: Optional[int]
+    """Number of nodes of both trees."""
+    certificate: Optional[Certificate]
+    """Certificate of the whole path, if it was requested."""
+
+
 @dataclass(frozen=True)
 class Verification:
     """Result of the verification of a certificate; true only if the proof holds."""
