@@ -16,8 +16,8 @@ impl CollisionChecker {
     /// it collides or could not be decided. [`Self::check_motion`] returns the reason.
     ///
     /// The result is that of [`Self::check_motion`], but nothing is searched after the first contact: on free motions this
-    /// is as fast as [`MotionOrder::Earliest`](crate::MotionOrder::Earliest), on colliding motions as
-    /// [`MotionOrder::Any`](crate::MotionOrder::Any).
+    /// takes about the time of [`MotionOrder::Earliest`](crate::MotionOrder::Earliest), on most colliding motions about that
+    /// of [`MotionOrder::Any`](crate::MotionOrder::Any).
     #[must_use]
     pub fn is_motion_free(
         &self,
