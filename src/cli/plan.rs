@@ -220,7 +220,7 @@ fn text(output: &PlanOutput) -> String {
     let states = output.states.iter().flatten().enumerate().map(state);
     let found = match (&output.states, output.length, output.edges, output.nodes) {
         (Some(states), Some(length), Some(edges), Some(nodes)) => format!(
-            "path of {} states, length {length:.3}, every edge proven free; {edges} edges checked, {nodes} nodes",
+            "path of {} states, length {length:.3}, every edge proven free; edges checked: {edges}, nodes: {nodes}",
             states.len()
         ),
         _ => output.reason_text.clone(),

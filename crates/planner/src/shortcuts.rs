@@ -13,6 +13,8 @@ pub fn shortened(way: Vec<Vec<f64>>, tries: u32, search: &mut Search<'_>) -> Vec
             break;
         }
     }
+    // shortcuts leave short edges behind
+    let _ = leave_out(&mut way, search);
     way
 }
 
