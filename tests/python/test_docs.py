@@ -1,4 +1,4 @@
-"""The scripts of the page about Python print what the page shows."""
+"""The scripts of pages that use the Python package print what the pages show."""
 
 import re
 import subprocess
@@ -8,9 +8,9 @@ import pytest
 
 from conftest import ROOT
 
-PAGE = "docs/plan/python.md"
+PAGES = ["docs/plan/python.md", "docs/plan/planner.md"]
 BLOCK = re.compile(r"^```python\n(.*?)^```\n(?:\n```text\n(.*?)^```)?", re.MULTILINE | re.DOTALL)
-SCRIPTS = BLOCK.findall((ROOT / PAGE).read_text())
+SCRIPTS = [script for page in PAGES for script in BLOCK.findall((ROOT / page).read_text())]
 
 
 @pytest.mark.parametrize("code, output", SCRIPTS, ids=[code.splitlines()[0][:40] for code, _ in SCRIPTS])
@@ -23,4 +23,4 @@ def test_a_script_prints_what_the_page_shows(code, output, tmp_path):
 
 
 def test_there_are_scripts():
-    assert len(SCRIPTS) >= 4
+    assert len(SCRIPTS) >= 5
