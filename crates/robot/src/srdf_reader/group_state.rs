@@ -33,12 +33,12 @@ impl<'d> Reader<'d> {
                 remark(state, format!("is there twice for group '{}'", shortened(group)));
             }
             let members = groups.iter().find(|g| g.name == group);
-            if group.is_empty() {
-                remark(state, "has no group".to_owned());
-            } else if members.is_none() {
-                remark(state, format!("there is no group '{}'", shortened(group)));
-            }
-            let mut fault = None;
+            let mut fault = match members {
+                Some(_) => None,
+                None if group.is_empty() => Some("has no group".to_owned()),
+                None => Some(format!("there is no group '{}'", shortened(group))),
+            };
+            fault.iter().for_each(|message| remark(state, message.clone()));
             let mut positions = Vec::new();
             let mut joints = HashSet::new();
             for joint in own_children(state, "joint") {
