@@ -38,7 +38,9 @@ impl<'d> Reader<'d> {
                 None if group.is_empty() => Some("has no group".to_owned()),
                 None => Some(format!("there is no group '{}'", shortened(group))),
             };
-            fault.iter().for_each(|message| remark(state, message.clone()));
+            if let Some(message) = &fault {
+                remark(state, message.clone());
+            }
             let mut positions = Vec::new();
             let mut joints = HashSet::new();
             for joint in own_children(state, "joint") {
