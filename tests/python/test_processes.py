@@ -114,6 +114,8 @@ INTERRUPTED = """
 import os, signal, sys, threading, time
 import numpy as np
 import clearance as cl
+# a shell's background jobs, and what they start, ignore it
+signal.signal(signal.SIGINT, signal.default_int_handler)
 robot = cl.Robot.from_urdf(sys.argv[1], sys.argv[2])
 checker = cl.Checker(robot, cl.World.from_file(sys.argv[3], robot))
 q = robot.random(0, 3_000_000)
