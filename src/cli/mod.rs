@@ -5,6 +5,7 @@
 
 mod assignments;
 mod bench;
+mod certificate_file;
 mod certificate_summary;
 mod check;
 mod check_contacts;

@@ -5,14 +5,14 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 use clearance::checker::{CollisionChecker, MotionOptions, MotionOrder, MotionVerdict, TrajectoryReport};
-use clearance::motion::{Certificate, ContinuousTurn, MotionSegment, Trajectory};
+use clearance::motion::{ContinuousTurn, MotionSegment, Trajectory};
 use clearance::robot::{Configuration, RobotModel};
 use clearance::scene::BodyId;
-use clearance_files::input_files;
 use clearance_files::readable_text::on_one_line;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::certificate_file;
 use super::exit_status::ExitStatus;
 use super::failure::Failure;
 use super::model_args::{ModelArgs, WorldArgs};
@@ -139,7 +139,7 @@ pub fn run(args: &MotionArgs) -> Result<ExitStatus, Failure> {
     }
     if let Some(path) = &args.certificate {
         // checked before the work whose result is written there
-        input_files::check_target(path).map_err(Failure::input)?;
+        certificate_file::check(path)?;
     }
     if checker.pairs().is_empty() {
         log::warn!("there is no pair to check: every motion counts as free");
@@ -153,7 +153,7 @@ pub fn run(args: &MotionArgs) -> Result<ExitStatus, Failure> {
         log::warn!("{note}");
     }
     if let Some(path) = &args.certificate {
-        remove_old_certificate(path)?;
+        certificate_file::remove(path)?;
     }
     let reports = check_all(&checker, &trajectories, &options, args)?;
     if let Some(path) = &args.certificate {
@@ -270,17 +270,6 @@ fn time_passes(
     })
 }
 
-/// Removes the file that the certificate will replace: if writing fails, no older certificate must remain in its place.
-fn remove_old_certificate(path: &Path) -> Result<(), Failure> {
-    // standard output must not be removed, wherever it leads
-    let is_device = ["/dev", "/proc"].iter().any(|folder| path.starts_with(folder));
-    let Ok(file) = path.canonicalize() else { return Ok(()) };
-    if is_device || !file.is_file() {
-        return Ok(());
-    }
-    std::fs::remove_file(&file).map_err(|e| Failure::Input(format!("{}: {e}", path.display())))
-}
-
 /// Writes the certificate of the single motion, if it is free.
 fn write_certificate(
     checker: &CollisionChecker,
@@ -294,8 +283,7 @@ fn write_certificate(
         log::warn!("the way is {verdict}: no certificate is written to {}", path.display());
         return Ok(());
     };
-    let text = Certificate::to_json(&certificate) + "\n";
-    input_files::write(path, text.as_bytes()).map_err(Failure::input)
+    certificate_file::write(path, &certificate)
 }
 
 fn swept_volumes(

@@ -1,16 +1,17 @@
 //! `clearance plan`: searches a path between two states whose edges are proven free.
 
-use std::path::{Path as FilePath, PathBuf};
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use clap::Args;
 use clearance::checker::{CollisionChecker, MotionOptions};
+use clearance::motion::Certificate;
 use clearance::planner::{self, NoPlan, Path, Plan, PlanOptions};
-use clearance::robot::{Configuration, JointGroup, RobotModel};
-use clearance_files::input_files;
+use clearance::robot::{Configuration, GroupState, JointGroup, RobotModel};
 use clearance_files::readable_text::on_one_line;
 use serde::Serialize;
 
+use super::certificate_file;
 use super::exit_status::ExitStatus;
 use super::failure::Failure;
 use super::model_args::{ModelArgs, WorldArgs};
@@ -38,7 +39,7 @@ pub struct PlanArgs {
     to: String,
 
     /// Seed of the random states
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true)]
     seed: u64,
 
     /// Time limit in seconds
@@ -46,7 +47,7 @@ pub struct PlanArgs {
     deadline: Option<f64>,
 
     /// Largest number of edges that are checked
-    #[arg(long, value_name = "N", default_value_t = PlanOptions::default().most_edges)]
+    #[arg(long, value_name = "N", default_value_t = PlanOptions::default().most_edges, allow_negative_numbers = true)]
     max_edges: u64,
 
     /// Largest length of an edge of the search trees: the Euclidean norm of all changes (rad, m)
@@ -54,7 +55,7 @@ pub struct PlanArgs {
     range: f64,
 
     /// Number of shortcuts that are tried on the path
-    #[arg(long, value_name = "N", default_value_t = PlanOptions::default().shortcuts)]
+    #[arg(long, value_name = "N", default_value_t = PlanOptions::default().shortcuts, allow_negative_numbers = true)]
     shortcuts: u32,
 
     /// Write a certificate (proof that the path is free) to this file, as JSON; check it with `clearance verify`
@@ -97,8 +98,8 @@ struct PlanOutput {
 
 pub fn run(args: &PlanArgs) -> Result<ExitStatus, Failure> {
     let options = args.options()?;
-    if let Some(path) = &args.certificate {
-        input_files::check_target(path).map_err(Failure::input)?;
+    if let Some(file) = &args.certificate {
+        certificate_file::check(file)?;
     }
     let start = Instant::now();
     let checker = args.pairs.checker(&args.model, &args.world)?;
@@ -112,6 +113,9 @@ pub fn run(args: &PlanArgs) -> Result<ExitStatus, Failure> {
     if checker.pairs().is_empty() {
         log::warn!("there is no pair to check: every motion counts as free");
     }
+    if let Some(file) = &args.certificate {
+        certificate_file::remove(file)?;
+    }
     let begin = Instant::now();
     let deadline = args.deadline.and_then(|s| Duration::try_from_secs_f64(s).ok());
     let options = PlanOptions { deadline: deadline.and_then(|span| begin.checked_add(span)), ..options };
@@ -119,8 +123,15 @@ pub fn run(args: &PlanArgs) -> Result<ExitStatus, Failure> {
     let plan =
         planner::plan(&checker, &group, &from, &to, &options, &mut workspace).map_err(Failure::input)?;
     let plan_seconds = begin.elapsed().as_secs_f64();
-    if let (Some(file), Plan::Found(path)) = (&args.certificate, &plan) {
-        write_certificate(&checker, path, options.tolerance, file)?;
+    if let Some(file) = &args.certificate {
+        match &plan {
+            Plan::Found(path) => {
+                certificate_file::write(file, &certificate(&checker, path, options.tolerance)?)?;
+            }
+            Plan::NotFound(_) => {
+                log::warn!("no path was found: no certificate is written to {}", file.display());
+            }
+        }
     }
     let none = PlanOutput {
         robot: robot.name().to_owned(),
@@ -167,25 +178,20 @@ fn state(
     robot: &RobotModel,
     rest: &Configuration,
 ) -> Result<Configuration, Failure> {
-    if text.contains('=') || text.trim().is_empty() {
+    let name = text.trim();
+    let is_name = |state: &GroupState| state.name == name || format!("{}/{}", state.group, state.name) == name;
+    let has_state = robot.srdf().is_some_and(|srdf| srdf.group_states.iter().any(is_name));
+    if !has_state && (name.contains('=') || name.is_empty()) {
         states::from_text_over(argument, text, robot, rest)
     } else {
-        let name = text.trim();
         robot.group_state_over(rest, name).map_err(|e| Failure::Input(format!("{argument}: {e}")))
     }
 }
 
-fn write_certificate(
-    checker: &CollisionChecker,
-    path: &Path,
-    tolerance: f64,
-    file: &FilePath,
-) -> Result<(), Failure> {
+fn certificate(checker: &CollisionChecker, path: &Path, tolerance: f64) -> Result<Certificate, Failure> {
     let options = MotionOptions { tolerance, ..MotionOptions::default() };
     let certificate = path.certificate(checker, &options, &mut checker.workspace());
-    let certificate = certificate.ok_or_else(|| internal("a proven path could not be certified"))?;
-    let text = certificate.to_json() + "\n";
-    input_files::write(file, text.as_bytes()).map_err(Failure::input)
+    certificate.ok_or_else(|| internal("a proven path could not be certified"))
 }
 
 impl PlanOutput {

@@ -145,6 +145,29 @@ fn failures_have_names() {
     assert!(error.to_string().starts_with("start: joint1 is at 40, beyond its limits"), "{error}");
 }
 
+#[test]
+fn a_search_without_room_to_move_ends() {
+    // the sphere is 0.1 mm from the box: free, but nearer than the tolerance of motions
+    let urdf = "<robot name='stuck'><link name='base'/><link name='tool'><collision><geometry><sphere radius='0.1'/></geometry></collision></link>
+        <joint name='slide' type='prismatic'><parent link='base'/><child link='tool'/><axis xyz='1 0 0'/>
+          <limit lower='0.25' upper='0.25' effort='1' velocity='1'/></joint></robot>";
+    let robot = Arc::new(RobotModel::from_urdf(urdf, &MeshFiles::default()).unwrap());
+    let mut world = World::default();
+    let wall = Shape::Primitive(Primitive::cuboid([0.1, 1.0, 1.0]).unwrap());
+    world.add(Obstacle::of_shape("wall".to_owned(), Pose::translation(0.4001, 0.0, 0.0), wall)).unwrap();
+    let checker = CollisionChecker::new(Arc::clone(&robot), &world, Settings::default()).unwrap();
+    let q = robot.configuration(&[0.25]).unwrap();
+    let mut workspace = checker.workspace();
+    assert!(checker.is_free(&q, &mut workspace));
+    for (tolerance, most_edges) in [(1e-2, 50), (5e-4, 50)] {
+        let options = PlanOptions { tolerance, most_edges, ..PlanOptions::default() };
+        match plan(&checker, &robot.all_joints(), &q, &q, &options, &mut workspace).unwrap() {
+            Plan::Found(path) => assert_eq!(path.states, [q.clone(), q.clone()]),
+            Plan::NotFound(reason) => assert_eq!(reason, NoPlan::MostEdges { edges: most_edges }),
+        }
+    }
+}
+
 /// A state of the group that collides.
 fn collide(checker: &CollisionChecker, group: &JointGroup) -> Configuration {
     let mut random = fastrand::Rng::with_seed(5);

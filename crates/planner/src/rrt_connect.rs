@@ -78,12 +78,18 @@ impl<'s> Search<'s> {
         self.options.deadline.is_some_and(|deadline| Instant::now() >= deadline)
     }
 
-    /// Whether the line between two states is proven free.
-    pub fn is_free(&mut self, from: &[f64], to: &[f64]) -> Result<bool, Over> {
+    /// Counts an edge; an error if the search is over.
+    fn count_edge(&mut self) -> Result<(), Over> {
         if self.edges >= self.options.most_edges || self.is_stopped() || self.is_late() {
             return Err(Over);
         }
         self.edges += 1;
+        Ok(())
+    }
+
+    /// Whether the line between two states is proven free.
+    pub fn is_free(&mut self, from: &[f64], to: &[f64]) -> Result<bool, Over> {
+        self.count_edge()?;
         let [from, to] = [from, to].map(|positions| self.space.state(positions));
         let segment = MotionSegment::straight(self.checker.robot(), &from, &to);
         Ok(self.checker.is_motion_free_with(&segment, &self.motion, self.workspace))
@@ -134,13 +140,18 @@ impl<'s> Search<'s> {
     /// Adds the state towards a target, at most the range away, if the edge to it is free.
     fn step(&mut self, tree: &mut Tree, from: usize, target: &[f64]) -> Result<Option<usize>, Over> {
         let distance = squared_distance(tree.state(from), target).sqrt();
+        if distance == 0.0 {
+            // nothing is checked, but a search all of whose samples are in the tree has to end
+            self.count_edge()?;
+            return Ok(None);
+        }
         let range = self.options.range;
         let next = if distance <= range {
             target.to_vec()
         } else {
             between(tree.state(from), target, range / distance)
         };
-        if distance == 0.0 || !self.is_free(tree.state(from), &next)? {
+        if !self.is_free(tree.state(from), &next)? {
             return Ok(None);
         }
         Ok(Some(tree.add(&next, from)))

@@ -82,7 +82,8 @@ impl<'p> Space<'p> {
 
     /// A uniform sample.
     pub fn sample(&self, random: &mut fastrand::Rng) -> Vec<f64> {
-        self.ranges.iter().map(|[low, high]| low + (high - low) * random.f64()).collect()
+        let within = |&[low, high]: &[f64; 2]| (low + (high - low) * random.f64()).clamp(low, high);
+        self.ranges.iter().map(within).collect()
     }
 }
 
@@ -91,7 +92,8 @@ pub fn squared_distance(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
 }
 
-/// The state on the line between two, at t in 0 to 1.
+/// The state on the line between two, at t in 0 to 1; rounding does not leave the box of the two.
 pub fn between(a: &[f64], b: &[f64], t: f64) -> Vec<f64> {
-    a.iter().zip(b).map(|(a, b)| a + t * (b - a)).collect()
+    let at = |(&a, &b): (&f64, &f64)| (a + t * (b - a)).max(a.min(b)).min(a.max(b));
+    a.iter().zip(b).map(at).collect()
 }

@@ -1,12 +1,11 @@
 //! Class `Robot`.
 
 use std::collections::BTreeMap;
-use std::f64::consts::PI;
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use clearance::geometry::math::Pose;
-use clearance::robot::{Configuration, GroupState, JointKind, LinkId, LinkPoses, RobotModel};
+use clearance::robot::{Configuration, GroupState, LinkId, LinkPoses, RobotModel};
 use numpy::{PyArray1, PyArrayDyn};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -39,36 +38,16 @@ impl Robot {
         Self { space: JointSpace::whole(Arc::clone(&model)), model, sources: Arc::new(sources) }
     }
 
-    /// Lower and upper limits of every position; infinite where there are none.
-    fn limits(&self) -> [Vec<f64>; 2] {
-        let count = self.model.position_names().len();
-        let [mut lower, mut upper] = [vec![f64::NEG_INFINITY; count], vec![f64::INFINITY; count]];
-        for id in self.model.joint_ids() {
-            let joint = self.model.joint(id);
-            let is_single = joint.kind.position_suffixes().len() == 1;
-            let (Some(first), Some(limits), true) = (self.model.first_position(id), joint.limits, is_single)
-            else {
-                continue;
-            };
-            (lower[first], upper[first]) = (limits.lower, limits.upper);
-        }
-        [lower, upper]
-    }
-
     /// By position: where it begins and how far it goes in random states; no length keeps the default.
     fn random_ranges(&self) -> Vec<[f64; 2]> {
-        let mut ranges: Vec<[f64; 2]> = self.space.rest().positions().iter().map(|q| [*q, 0.0]).collect();
+        let ranges = self.model.sampling_ranges();
+        let mut random: Vec<[f64; 2]> = self.space.rest().positions().iter().map(|q| [*q, 0.0]).collect();
         for id in self.model.joint_ids() {
-            let joint = self.model.joint(id);
-            let Some(first) = self.model.first_position(id) else { continue };
-            ranges[first] = match (&joint.kind, joint.limits) {
-                (JointKind::Planar(_) | JointKind::Floating, _) => continue,
-                (JointKind::Continuous(_), _) | (JointKind::Revolute(_), None) => [-PI, 2.0 * PI],
-                (_, None) => [-0.5, 1.0],
-                (_, Some(limits)) => [limits.lower, limits.upper - limits.lower],
-            };
+            let is_single = self.model.joint(id).kind.position_suffixes().len() == 1;
+            let Some(first) = self.model.first_position(id).filter(|_| is_single) else { continue };
+            random[first] = [ranges[first][0], ranges[first][1] - ranges[first][0]];
         }
-        ranges
+        random
     }
 
     fn link(&self, name: &str) -> PyResult<LinkId> {
@@ -123,18 +102,17 @@ impl Robot {
         self.model.position_names().to_vec()
     }
 
-    /// Lower limits (rad, m), shape (n,); minus infinity without limit. Collisions are checked beyond limits, too.
+    /// Lower limits (rad, m), shape (n,), also of the joints that mimic these; minus infinity without limit. Collisions are checked beyond
+    /// limits, too.
     #[getter]
     fn lower<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        let [lower, _] = self.limits();
-        PyArray1::from_vec(py, lower)
+        PyArray1::from_vec(py, self.model.position_ranges().into_iter().map(|[lower, _]| lower).collect())
     }
 
-    /// Upper limits (rad, m), shape (n,); infinity without limit. Collisions are checked beyond limits, too.
+    /// Upper limits (rad, m), shape (n,), also of the joints that mimic these; infinity without limit.
     #[getter]
     fn upper<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        let [_, upper] = self.limits();
-        PyArray1::from_vec(py, upper)
+        PyArray1::from_vec(py, self.model.position_ranges().into_iter().map(|[_, upper]| upper).collect())
     }
 
     /// Names of all links, in the order of the URDF.

@@ -1,5 +1,7 @@
 //! Configurations from the named states of the SRDF.
 
+use std::collections::BTreeSet;
+
 use super::joint_group::known_names;
 use super::srdf::GroupState;
 use super::{Configuration, ConfigurationError, RobotModel};
@@ -15,13 +17,13 @@ pub enum GroupStateError {
         /// The states of the SRDF, as `GROUP/STATE`.
         known: Vec<String>,
     },
-    /// Several groups have a state of this name.
-    #[error("groups {} have a state '{name}': give one as 'GROUP/{name}'", super::quoted_list(groups))]
+    /// Several states have this name.
+    #[error("the SRDF has several group states '{name}': {}", remedy(states))]
     Ambiguous {
         /// The given name.
         name: String,
-        /// Names of these groups.
-        groups: Vec<String>,
+        /// These states, as `GROUP/STATE`.
+        states: Vec<String>,
     },
     /// The state has a fault.
     #[error("group state '{name}' of the SRDF: {fault}")]
@@ -41,12 +43,22 @@ pub enum GroupStateError {
     },
 }
 
+/// How to tell states of one name apart.
+fn remedy(states: &[String]) -> String {
+    let distinct: BTreeSet<&String> = states.iter().collect();
+    if distinct.len() == states.len() {
+        format!("give one of {}", super::quoted_list(states))
+    } else {
+        "rename all but one".to_owned()
+    }
+}
+
 impl RobotModel {
     /// The configuration with a named state of the SRDF (`<group_state>`): `ready`, or `arm/ready` where several groups have
     /// a state of this name. Joints that the state does not name are at their defaults.
     ///
     /// # Errors
-    /// If there is no such state, if several groups have one, or if the SRDF gives values that are no positions.
+    /// If there is no such state, if there are several, or if the SRDF gives values that are no positions.
     pub fn group_state(&self, name: &str) -> Result<Configuration, GroupStateError> {
         self.group_state_over(&self.default_configuration(), name)
     }
@@ -73,10 +85,10 @@ impl RobotModel {
     fn find_group_state(&self, name: &str) -> Result<&GroupState, GroupStateError> {
         let states = self.srdf().map_or(&[][..], |srdf| &srdf.group_states);
         let qualified = |state: &GroupState| format!("{}/{}", state.group, state.name);
-        if let Some(state) = states.iter().find(|state| qualified(state) == name) {
-            return Ok(state);
+        let mut found: Vec<&GroupState> = states.iter().filter(|state| qualified(state) == name).collect();
+        if found.is_empty() {
+            found = states.iter().filter(|state| state.name == name).collect();
         }
-        let found: Vec<&GroupState> = states.iter().filter(|state| state.name == name).collect();
         match found[..] {
             [state] => Ok(state),
             [] => Err(GroupStateError::Unknown {
@@ -85,7 +97,7 @@ impl RobotModel {
             }),
             _ => Err(GroupStateError::Ambiguous {
                 name: name.to_owned(),
-                groups: found.iter().map(|state| state.group.clone()).collect(),
+                states: found.into_iter().map(qualified).collect(),
             }),
         }
     }

@@ -87,6 +87,7 @@ impl JointGroup {
             quaternions: Vec::new(),
             robot_positions: robot.position_names().len(),
         };
+        let ranges = robot.position_ranges();
         let leader = |&id: &JointId| robot.joint(id).mimic.map_or(id, |mimic| mimic.joint);
         let leaders: BTreeSet<JointId> = joints.iter().map(leader).collect();
         for id in leaders {
@@ -95,13 +96,12 @@ impl JointGroup {
             if joint.kind == JointKind::Floating {
                 group.quaternions.push(group.positions.len() + 3);
             }
-            let has_limits = joint.kind.position_suffixes().len() == 1;
-            let limits = joint.limits.filter(|_| has_limits);
             for offset in 0..joint.kind.position_suffixes().len() {
                 group.joint_names.push(robot.position_names()[first + offset].clone());
                 group.positions.push(first + offset);
-                group.lower.push(limits.map_or(f64::NEG_INFINITY, |limits| limits.lower));
-                group.upper.push(limits.map_or(f64::INFINITY, |limits| limits.upper));
+                let [lower, upper] = ranges[first + offset];
+                group.lower.push(lower);
+                group.upper.push(upper);
                 group.farthest.push(farthest(robot, id));
             }
         }
@@ -132,13 +132,14 @@ impl JointGroup {
         self.positions.is_empty()
     }
 
-    /// Lower limits (rad, m); negative infinity where there is none.
+    /// Lower limits (rad, m), also of the joints that mimic these; negative infinity where there is none. See
+    /// [`RobotModel::position_ranges`].
     #[must_use]
     pub fn lower(&self) -> &[f64] {
         &self.lower
     }
 
-    /// Upper limits (rad, m); infinity where there is none.
+    /// Upper limits (rad, m), also of the joints that mimic these; infinity where there is none.
     #[must_use]
     pub fn upper(&self) -> &[f64] {
         &self.upper

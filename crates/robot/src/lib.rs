@@ -31,6 +31,7 @@ mod model;
 mod name_length;
 mod named_joints;
 mod pair_limit;
+mod position_ranges;
 mod quoted_names;
 mod random_configuration;
 mod robot_text;

@@ -24,43 +24,36 @@ impl Default for SamplingBox {
 }
 
 impl RobotModel {
-    /// A configuration that is uniform over the joint limits. Joints without limits use half a turn or half a metre to either side;
-    /// planar and floating joints keep their default positions.
+    /// A configuration that is uniform over [`Self::sampling_ranges`]; planar and floating joints keep their default positions.
     #[must_use]
     pub fn random_configuration(&self, random: &mut fastrand::Rng) -> Configuration {
+        let ranges = self.sampling_ranges();
         let mut positions = self.default_configuration().positions().to_vec();
-        for id in self.joint_ids() {
-            let joint = self.joint(id);
+        for id in self.joint_ids().filter(|id| self.joint(*id).kind.position_suffixes().len() == 1) {
             let Some(first) = self.first_position(id) else { continue };
-            let (low, high) = match (&joint.kind, joint.limits) {
-                (JointKind::Planar(_) | JointKind::Floating, _) => continue,
-                (JointKind::Continuous(_), _) | (JointKind::Revolute(_), None) => (-PI, PI),
-                (_, None) => (-0.5, 0.5),
-                (_, Some(limits)) => (limits.lower, limits.upper),
-            };
+            let [low, high] = ranges[first];
             positions[first] = low + (high - low) * random.f64();
         }
         // if a mimic joint exceeds the largest allowed position, the robot keeps its default configuration
         self.configuration(&positions).unwrap_or_else(|_| self.default_configuration())
     }
 
-    /// A configuration that is uniform over the joint limits, from numbers in [0, 1) that `uniform` draws: any random
+    /// A configuration that is uniform over [`Self::sampling_ranges`], from numbers in [0, 1) that `uniform` draws: any random
     /// generator, without a dependency on it. The same numbers give the same configuration; one is drawn for each degree of
     /// freedom, in the order of [`Self::position_names`].
     ///
-    /// Continuous joints and revolute joints without limits are uniform over a turn, prismatic joints without limits over
-    /// half a metre to either side. Planar and floating joints are uniform over `region`, with any orientation (Shoemake
-    /// 1992, *Uniform random rotations*). Mimic joints follow.
+    /// Planar and floating joints are uniform over `region`, with any orientation (Shoemake 1992, *Uniform random rotations*).
+    /// Mimic joints follow.
     #[must_use]
     pub fn sample(&self, region: &SamplingBox, mut uniform: impl FnMut() -> f64) -> Configuration {
         let mut within = |low: f64, high: f64| low + (high - low) * uniform().greater(0.0).lesser(1.0);
+        let sampling_ranges = self.sampling_ranges();
         let mut positions = vec![0.0; self.position_names().len()];
         for id in self.joint_ids() {
-            let joint = self.joint(id);
             let Some(first) = self.first_position(id) else { continue };
             let place = |axis: usize| (region.lower[axis], region.upper[axis]);
-            let ranges = match (&joint.kind, joint.limits) {
-                (JointKind::Floating, _) => {
+            let ranges = match self.joint(id).kind {
+                JointKind::Floating => {
                     (0..3).for_each(|axis| positions[first + axis] = within(place(axis).0, place(axis).1));
                     let [share, a, b] = [within(0.0, 1.0), within(0.0, TAU), within(0.0, TAU)];
                     let [small, large] = [(1.0 - share).sqrt(), share.sqrt()];
@@ -68,10 +61,11 @@ impl RobotModel {
                     positions[first + 3..first + 7].copy_from_slice(&turn);
                     continue;
                 }
-                (JointKind::Planar(_), _) => vec![place(0), place(1), (-PI, PI)],
-                (JointKind::Continuous(_), _) | (JointKind::Revolute(_), None) => vec![(-PI, PI)],
-                (_, None) => vec![(-0.5, 0.5)],
-                (_, Some(limits)) => vec![(limits.lower, limits.upper)],
+                JointKind::Planar(_) => vec![place(0), place(1), (-PI, PI)],
+                JointKind::Fixed => continue,
+                JointKind::Revolute(_) | JointKind::Continuous(_) | JointKind::Prismatic(_) => {
+                    vec![sampling_ranges[first].into()]
+                }
             };
             for (offset, (low, high)) in ranges.into_iter().enumerate() {
                 positions[first + offset] = within(low, high);

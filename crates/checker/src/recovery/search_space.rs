@@ -61,30 +61,8 @@ impl<'r> SearchSpace<'r> {
 
 /// By position: the limits of its joint and of the joints that mimic it, widened to the start.
 pub fn ranges(robot: &RobotModel, start: &[f64]) -> Vec<[f64; 2]> {
-    let mut ranges = vec![[f64::NEG_INFINITY, f64::INFINITY]; start.len()];
-    for id in robot.joint_ids() {
-        let joint = robot.joint(id);
-        let Some(limits) = joint.limits.filter(|_| joint.kind.position_suffixes().len() == 1) else {
-            continue;
-        };
-        let (driver, [a, b]) = match joint.mimic {
-            None => (id, [limits.lower, limits.upper]),
-            Some(mimic) if mimic.multiplier == 0.0 => continue,
-            Some(mimic) => (
-                mimic.joint,
-                [limits.lower, limits.upper].map(|limit| (limit - mimic.offset) / mimic.multiplier),
-            ),
-        };
-        let Some(position) = robot.first_position(driver) else { continue };
-        let [low, high] = &mut ranges[position];
-        *low = low.greater(a.lesser(b));
-        *high = high.lesser(a.greater(b));
-    }
-    for ([low, high], start) in ranges.iter_mut().zip(start) {
-        *low = low.lesser(*start);
-        *high = high.greater(*start);
-    }
-    ranges
+    let widened = |([low, high], start): ([f64; 2], &f64)| [low.lesser(*start), high.greater(*start)];
+    robot.position_ranges().into_iter().zip(start).map(widened).collect()
 }
 
 /// A vector of length one; `None` for zero.

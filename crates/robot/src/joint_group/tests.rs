@@ -18,7 +18,9 @@ const SRDF: &str = "<robot name='r'>
     <group_state name='home' group='all'><joint name='wheel' value='2'/></group_state>
     <group_state name='bad' group='tip'><joint name='wheel' value='one'/></group_state>
     <group_state name='torn' group='all'><joint name='arm' value='1'/><joint name='finger' value='2'/></group_state>
-    <group_state name='placed' group='all'><joint name='base' value='1 2 3 0 0 0 1'/></group_state></robot>";
+    <group_state name='placed' group='all'><joint name='base' value='1 2 3 0 0 0 1'/></group_state>
+    <group_state name='there' group='all'><joint name='wheel' value='1'/></group_state>
+    <group_state name='there' group='all'><joint name='wheel' value='2'/></group_state></robot>";
 
 fn model() -> RobotModel {
     RobotModel::from_text(
@@ -34,7 +36,8 @@ fn a_group_moves_its_joints_and_nothing_else() {
     let tip = robot.joint_group("tip").unwrap();
     // the mimic joint `finger` stands for its leader `arm`
     assert_eq!(tip.joint_names(), ["arm", "wheel"]);
-    assert_eq!((tip.lower(), tip.upper()), (&[-1.0, f64::NEG_INFINITY][..], &[2.0, f64::INFINITY][..]));
+    // and its limits of 0 to 1 m allow the leader 0 to 1 mrad
+    assert_eq!((tip.lower(), tip.upper()), (&[0.0, f64::NEG_INFINITY][..], &[0.001, f64::INFINITY][..]));
     assert_eq!(robot.joint_group("hand").unwrap().joint_names(), ["arm"]);
     let mut q = robot.default_configuration();
     let before = q.clone();
@@ -86,7 +89,8 @@ fn group_states_are_configurations() {
     assert_eq!(over, robot.configuration_from_names([("wheel", 2.0), ("arm", 0.5)]).unwrap());
     assert_eq!(robot.group_state("placed").unwrap().positions()[..3], [1.0, 2.0, 3.0]);
     for (name, message) in [
-        ("home", "groups 'tip' and 'all' have a state 'home': give one as 'GROUP/home'"),
+        ("home", "several group states 'home': give one of 'tip/home' and 'all/home'"),
+        ("all/there", "several group states 'all/there': rename all but one"),
         ("rest", "no group state 'rest'; its SRDF has 'tip/ready', 'tip/home'"),
         ("bad", "group state 'bad' of the SRDF: joint 'wheel': value"),
         ("torn", "group state 'torn' of the SRDF: joint 'finger' is given position 2"),
