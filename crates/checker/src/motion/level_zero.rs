@@ -172,6 +172,7 @@ impl LevelZero<'_> {
                 broad_phase: self.broad_phase,
                 scratch: self.scratch,
                 near,
+                intervals: u8::MAX,
             }
             .run(|body, lane| eight.frame(body, lane), |part| motion(self_pairs + part));
         });
@@ -195,8 +196,14 @@ impl LevelZero<'_> {
         dispatch!(self.scratch.level(), simd => robot.screen(simd, pairs, positions, margins));
         near.clear();
         near.extend(set_bits(robot.near()).map(|pair| NearPair { pair, intervals: 1 }));
-        ObstacleScreen { motion: self.motion, broad_phase: self.broad_phase, scratch: self.scratch, near }
-            .run(|body, _| robot.frame(body), |part| motion(self_pairs + part));
+        ObstacleScreen {
+            motion: self.motion,
+            broad_phase: self.broad_phase,
+            scratch: self.scratch,
+            near,
+            intervals: 1,
+        }
+        .run(|body, _| robot.frame(body), |part| motion(self_pairs + part));
     }
 
     /// The pairs that capsules do not prove apart in an interval of a widening motion; reported as the first interval.
@@ -218,8 +225,14 @@ impl LevelZero<'_> {
             let moved = pairs.robot().part_motion(part, &reach, robot.frames(), &whole);
             round_up((moved.path_length + moved.tolerance) * (1.0 + MOTION_SLACK) + MOTION_SLACK)
         };
-        ObstacleScreen { motion: self.motion, broad_phase: self.broad_phase, scratch: self.scratch, near }
-            .run(|body, _| robot.frame(body), motion);
+        ObstacleScreen {
+            motion: self.motion,
+            broad_phase: self.broad_phase,
+            scratch: self.scratch,
+            near,
+            intervals: 1,
+        }
+        .run(|body, _| robot.frame(body), motion);
     }
 }
 
@@ -229,13 +242,15 @@ struct ObstacleScreen<'w> {
     broad_phase: &'w mut BroadPhaseScratch,
     scratch: &'w mut Scratch,
     near: &'w mut Vec<NearPair>,
+    /// The intervals that are screened, as a bit mask.
+    intervals: u8,
 }
 
 impl ObstacleScreen<'_> {
     /// Adds the pairs that are not proven apart; `frame` gives the pose of a chain body in the middle of an interval,
     /// and `motion` the maximum motion (m) of a part towards either end.
     fn run(self, frame: impl Fn(usize, usize) -> Frame<f64>, motion: impl Fn(usize) -> f32) {
-        let Self { motion: CheckedMotion { pairs, .. }, broad_phase, scratch, near } = self;
+        let Self { motion: CheckedMotion { pairs, .. }, broad_phase, scratch, near, intervals: mask } = self;
         let world = pairs.world();
         if world.is_empty() {
             return;
@@ -247,14 +262,15 @@ impl ObstacleScreen<'_> {
             let limit = round_up(f64::from(motion(part)) + CONTACT_DISTANCE + MOTION_SLACK);
             let query = EightStatesQuery { part, capsules: &capsules, limit };
             world.for_each_near_in_eight_states(query, broad_phase, scratch, |place, intervals| {
-                if !movers.contains(&place) {
-                    near.push(NearPair { pair: world.number(WorldPair { part, place }), intervals });
+                if !movers.contains(&place) && intervals & mask != 0 {
+                    let pair = world.number(WorldPair { part, place });
+                    near.push(NearPair { pair, intervals: intervals & mask });
                 }
             });
             // level 0 does not bound moving obstacles
             let moving = movers.iter().map(|place| world.number(WorldPair { part, place: *place }));
             let moving = moving.filter(|pair| pairs.is_checked(*pair));
-            near.extend(moving.map(|pair| NearPair { pair, intervals: u8::MAX }));
+            near.extend(moving.map(|pair| NearPair { pair, intervals: mask }));
         }
         // while elements stay apart nothing comes inside, so that the middle of an interval decides
         let mut search = InsideSearch { pairs, bodies: SearchedBodies::All, scratch };
@@ -264,7 +280,7 @@ impl ObstacleScreen<'_> {
             }
             false
         };
-        dispatch!(search.scratch.level(), simd => search.in_eight_states(simd, u8::MAX, &frame, add));
+        dispatch!(search.scratch.level(), simd => search.in_eight_states(simd, mask, &frame, add));
         near.sort_unstable_by_key(|near| near.pair);
         near.dedup_by(|next, first| {
             let is_same = next.pair == first.pair;

@@ -255,7 +255,8 @@ impl<'s> FreeStateSearch<'s> {
         turned.collect()
     }
 
-    /// The free state with its first exit from collision; `None` if the motion from there on is not proven free.
+    /// The free state with its first exit from collision; `None` if the motion from there on is not proven free. The limits of the
+    /// search do not end this: a state that was found would be lost.
     fn with_first_exit(&mut self, space: &SearchSpace, found: &Exit) -> Option<FreeState> {
         let end = found.state.positions();
         let travel = self.checker.travel(self.q.positions(), end);
@@ -264,11 +265,13 @@ impl<'s> FreeStateSearch<'s> {
         let steps = steps as u32;
         let at = |i: u32| f64::from(i) / f64::from(steps);
         let states: Vec<Configuration> = (0..=steps).map(|i| space.between(at(i), end)).collect();
-        let first = u32::try_from(self.are_free(&states).iter().position(|free| *free)?).ok()?;
+        let mut free = vec![false; states.len()];
+        self.checks += states.len() as u64;
+        self.checker.are_free_with(&states, self.workspace, &mut free);
+        let first = u32::try_from(free.iter().position(|free| *free)?).ok()?;
         let exit = space.between(at(first), end);
         let segment = MotionSegment::straight(self.checker.robot(), &exit, &found.state);
-        let options = MotionOptions { deadline: self.options.deadline, ..MotionOptions::default() };
-        let report = self.checker.check_motion_with(&segment, &options, self.workspace);
+        let report = self.checker.check_motion_with(&segment, &MotionOptions::default(), self.workspace);
         let is_proven = report.verdict == MotionVerdict::Free;
         is_proven.then(|| FreeState {
             state: found.state.clone(),

@@ -40,14 +40,14 @@ pub(crate) fn contained_point<B: BoundingVolume>(
         let decisive = first_inside(inside_a, inside_b.decisive_points(), pose_ab, best_so_far)?;
         if let Some(i) = decisive {
             let known = pose_ab * inside_b.decisive_points()[i];
-            return part_inside([inside_a, inside_b], pose_ab, known, best_so_far).map(Some);
+            return Ok(Some(part_inside([inside_a, inside_b], pose_ab, known, best_so_far)));
         }
     }
     if searches_inside_b {
         let decisive = first_inside(inside_b, inside_a.decisive_points(), pose_ba, best_so_far)?;
         if let Some(i) = decisive {
             let known = inside_a.decisive_points()[i];
-            return part_inside([inside_a, inside_b], pose_ab, known, best_so_far).map(Some);
+            return Ok(Some(part_inside([inside_a, inside_b], pose_ab, known, best_so_far)));
         }
     }
     for cubes in b.cube_sets() {
@@ -74,12 +74,15 @@ fn part_inside<B: BoundingVolume>(
     pose_ab: &MatrixPose,
     known: Point,
     best_so_far: &mut BestSoFar,
-) -> Result<Point, DeadlinePassed> {
-    if let Some(i) = first_inside(inside_a, inside_b.part_points(), pose_ab, best_so_far)? {
-        return Ok(Pose::from(pose_ab) * inside_b.part_points()[i]);
+) -> Point {
+    // the contact is proven; a deadline only ends the search for a better point
+    if let Ok(Some(i)) = first_inside(inside_a, inside_b.part_points(), pose_ab, best_so_far) {
+        return Pose::from(pose_ab) * inside_b.part_points()[i];
     }
-    let of_a = first_inside(inside_b, inside_a.part_points(), &pose_ab.inverse(), best_so_far)?;
-    Ok(of_a.map_or(known, |i| inside_a.part_points()[i]))
+    match first_inside(inside_b, inside_a.part_points(), &pose_ab.inverse(), best_so_far) {
+        Ok(Some(i)) => inside_a.part_points()[i],
+        Ok(None) | Err(DeadlinePassed) => known,
+    }
 }
 
 /// The index of the first point of another body that is inside one of the meshes.
