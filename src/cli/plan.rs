@@ -179,7 +179,8 @@ fn state(
     rest: &Configuration,
 ) -> Result<Configuration, Failure> {
     let name = text.trim();
-    let is_name = |state: &GroupState| state.name == name || format!("{}/{}", state.group, state.name) == name;
+    let is_name =
+        |state: &GroupState| state.name == name || format!("{}/{}", state.group, state.name) == name;
     let has_state = robot.srdf().is_some_and(|srdf| srdf.group_states.iter().any(is_name));
     if !has_state && (name.contains('=') || name.is_empty()) {
         states::from_text_over(argument, text, robot, rest)

@@ -85,7 +85,9 @@ impl Stats {
 /// Checks that the value of an option is finite and positive.
 pub fn positive(name: &str, value: f64) -> Result<f64, Failure> {
     let sound = value.is_finite() && value > 0.0;
-    sound.then_some(value).ok_or_else(|| Failure::Input(format!("{name} must be a finite number above zero, not {value}")))
+    sound
+        .then_some(value)
+        .ok_or_else(|| Failure::Input(format!("{name} must be a finite number above zero, not {value}")))
 }
 
 /// Writes to stdout. A closed pipe is not an error.

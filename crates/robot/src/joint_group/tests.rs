@@ -19,8 +19,9 @@ const SRDF: &str = "<robot name='r'>
     <group_state name='bad' group='tip'><joint name='wheel' value='one'/></group_state>
     <group_state name='torn' group='all'><joint name='arm' value='1'/><joint name='finger' value='2'/></group_state>
     <group_state name='placed' group='all'><joint name='base' value='1 2 3 0 0 0 1'/></group_state>
-    <group_state name='there' group='all'><joint name='wheel' value='1'/></group_state>
-    <group_state name='there' group='all'><joint name='wheel' value='2'/></group_state></robot>";
+    <group name='all/over'><joint name='wheel'/></group>
+    <group_state name='there' group='all/over'><joint name='wheel' value='1'/></group_state>
+    <group_state name='over/there' group='all'><joint name='wheel' value='2'/></group_state></robot>";
 
 fn model() -> RobotModel {
     RobotModel::from_text(
@@ -74,7 +75,10 @@ fn what_is_no_position_of_a_group_is_rejected_and_changes_nothing() {
     assert!(error.contains("'base'") && error.contains("length 0.5"), "{error}");
     assert_eq!(q, robot.default_configuration());
     let error = robot.joint_group("leg").unwrap_err().to_string();
-    assert!(error.contains("no group 'leg'") && error.contains("'tip', 'hand' and 'all'"), "{error}");
+    assert!(
+        error.contains("no group 'leg'") && error.contains("'tip', 'hand', 'all' and 'all/over'"),
+        "{error}"
+    );
     let bare = RobotModel::from_urdf(URDF, &MeshFiles::default()).unwrap();
     assert!(bare.joint_group("tip").is_err() && bare.group_state("ready").is_err());
 }
@@ -90,7 +94,7 @@ fn group_states_are_configurations() {
     assert_eq!(robot.group_state("placed").unwrap().positions()[..3], [1.0, 2.0, 3.0]);
     for (name, message) in [
         ("home", "several group states 'home': give one of 'tip/home' and 'all/home'"),
-        ("all/there", "several group states 'all/there': rename all but one"),
+        ("all/over/there", "several group states 'all/over/there': rename all but one"),
         ("rest", "no group state 'rest'; its SRDF has 'tip/ready', 'tip/home'"),
         ("bad", "group state 'bad' of the SRDF: joint 'wheel': value"),
         ("torn", "group state 'torn' of the SRDF: joint 'finger' is given position 2"),
