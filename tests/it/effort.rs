@@ -3,9 +3,12 @@
 use clearance::checker::{
     CollisionChecker, CollisionReport, PairDistance, PairKind, Question, UndecidedPair, Workspace,
 };
+use clearance::geometry::math::{Point, Pose};
+use clearance::geometry::{Shape, TriangleMesh};
 use clearance::proximity::{Effort, Work};
-use clearance::robot::Configuration;
-use clearance::scene::{BodyId, Settings};
+use clearance::robot::{Configuration, MeshFiles, RobotModel};
+use clearance::scene::{AttachedObject, BodyId, Obstacle, Settings, World};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crate::random::Random;
@@ -391,4 +394,61 @@ fn a_large_tolerance_hides_no_contact() {
         assert_eq!(told.is_free(), truth.is_free(), "no limit is too small for contact");
     }
     assert!(hits > 20, "some states collide");
+}
+
+/// Two wavy meshes, of which one slides over the other: their crests touch, part and nearly touch.
+fn sliding_waves() -> CollisionChecker {
+    const SIDE: u32 = 40;
+    let place = |i: u32| f64::from(i) / f64::from(SIDE) - 0.5;
+    let corners = (0..SIDE * SIDE).map(|i| {
+        let (x, y) = (place(i % SIDE), place(i / SIDE));
+        Point::new(x, y, 0.002 * (40.0 * x).sin() * (40.0 * y).cos())
+    });
+    let squares = (0..SIDE * (SIDE - 1)).filter(|i| i % SIDE < SIDE - 1);
+    let halves = squares.flat_map(|i| [[i, i + 1, i + SIDE], [i + 1, i + SIDE + 1, i + SIDE]]);
+    let waves = TriangleMesh::new(corners.collect(), halves.collect()).unwrap();
+    let waves = Obstacle::of_shape("waves".to_owned(), Pose::identity(), Shape::Mesh(Arc::new(waves)));
+    let urdf = "<robot name='slider'><link name='cart'/>
+        <link name='base'><collision><origin xyz='0 0 -0.5'/><geometry><sphere radius='0.05'/></geometry></collision></link><link name='tool'/>
+        <joint name='along' type='prismatic'><parent link='base'/><child link='cart'/><axis xyz='1 0 0'/>
+          <limit lower='-1' upper='1' effort='1' velocity='1'/></joint>
+        <joint name='up' type='prismatic'><parent link='cart'/><child link='tool'/><axis xyz='0 0 1'/>
+          <limit lower='-1' upper='1' effort='1' velocity='1'/></joint></robot>";
+    let robot = RobotModel::from_urdf(urdf, &MeshFiles::default()).unwrap();
+    let mut world = World::default();
+    world.attach(AttachedObject::grasped(&waves, "tool", &Pose::identity(), vec![])).unwrap();
+    world.add(Obstacle { name: "floor".to_owned(), ..waves }).unwrap();
+    CollisionChecker::new(Arc::new(robot), &world, Settings::default()).unwrap()
+}
+
+/// Where bodies touch, or nearly do, the elements that touched and the gap that was proven decide most further states.
+#[test]
+fn contact_that_persists_costs_little() {
+    let checker = sliding_waves();
+    let effort =
+        Effort { exact_cost: 500, relative_tolerance: 0.1, absolute_tolerance: 0.001, ..Effort::default() };
+    let mut stream = checker.streaming_workspace();
+    let mut alone = checker.workspace();
+    let (mut cost, mut cost_alone) = (Work::default(), Work::default());
+    let mut touching = [0; 2];
+    for i in 0..300 {
+        let time = f64::from(i) * 2e-3;
+        let q = checker.robot().configuration(&[0.02 * time, 4e-4 + 6e-4 * (9.0 * time).sin()]).unwrap();
+        let report = checker.check_with(&q, ALL, &effort, &mut stream);
+        let expected = checker.check_with(&q, ALL, &effort, &mut alone);
+        let truth = exact(&checker, &q);
+        assert_eq!(report.is_free(), truth.is_free(), "state {i}");
+        are_bounds(&checker, (&report, &truth), ALL, &effort);
+        for pair in &report.pair_distances {
+            let apart = nalgebra::distance(&pair.witness_points[0], &pair.witness_points[1]);
+            assert!(apart <= pair.distance + 1e-9, "state {i}: {pair:?}");
+        }
+        touching[usize::from(report.is_free())] += 1;
+        cost += report.work;
+        cost_alone += expected.work;
+    }
+    let [cost, alone] = [cost, cost_alone].map(|work| work.cost());
+    eprintln!("touching and free: {touching:?}; cost {cost}, and {alone} without memory");
+    assert!(touching.iter().all(|count| *count > 100), "{touching:?}");
+    assert!(4 * cost < alone, "{cost}, and {alone} without memory");
 }

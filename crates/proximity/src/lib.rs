@@ -45,7 +45,8 @@ pub use penetration_depth::{
 };
 pub use queries::{
     DistanceBounds, DistanceCandidate, collide, distance, distance_bounds, distance_bounds_below,
-    distance_candidates, distance_with_witnesses, margin_bounds, pieces_within_margin, within_margin,
+    distance_candidates, distance_with_witnesses, elements_found_within_margin, elements_within_margin,
+    margin_bounds, pieces_within_margin, within_margin,
 };
 pub use search::{Effort, Scratch, TieTolerance, Work};
 pub use witnesses::{WitnessOptions, WitnessPair, WitnessPairs};

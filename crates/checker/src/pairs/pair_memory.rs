@@ -14,7 +14,7 @@ mod tolerance;
 use clearance_geometry::PointPair;
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::{Extremes, MatrixPose};
-use clearance_proximity::{Effort, Front, FrontLimits, Scratch, Separation};
+use clearance_proximity::{Effort, ElementPair, Front, FrontLimits, Scratch, Separation};
 
 use super::posed_pair::{PosedPair, RoughDistance};
 
@@ -44,6 +44,8 @@ pub struct PairMemory {
     found: Option<Separation>,
     /// Points of the bodies that were near each other at that pose.
     near_points: Option<PointPair>,
+    /// Elements that touched in the last state.
+    contact: Option<ElementPair>,
     /// Remaining tolerance (m) at the last state, and whether it will probably not last for the next state.
     tolerance_left: f64,
     is_due: bool,
@@ -73,6 +75,7 @@ impl PairMemory {
             lower,
             found,
             near_points,
+            contact: None,
             tolerance_left: f64::INFINITY,
             is_due: false,
             front: Front::default(),
@@ -250,6 +253,30 @@ impl RememberedPair<'_, '_> {
         }
         let found = self.separation(padding, 0, scratch);
         found.is_some_and(|found| found.distance <= padding)
+    }
+
+    /// The separation of the elements that touched in the last state, if they still touch.
+    pub fn still_touches(&mut self, scratch: &mut Scratch) -> Option<Separation> {
+        let known = self.memory.as_mut()?;
+        let found = self.pair.elements_touch(known.contact?, scratch);
+        if found.is_none() {
+            known.contact = None;
+        }
+        found
+    }
+
+    /// As [`PosedPair::contact_or_bound`], using the memory. Elements that touch are kept for [`Self::still_touches`].
+    pub fn contact_or_bound(&mut self, near: f64, scratch: &mut Scratch) -> Result<Separation, f64> {
+        let pair = self.pair;
+        let memory = self.memory.get_or_insert_with(|| PairMemory::new(pair, f64::NEG_INFINITY, None));
+        let known = memory.lower_at(pair);
+        if known > pair.info.padding {
+            return Err(known);
+        }
+        let found = pair.contact_or_bound(near, scratch);
+        memory.contact = found.ok().and_then(|(_, elements)| elements);
+        memory.renew(pair, found.err().unwrap_or(0.0), None);
+        found.map(|(contact, _)| contact)
     }
 
     /// As [`PosedPair::separation`], using the memory; distances are exact until the state has cost `exact_cost`, if

@@ -126,6 +126,30 @@ impl PosedPair<'_> {
         self.padded(&self.separation(CONTACT_DISTANCE, scratch).unwrap_or(*exact))
     }
 
+    /// The separation of bodies that touch with their paddings, and its elements if [`Self::elements_touch`] can test
+    /// them; otherwise a lower bound (m) on the distance without padding, which is more than the padding. `near` (m) is an
+    /// upper bound.
+    ///
+    /// To prove half of the gap costs hardly more than to prove that there is one, and lasts for more states.
+    pub fn contact_or_bound(
+        &self,
+        near: f64,
+        scratch: &mut Scratch,
+    ) -> Result<(Separation, Option<ElementPair>), f64> {
+        let padding = self.info.padding.greater(CONTACT_DISTANCE);
+        let aim = padding + 0.5 * (near - padding).greater(0.0);
+        match query::elements_found_within_margin(self.posed_bodies(), aim, scratch) {
+            Some((found, elements)) if found.distance <= padding => Ok((found, elements)),
+            Some((found, _)) => Err(found.distance),
+            None => Err(aim),
+        }
+    }
+
+    /// The separation of two elements if they touch with the paddings of the bodies.
+    pub fn elements_touch(&self, elements: ElementPair, scratch: &mut Scratch) -> Option<Separation> {
+        query::elements_within_margin(self.posed_bodies(), elements, self.info.padding, scratch)
+    }
+
     /// As [`Self::touches`], until a deadline.
     pub fn contact_bounds(&self, effort: &Effort, scratch: &mut Scratch) -> DistanceBounds {
         query::margin_bounds(self.posed_bodies(), self.info.padding, effort.deadline, scratch)

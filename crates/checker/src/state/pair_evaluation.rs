@@ -28,11 +28,17 @@ impl PairEvaluation<'_> {
         if found.lower == found.distance || found.lower > CONTACT_DISTANCE {
             return found;
         }
+        if self.effort.deadline.is_none() {
+            return match self.contact_or_bound(pair.index, found.distance) {
+                Ok(contact) => contact,
+                Err(lower) => {
+                    PairDistance { lower: lower.greater(f64::MIN_POSITIVE).lesser(found.distance), ..found }
+                }
+            };
+        }
         let open = self.report.undecided.len();
         if self.touches(pair) {
-            let exact = if self.effort.deadline.is_none() { self.exact_distance(pair, 0.0) } else { None };
-            let witness_points = exact.map_or(found.witness_points, |exact| exact.witness_points);
-            PairDistance { distance: 0.0, lower: 0.0, witness_points, ..found }
+            PairDistance { distance: 0.0, lower: 0.0, ..found }
         } else if self.report.undecided.len() == open {
             PairDistance { lower: f64::MIN_POSITIVE.lesser(found.distance), ..found }
         } else {
@@ -70,6 +76,9 @@ impl PairEvaluation<'_> {
         if self.effort.is_exact() {
             return self.exact_distance(candidate, limit);
         }
+        if let Some(contact) = self.known_contact(index) {
+            return Some(contact);
+        }
         if self.attempts_exact_distance(index) {
             return self.distance_within_cost(candidate, limit);
         }
@@ -103,6 +112,31 @@ impl PairEvaluation<'_> {
             None => pair.separation(limit, scratch),
         };
         Some(pair.reported(&found?, scratch))
+    }
+
+    /// Contact of the elements that touched in the last state.
+    fn known_contact(&mut self, index: usize) -> Option<PairDistance> {
+        let pair = &self.state.pair(index);
+        let QueriedState { scratch, stream, .. } = &mut self.state;
+        let found = RememberedPair { pair, memory: stream.as_mut()?.memory(index) }.still_touches(scratch)?;
+        Some(pair.padded(&found))
+    }
+
+    /// Contact of a pair, or a lower bound on the padded distance of a pair that is apart; `near` (m) is an upper bound.
+    fn contact_or_bound(&mut self, index: usize, near: f64) -> Result<PairDistance, f64> {
+        let pair = &self.state.pair(index);
+        let QueriedState { scratch, stream, .. } = &mut self.state;
+        let padding = pair.info.padding;
+        let found = match stream {
+            Some(stream) => {
+                let mut remembered = RememberedPair { pair, memory: stream.memory(index) };
+                let found = remembered.contact_or_bound(near + padding, scratch);
+                stream.record_bound_of_memory(index, pair);
+                found
+            }
+            None => pair.contact_or_bound(near + padding, scratch).map(|(contact, _)| contact),
+        };
+        found.map(|contact| pair.padded(&contact)).map_err(|lower| lower - padding)
     }
 
     /// True if the state has cost so little that a pair is measured exactly, unless this is known to be useless.
