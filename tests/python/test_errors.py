@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import clearance as cl
+from conftest import ALL_KINDS, URDF
 
 EIGHT = r"must be \(\.\.\., 8\): one position for each of joint1"
 
@@ -24,6 +25,10 @@ EIGHT = r"must be \(\.\.\., 8\): one position for each of joint1"
         (np.array([None] * 8), TypeError, "object"),
         ({"joint1": 1.0}, TypeError, "dict"),
         ([[0] * 8, [0] * 7], TypeError, "one shape"),
+        (np.ma.masked_array(np.zeros(8), np.eye(8)[0]), TypeError, r"q is or contains a masked array.*q.filled\(...\)"),
+        (np.ma.masked_array(np.zeros((3, 8))), TypeError, "masked array"),
+        ([np.zeros(8), np.ma.masked_array(np.zeros(8), np.eye(8)[0])], TypeError, "masked array"),
+        (([0] * 7 + [np.ma.masked],), TypeError, "masked array"),
         (np.full(8, np.nan), cl.Error, "q: joint 'joint1' has position NaN, which is not finite"),
         ([0, 0, np.inf, 0, 0, 0, 0, 0], cl.Error, "joint 'joint3'"),
         ([1e9, 0, 0, 0, 0, 0, 0, 0], cl.Error, "joint 'joint1' has position 1e9, farther than"),
@@ -75,7 +80,7 @@ def test_settings(robot, world, settings, kind, words):
         (lambda w: w.add_box("b", (1, 1)), ValueError, r"size has shape \(2,\), but it must be \(3,\)"),
         (lambda w: w.add_box("b", (1, 1, -1)), cl.Error, "box size is -1"),
         (lambda w: w.add_sphere("b", np.nan), cl.Error, "sphere radius is NaN"),
-        (lambda w: w.add_sphere("b", "big"), TypeError, None),
+        (lambda w: w.add_sphere("b", "big"), TypeError, "radius is 'big', but must be a number"),
         (lambda w: w.add_sphere(1, 1.0), TypeError, None),
         (lambda w: w.add_plane("b", (0, 0, 0)), cl.Error, "normal"),
         (lambda w: w.add_mesh("b", np.zeros((3, 2)), [[0, 1, 2]]), ValueError, r"vertices has shape \(3, 2\)"),
@@ -92,6 +97,8 @@ def test_settings(robot, world, settings, kind, words):
         (lambda w: w.add_sphere("b", 1, np.diag([2, 1, 1, 1.0])), ValueError, "no rotation"),
         (lambda w: w.add_sphere("b", 1, ((0, 0, 0), (0, 0, 0, 2))), ValueError, "has length 2"),
         (lambda w: w.add_sphere("b", 1, (0, 0, np.inf)), ValueError, "must be finite"),
+        (lambda w: w.add_sphere("b", 1, ((0, 0, 0), (0, 0, 0, np.nan))), ValueError, "the quaternion .* of pose must be finite"),
+        (lambda w: w.move("ball", ((0, 0, 0), (np.inf, 0, 0, 0))), ValueError, "the quaternion .* of pose must be finite"),
         (lambda w: w.remove("none"), cl.Error, "no object 'none'"),
         (lambda w: w.move("none", (0, 0, 0)), cl.Error, "no object 'none'"),
         (lambda w: w.add_mesh_file("b", "/none.stl"), cl.Error, "none.stl"),
@@ -110,8 +117,13 @@ def test_worlds(world, change, kind, words):
     [
         (lambda c, h: c.distance(h, -1.0), cl.Error, "max_distance is -1"),
         (lambda c, h: c.clearance(h, np.nan), cl.Error, "influence_distance"),
-        (lambda c, h: c.is_free(h, num_threads=0), None, ""),
-        (lambda c, h: c.is_free(np.stack([h] * 20), num_threads=0), ValueError, "num_threads is 0"),
+        (lambda c, h: c.is_free(h, num_threads=0), cl.Error, "num_threads is 0, but must be None or a whole number from 1 to 1024"),
+        (lambda c, h: c.is_free(h.tolist(), num_threads=-1), cl.Error, "num_threads is -1"),
+        (lambda c, h: c.distance(h, num_threads=1025), cl.Error, "num_threads is 1025"),
+        (lambda c, h: c.check(h, num_threads=10**30), cl.Error, "num_threads is 10"),
+        (lambda c, h: c.clearance(h, 0.1, num_threads=0.5), TypeError, "num_threads is 0.5"),
+        (lambda c, h: c.is_free(np.stack([h] * 20), num_threads=0), cl.Error, "num_threads is 0"),
+        (lambda c, h: c.are_edges_free(h, h, num_threads=0), cl.Error, "num_threads is 0"),
         (lambda c, h: c.check_motion(h, np.stack([h])), cl.Error, "q1 must be one state"),
         (lambda c, h: c.check_motion(h, h * np.nan), cl.Error, "q1: joint"),
         (lambda c, h: c.attach("none", "hand", q=h), cl.Error, "no object 'none'"),
@@ -119,15 +131,16 @@ def test_worlds(world, change, kind, words):
         (lambda c, h: c.attach("ball", "hand"), cl.Error, "either q"),
         (lambda c, h: c.detach("ball", h), cl.Error, "no object 'ball' is attached"),
         (lambda c, h: c.find_free_state(h, locked=["none"]), cl.Error, "no joint 'none'"),
-        (lambda c, h: c.find_free_state(h, clearance=-1.0), cl.Error, "clearance"),
+        (lambda c, h: c.find_free_state(h, clearance=-1.0), cl.Error, "clearance is -1, but must be"),
+        (lambda c, h: c.are_edges_free(h, 1.0), ValueError, r"q1 has shape \(\), but it must be \(\.\.\., 7\)"),
+        (lambda c, h: c.check_edges(h[:1], h), ValueError, r"q0 has shape \(1,\), but it must be \(\.\.\., 7\)"),
+        (lambda c, h: c.check_edges(np.stack([h, h * np.nan]), h), cl.Error, r"q0 in row \[1\]: joint 'joint1'"),
+        (lambda c, h: c.are_edges_free(h, [[h], [h * np.nan]]), cl.Error, r"q1 in row \[1, 0\]: joint 'joint1'"),
         (lambda c, h: c.configuration({"finger_joint1": 0.03}), cl.Error, "not in group 'arm'"),
         (lambda c, h: c.configuration({"none": 0.03}), cl.Error, "no joint 'none'"),
     ],
 )
 def test_calls(arm, home, call, kind, words):
-    if kind is None:
-        assert call(arm, home) is True
-        return
     with pytest.raises(kind, match=words):
         call(arm, home)
 
@@ -144,6 +157,55 @@ def test_calls(arm, home, call, kind, words):
 def test_robots(arguments, kind, words):
     with pytest.raises(kind, match=words):
         cl.Robot.from_urdf(*arguments)
+
+
+@pytest.mark.parametrize("urdf", [URDF, "<robot name='r'><link name='a'/></robot>"])
+def test_arguments_of_xacro_need_a_xacro_file(urdf):
+    with pytest.raises(cl.Error, match="xacro_args are given, but neither urdf nor srdf is the path of a .xacro file"):
+        cl.Robot.from_urdf(urdf, xacro_args={"tip": "a"})
+
+
+MOTION = {"tolerance": "above zero", "timeout": "zero or more seconds", "budget": "whole number", "any_contact": "True or False"}
+SEARCH = {"max_distance": "finite", "clearance": "finite", "timeout": "seconds", "max_checks": "whole number"}
+PLAN = {"range": "", "timeout": "seconds", "max_edges": "whole number", "shortcuts": "whole number", "seed": "whole number"}
+
+
+@pytest.mark.parametrize("value, shown", [(np.nan, "nan"), (-1, "-1"), ("x", "'x'"), (10**400, "1000")])
+def test_errors_of_options_name_option_and_value(arm, home, value, shown):
+    calls = {
+        "distance": ({"max_distance": "zero or more metres"}, lambda **o: arm.distance(home, **o)),
+        "check": ({"max_distance": "zero or more metres", "max_contacts": "whole"}, lambda **o: arm.check(home, **o)),
+        "check_motion": (MOTION, lambda **o: arm.check_motion(home, home, **o)),
+        "check_edges": (MOTION, lambda **o: arm.check_edges(home, home, **o)),
+        "are_edges_free": (MOTION, lambda **o: arm.are_edges_free(home, home, **o)),
+        "find_free_state": (SEARCH, lambda **o: arm.find_free_state(home, **o)),
+        "plan": (PLAN, lambda **o: arm.plan(home, home, **o)),
+        "Checker": ({"padding": ""}, lambda **o: cl.Checker(arm.robot, **o)),
+        "random": ({"size": "whole number"}, lambda **o: arm.robot.random(**o)),
+    }
+    for name, (options, call) in calls.items():
+        for option, form in options.items():
+            with pytest.raises((cl.Error, TypeError), match=f"(?i){option}.*{shown}") as raised:
+                call(**{option: value})
+            assert form in str(raised.value) or value == 10**400, name
+
+
+def test_a_fixed_mimic_joint_needs_a_fixed_leader(robot):
+    with pytest.raises(cl.Error, match="fixed: joint 'm' mimics joint 's', whose position each query gives"):
+        cl.Checker(cl.Robot.from_urdf(ALL_KINDS), fixed={"m": 0.5})
+    with pytest.raises(cl.Error, match="fixed: joint 'finger_joint2' mimics joint 'finger_joint1'"):
+        cl.Checker(robot, group="hand", fixed={"finger_joint2": 0.02})
+    by_mimic = cl.Checker(robot, group="arm", fixed={"finger_joint2": 0.02})
+    assert by_mimic.expand(np.zeros(7))[7] == 0.02
+
+
+def test_a_checker_that_checks_nothing_warns(robot, world):
+    with pytest.warns(cl.InputWarning, match="no pair of bodies to check") as warned:
+        cl.Checker(robot, world, check_self=False, check_world=False)
+    assert warned[0].filename == __file__
+    blind = cl.Checker(robot, world, check_self=False)
+    with pytest.warns(cl.InputWarning, match="no pair of bodies to check"):
+        assert blind.with_world(cl.World()).is_free(np.zeros(8))
 
 
 def test_errors_are_value_errors():

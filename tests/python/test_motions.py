@@ -43,6 +43,31 @@ def test_edges_broadcast(arm, edges, home):
         assert np.array_equal(arm.are_edges_free(q0, q1, num_threads=threads), arm.are_edges_free(q0, q1))
 
 
+def test_edges_broadcast_as_arrays_of_numpy(arm, home):
+    """Shapes of ones and missing dimensions, against the arrays that NumPy broadcasts."""
+    rng = np.random.default_rng(3)
+    shapes = [((), (3,)), ((2, 1), (3,)), ((2, 3), (2, 1)), ((1,), (2, 3)), ((4, 1, 2), (1, 3, 1)), ((0,), (2, 1)), ((1, 1), (1,))]
+    for one, other in shapes:
+        q0, q1 = (home + rng.normal(scale=0.5, size=(*shape, 7)) for shape in (one, other))
+        found = arm.check_edges(q0, q1)
+        expected = arm.check_edges(*(np.array(q) for q in np.broadcast_arrays(q0, q1)))
+        assert found.verdicts.shape == np.broadcast_shapes(one, other)
+        assert np.array_equal(found.verdicts, expected.verdicts) and np.array_equal(found.t, expected.t, equal_nan=True)
+        assert np.array_equal(arm.are_edges_free(q0, q1), found.verdicts == cl.Verdict.FREE)
+
+
+def test_edges_that_are_not_checked_in_time(arm, edges):
+    q0, q1 = edges
+    late = arm.check_edges(q0, q1, timeout=0)
+    assert (late.verdicts == cl.Verdict.UNDECIDED).all() and (late.reasons == cl.Reason.UNCHECKED).all()
+    assert np.array_equal(late.t, np.broadcast_to([0.0, 1.0], (60, 2)))
+    assert not arm.are_edges_free(q0, q1, timeout=0).any() and arm.are_edges_free(q0[0], q0[0], timeout=0) is False
+    assert np.array_equal(arm.are_edges_free(q0, q1, timeout=np.inf), arm.are_edges_free(q0, q1))
+    # rows are validated all the same
+    with pytest.raises(cl.Error, match=r"q1 in row \[59\]"):
+        arm.are_edges_free(q0, np.where(np.arange(60)[:, None] == 59, np.nan, q1), timeout=0)
+
+
 def test_a_motion_is_its_edge(arm, edges):
     reports = arm.check_edges(*edges)
     for i, (q0, q1) in enumerate(zip(*edges)):
@@ -95,11 +120,15 @@ def test_trajectories(robot, world, arm, home):
     assert far.verdict == cl.Verdict.CONTACT and far.segment == 2 and 2 <= far.time[0] <= far.time[1] <= 3
     assert far.pair[1] in world.names and not far.free
     assert arm.check_trajectory(None, points).free
-    for times, words in (([0, 0, 0], "does not come after"), ([0, 1], r"must be \(3,\)"), ([0, 1, np.nan], "does not come after")):
+    for times, words in (([0, 0, 0], "does not come after"), ([0, 1], r"must be \(3,\)"), ([0, 1, np.nan], r"times\[2\] is NaN"),
+        ([-1, 0, 1], r"times\[0\] is -1 s, but times are from the start"), ([0, 2, 1], r"times\[2\] is 1 s, which does not come after times\[1\], 2 s"),
+        ([np.nan, 1, 2], r"times\[0\] is NaN"), ([0, 1, np.inf], r"times\[2\] is inf")):
         with pytest.raises(ValueError, match=words):
             arm.check_trajectory(times, points)
     with pytest.raises(ValueError, match="shape of positions"):
         arm.check_trajectory([0, 1, 2], points, np.zeros((2, 7)))
+    with pytest.raises(ValueError, match="accelerations need velocities"):
+        arm.check_trajectory([0, 1, 2], points, accelerations=np.zeros((3, 7)))
 
 
 def test_options(arm, home):
@@ -108,6 +137,11 @@ def test_options(arm, home):
     assert stopped.verdict == cl.Verdict.UNDECIDED and stopped.reason == cl.Reason.BUDGET
     late = arm.check_motion(home, touching, timeout=0.0)
     assert (late.verdict, late.reason) == (cl.Verdict.UNDECIDED, cl.Reason.DEADLINE)
+    # also where a proof takes no time
+    for late in (arm.check_motion(home, home, timeout=0), arm.check_trajectory(None, [home, home], timeout=0)):
+        assert (late.verdict, late.reason, late.certificate) == (cl.Verdict.UNDECIDED, cl.Reason.DEADLINE, None)
+        assert isinstance(late, cl.MotionReport) and not late.free
+    assert arm.check_motion(home, home, timeout=np.inf).free and arm.check_motion(home, home, timeout=1e300).free
     assert arm.check_motion(home, touching, any_contact=True).verdict == cl.Verdict.CONTACT
     tube = arm.check_motion(home, home, tube=1.5)
     assert (tube.verdict, tube.reason) == (cl.Verdict.UNDECIDED, cl.Reason.TUBE)

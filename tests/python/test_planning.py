@@ -36,6 +36,16 @@ def test_paths_are_proven(between_posts, robot):
     assert bent > 3
 
 
+def test_a_path_has_its_certificate_or_says_why_not(between_posts, robot):
+    """However much of the time the search takes."""
+    (start, goal), *_ = ends(between_posts, robot, 1)
+    for timeout in (1e-6, 1e-4, 3e-4, 1e-3, 3e-3, 0.01, 0.1, np.inf):
+        plan = between_posts.plan(start, goal, timeout=timeout, certificate=True)
+        reasons = {(True, True): "found", (True, False): "found_without_certificate", (False, False): "deadline"}
+        assert plan.reason == reasons[plan.found, plan.certificate is not None]
+    assert plan.certificate is not None
+
+
 def test_the_same_seed_gives_the_same_path(between_posts, robot):
     others = 0
     for start, goal in ends(between_posts, robot, 8):

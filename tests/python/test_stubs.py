@@ -21,6 +21,8 @@ def arguments(function):
     defaults = [inspect.Parameter.empty] * (len(positional) - len(given.defaults)) + given.defaults
     result = [(a.arg, "positional", value(d)) for a, d in zip(positional, defaults)]
     result += [(a.arg, "keyword", value(d)) for a, d in zip(given.kwonlyargs, given.kw_defaults)]
+    if given.vararg:
+        result.append((given.vararg.arg, "all", inspect.Parameter.empty))
     return [a for a in result if a[0] not in ("self", "cls")], given.kwarg and given.kwarg.arg
 
 
@@ -35,6 +37,8 @@ def real_arguments(function):
     for name, parameter in inspect.signature(function).parameters.items():
         if parameter.kind is inspect.Parameter.VAR_KEYWORD:
             keywords = name
+        elif parameter.kind is inspect.Parameter.VAR_POSITIONAL:
+            result.append((name, "all", inspect.Parameter.empty))
         elif name not in ("self", "cls"):
             kind = "keyword" if parameter.kind is inspect.Parameter.KEYWORD_ONLY else "positional"
             result.append((name, kind, parameter.default))

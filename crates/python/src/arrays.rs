@@ -1,8 +1,11 @@
 //! Conversion of NumPy arrays and whatever NumPy makes arrays of.
 
-use numpy::{PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
-use pyo3::exceptions::{PyTypeError, PyValueError};
+use numpy::{
+    PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods,
+};
+use pyo3::exceptions::{PyMemoryError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
+use pyo3::types::{PyList, PyTuple};
 
 /// Numbers of an argument: C-contiguous float64, of any shape.
 pub struct Numbers<'py> {
@@ -12,13 +15,22 @@ pub struct Numbers<'py> {
 impl<'py> Numbers<'py> {
     /// Reads an argument; `what` is its name in errors. An array that is not float64 and C-contiguous is converted.
     pub fn new(value: &Bound<'py, PyAny>, what: &str) -> PyResult<Self> {
-        if let Ok(array) = value.cast::<PyArrayDyn<f64>>()
+        // no subclass: one may not be what its memory is
+        if value.cast_exact::<PyUntypedArray>().is_ok()
+            && let Ok(array) = value.cast::<PyArrayDyn<f64>>()
             && array.is_c_contiguous()
             && array.is_aligned()
         {
             return Ok(Self { array: array.readonly() });
         }
         let numpy = value.py().import("numpy")?;
+        let masked = numpy.getattr("ma")?.getattr("MaskedArray")?;
+        if is_masked(value, &masked)? {
+            return Err(PyTypeError::new_err(format!(
+                "{what} is or contains a masked array, whose masked entries have no value: give their values with {what}.filled(...), or \
+                 leave out their rows with numpy.ma.compress_rows({what})"
+            )));
+        }
         let ragged = |error: PyErr| {
             PyTypeError::new_err(format!(
                 "{what} must be an array of real numbers, but it is none of one shape: {error}"
@@ -61,6 +73,25 @@ impl<'py> Numbers<'py> {
             shape => Err(wrong_shape(what, shape, "must be (N, 3)")),
         }
     }
+}
+
+/// True for a masked array, and for lists that contain one.
+fn is_masked(value: &Bound<'_, PyAny>, masked: &Bound<'_, PyAny>) -> PyResult<bool> {
+    let any = |items: &mut dyn Iterator<Item = Bound<'_, PyAny>>| {
+        for item in items {
+            if is_masked(&item, masked)? {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    };
+    if let Ok(list) = value.cast::<PyList>() {
+        return any(&mut list.iter());
+    }
+    if let Ok(tuple) = value.cast::<PyTuple>() {
+        return any(&mut tuple.iter());
+    }
+    value.is_instance(masked)
 }
 
 /// Rows of joint positions: an argument of shape (..., n) with n positions each.
@@ -127,32 +158,78 @@ impl<'a> Table<'a> {
     }
 }
 
-/// Broadcasts two arguments of shapes (..., n) to one shape.
-pub fn broadcast<'py>(
-    [a, b]: [&Bound<'py, PyAny>; 2],
-    [name_a, name_b]: [&str; 2],
-) -> PyResult<[Bound<'py, PyAny>; 2]> {
-    let numpy = a.py().import("numpy")?;
-    let shape = |x: &Bound<'py, PyAny>| numpy.call_method1("shape", (x,));
-    let (shape_a, shape_b) = (shape(a)?, shape(b)?);
-    if shape_a.eq(&shape_b)? {
-        return Ok([a.clone(), b.clone()]);
+/// Two arguments of shapes (..., n), broadcast to one shape by the rules of NumPy; nothing is copied.
+pub struct Pairing {
+    /// The shape without the last dimension.
+    pub shape: Vec<usize>,
+    /// For each argument and dimension: by how much the row changes with the index.
+    steps: [Vec<usize>; 2],
+}
+
+impl Pairing {
+    /// Of two arguments with these names.
+    pub fn new([a, b]: [&Rows<'_>; 2], [name_a, name_b]: [&str; 2]) -> PyResult<Self> {
+        let length = |shape: &[usize], dimension: usize, depth: usize| {
+            (dimension + shape.len()).checked_sub(depth).map_or(1, |own| shape[own])
+        };
+        let depth = a.leading().len().max(b.leading().len());
+        let mut shape = Vec::with_capacity(depth);
+        for dimension in 0..depth {
+            match [a, b].map(|rows| length(rows.leading(), dimension, depth)) {
+                [one, other] if one == other || other == 1 => shape.push(one),
+                [1, other] => shape.push(other),
+                _ => {
+                    let text = format!(
+                        "{name_a} of shape {} and {name_b} of shape {} can not be broadcast to one shape",
+                        shape_text(a.numbers.shape()),
+                        shape_text(b.numbers.shape())
+                    );
+                    return Err(PyValueError::new_err(text));
+                }
+            }
+        }
+        if shape.iter().try_fold(1_usize, |count, length| count.checked_mul(*length)).is_none() {
+            return Err(PyMemoryError::new_err(format!("{name_a} and {name_b} have too many pairs of rows")));
+        }
+        let steps = [a, b].map(|rows| {
+            let (mut steps, mut step) = (vec![0; depth], 1);
+            for dimension in (0..depth).rev() {
+                let own = length(rows.leading(), dimension, depth);
+                steps[dimension] = if own == 1 { 0 } else { step };
+                step *= own;
+            }
+            steps
+        });
+        Ok(Self { shape, steps })
     }
-    let both = numpy.call_method1("broadcast_arrays", (a, b)).map_err(|_| {
-        PyValueError::new_err(format!(
-            "{name_a} of shape {shape_a} and {name_b} of shape {shape_b} can not be broadcast to one shape"
-        ))
-    })?;
-    Ok([both.get_item(0)?, both.get_item(1)?])
+
+    /// Number of pairs of rows.
+    pub fn count(&self) -> usize {
+        self.shape.iter().product()
+    }
+
+    /// Row of the first (0) or second (1) argument in a pair.
+    pub fn row(&self, argument: usize, pair: usize) -> usize {
+        let (mut rest, mut row) = (pair, 0);
+        for (length, step) in self.shape.iter().zip(&self.steps[argument]).rev() {
+            row += rest % length * step;
+            rest /= length;
+        }
+        row
+    }
 }
 
 /// The error about a wrong shape: `form` says what it must be.
 pub fn wrong_shape(what: &str, shape: &[usize], form: &str) -> PyErr {
-    let shape = match shape {
+    PyValueError::new_err(format!("{what} has shape {}, but it {form}", shape_text(shape)))
+}
+
+/// A shape as Python shows it.
+fn shape_text(shape: &[usize]) -> String {
+    match shape {
         [length] => format!("({length},)"),
         _ => format!("({})", shape.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")),
-    };
-    PyValueError::new_err(format!("{what} has shape {shape}, but it {form}"))
+    }
 }
 
 /// An array of this shape with these values, which are as many.

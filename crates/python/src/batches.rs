@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use crate::arrays::{Rows, Table};
 use crate::checker::CheckerCore;
 use crate::error::error;
+use crate::memory::filled;
 use crate::thread_pools::{default_threads, pool};
 use crate::workspaces::{QueryMemory, with_memory};
 
@@ -111,7 +112,7 @@ pub fn evaluate<T: Send + Clone>(
     evaluate: impl Fn(&mut QueryMemory, usize, &mut [T]) + Sync,
     py: Python<'_>,
 ) -> PyResult<Vec<T>> {
-    let mut results = vec![initial; rows.count()];
+    let mut results = filled(initial, rows.count())?;
     let batch = Batch { core, table: rows.table(), first_error: AtomicUsize::new(usize::MAX), evaluate };
     if results.len() <= FEW && threads.is_none_or(|threads| threads == 1) {
         py.detach(|| batch.block(0, &mut results));

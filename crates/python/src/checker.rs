@@ -3,25 +3,32 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
 
 use clearance::robot::Configuration;
 use clearance::scene::{AttachedObject, BodyId, Scene};
 use clearance::{CollisionChecker, SettingsError};
 use numpy::{PyArray1, PyArrayDyn};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyTuple};
 
 use crate::arrays::{Rows, array};
 use crate::batches::run;
-use crate::error::error;
+use crate::edge_queries::{self, EdgeArguments};
+use crate::error::{error, warn};
 use crate::joint_space::JointSpace;
-use crate::motion_queries::{self, MotionSettings, TrajectoryArrays};
+use crate::memory::collected;
+use crate::motion_options::MotionSettings;
+use crate::motion_queries;
+use crate::options;
+use crate::pickles;
 use crate::planning::{self, PlanArguments};
 use crate::poses;
 use crate::recovery::{self, SearchLimits};
 use crate::robot::Robot;
 use crate::settings::CheckSettings;
 use crate::state_queries::{self, single};
+use crate::trajectory_arrays::TrajectoryArrays;
 use crate::world::World;
 use crate::world_state::SceneState;
 
@@ -105,6 +112,14 @@ impl Checker {
         Ok(Self { core, robot, scene, settings: Arc::clone(&self.settings), group, fixed })
     }
 
+    /// This checker, after a warning if it checks nothing.
+    fn warned(self, py: Python<'_>) -> PyResult<Self> {
+        let text = "the checker has no pair of bodies to check, so that every state counts as free: the robot or the world has no \
+                    collision geometry, or the settings allow all pairs";
+        warn(py, self.core.checker.pairs().is_empty().then_some(text))?;
+        Ok(self)
+    }
+
     fn limits(&self, py: Python<'_>, name: &str) -> PyResult<Vec<f64>> {
         let whole: Vec<f64> = self.robot.bind(py).getattr(name)?.call_method0("tolist")?.extract()?;
         Ok(self.core.space.select(&whole))
@@ -145,7 +160,7 @@ impl Checker {
         let scene = world.map(|world| world.scene.clone()).unwrap_or_default();
         let settings = CheckSettings::new(settings)?;
         settings.check_names(&robot.get().model, &scene)?;
-        Self::build(py, robot, scene, settings, (group, fixed))
+        Self::build(py, robot, scene, settings, (group, fixed))?.warned(py)
     }
 
     /// The robot.
@@ -214,19 +229,20 @@ impl Checker {
     fn expand<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let space = &self.core.space;
         let rows = Rows::new(q, "q", space.names())?;
-        let mut values = Vec::new();
+        let width = space.rest().positions().len();
+        let mut values = collected([], rows.count().saturating_mul(width))?;
         for i in 0..rows.count() {
             let read = space.read(rows.table().row(i));
             values.extend(read.map_err(|why| error(format!("q{}: {why}", rows.place(i))))?.positions());
         }
-        array(py, values, &[rows.leading(), &[space.rest().positions().len()]].concat())
+        array(py, values, &[rows.leading(), &[width]].concat())
     }
 
     /// The same checker in another world. Hierarchies of links and of obstacles that do not change are shared.
     fn with_world(&self, py: Python<'_>, world: PyRef<'_, World>) -> PyResult<Self> {
         let scene = world.scene.clone();
         drop(world);
-        self.with_scene(py, scene)
+        self.with_scene(py, scene)?.warned(py)
     }
 
     /// A checker in which the obstacle `name` is attached to `link` and moves with it.
@@ -263,7 +279,7 @@ impl Checker {
         }
         let mut scene = self.scene.clone();
         scene.world.attach(object).map_err(error)?;
-        self.with_scene(py, scene)
+        self.with_scene(py, scene)?.warned(py)
     }
 
     /// A checker in which the attached object `name` is an obstacle, where it is in the state `q` of shape (n,).
@@ -273,7 +289,7 @@ impl Checker {
         let object = scene.world.attached_by_name(name).ok_or_else(unknown)?;
         let pose_rl = self.robot.get().link_pose(&object.link, &single(&self.core, q, "q")?)?;
         scene.world.detach(name, &pose_rl).map_err(error)?;
-        self.with_scene(py, scene)
+        self.with_scene(py, scene)?.warned(py)
     }
 
     /// Whether states are free of collision: a bool for `q` of shape (n,), an array of shape (...) for (..., n).
@@ -284,7 +300,7 @@ impl Checker {
         &self,
         py: Python<'py>,
         q: &Bound<'py, PyAny>,
-        num_threads: Option<usize>,
+        #[pyo3(from_py_with = options::num_threads)] num_threads: Option<usize>,
     ) -> PyResult<Bound<'py, PyAny>> {
         state_queries::is_free(py, &self.core, q, num_threads)
     }
@@ -298,9 +314,9 @@ impl Checker {
         &self,
         py: Python<'py>,
         q: &Bound<'py, PyAny>,
-        max_distance: f64,
+        #[pyo3(from_py_with = options::max_distance)] max_distance: f64,
         gradients: bool,
-        num_threads: Option<usize>,
+        #[pyo3(from_py_with = options::num_threads)] num_threads: Option<usize>,
     ) -> PyResult<Bound<'py, PyAny>> {
         state_queries::distance(py, &self.core, q, (max_distance, gradients), num_threads)
     }
@@ -314,9 +330,9 @@ impl Checker {
         &self,
         py: Python<'py>,
         q: &Bound<'py, PyAny>,
-        max_distance: f64,
-        max_contacts: usize,
-        num_threads: Option<usize>,
+        #[pyo3(from_py_with = options::max_distance)] max_distance: f64,
+        #[pyo3(from_py_with = options::max_contacts)] max_contacts: usize,
+        #[pyo3(from_py_with = options::num_threads)] num_threads: Option<usize>,
     ) -> PyResult<Bound<'py, PyAny>> {
         state_queries::check(py, &self.core, q, (max_distance, max_contacts), num_threads)
     }
@@ -328,8 +344,8 @@ impl Checker {
         &self,
         py: Python<'py>,
         q: &Bound<'py, PyAny>,
-        influence_distance: f64,
-        num_threads: Option<usize>,
+        #[pyo3(from_py_with = options::influence_distance)] influence_distance: f64,
+        #[pyo3(from_py_with = options::num_threads)] num_threads: Option<usize>,
     ) -> PyResult<Bound<'py, PyAny>> {
         state_queries::clearance(py, &self.core, q, influence_distance, num_threads)
     }
@@ -337,44 +353,43 @@ impl Checker {
     /// Whether straight motions from `q0` to `q1` are proven free, for every point between their ends: a bool, or an array of shape (...)
     /// for (..., n). The two are broadcast to one shape.
     ///
-    /// False: contact, or undecided. `check_edges` says which. Options are those of `check_motion`.
+    /// False: contact, or undecided. `check_edges` says which. Options are those of `check_motion`; `timeout` (s) is for the whole batch,
+    /// and edges that are not checked in time are False.
     #[pyo3(signature = (q0, q1, *, num_threads=None, **options), text_signature = "($self, q0, q1, *, num_threads=None, **options)")]
     fn are_edges_free<'py>(
         &self,
         py: Python<'py>,
         q0: &Bound<'py, PyAny>,
         q1: &Bound<'py, PyAny>,
-        num_threads: Option<usize>,
+        #[pyo3(from_py_with = options::num_threads)] num_threads: Option<usize>,
         options: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        // which contact is found does not matter
-        let settings = MotionSettings { any_contact: true, ..MotionSettings::new(options)? };
-        let (verdicts, shape) =
-            motion_queries::check_edges(py, &self.core, [q0, q1], &settings, num_threads)?;
-        motion_queries::free_flags(py, &verdicts, &shape)
+        let settings = MotionSettings::new(options)?;
+        let arguments = EdgeArguments { ends: [q0, q1], settings, threads: num_threads };
+        edge_queries::are_edges_free(py, &self.core, &arguments)
     }
 
     /// Verdicts of straight motions from `q0` to `q1` of shapes (..., n), which are broadcast to one shape: `EdgeReports`, with arrays of
-    /// verdicts, reasons and fractions. Options are those of `check_motion`.
+    /// verdicts, reasons and fractions. Options are those of `check_motion`; `timeout` (s) is for the whole batch. Edges whose check has not
+    /// begun in time are UNDECIDED with the reason UNCHECKED.
     #[pyo3(signature = (q0, q1, *, num_threads=None, **options), text_signature = "($self, q0, q1, *, num_threads=None, **options)")]
     fn check_edges<'py>(
         &self,
         py: Python<'py>,
         q0: &Bound<'py, PyAny>,
         q1: &Bound<'py, PyAny>,
-        num_threads: Option<usize>,
+        #[pyo3(from_py_with = options::num_threads)] num_threads: Option<usize>,
         options: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let settings = MotionSettings::new(options)?;
-        let (verdicts, shape) =
-            motion_queries::check_edges(py, &self.core, [q0, q1], &settings, num_threads)?;
-        motion_queries::edge_reports(py, &verdicts, &shape)
+        let arguments = EdgeArguments { ends: [q0, q1], settings, threads: num_threads };
+        edge_queries::check_edges(py, &self.core, &arguments)
     }
 
     /// Checks the straight motion from `q0` to `q1`, both of shape (n,): `MotionReport`. FREE is a proof for the whole motion.
     ///
     /// `certificate=True` adds the proof as a document. `tube` (rad, m; a number or (n,)) is a tracking tolerance: the robot may be anywhere
-    /// within it. Options: `tolerance=5e-4` (m), pairs that stay farther apart are always decided; `timeout=None` (s);
+    /// within it. Options: `tolerance=5e-4` (m), pairs that stay farther apart are always decided; `timeout=None` (s), infinity for none;
     /// `budget=10_000_000` evaluations of a pair; `any_contact=False`, True to end at any contact, not the earliest.
     #[pyo3(
         signature = (q0, q1, *, certificate=false, tube=None, **options),
@@ -431,13 +446,13 @@ impl Checker {
         &self,
         py: Python<'py>,
         q: &Bound<'py, PyAny>,
-        max_distance: f64,
-        clearance: f64,
-        max_checks: u64,
-        timeout: Option<f64>,
+        #[pyo3(from_py_with = options::search_distance)] max_distance: f64,
+        #[pyo3(from_py_with = options::clearance)] clearance: f64,
+        #[pyo3(from_py_with = options::max_checks)] max_checks: u64,
+        #[pyo3(from_py_with = options::timeout)] timeout: Option<Instant>,
         locked: Vec<String>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let limits = SearchLimits { max_distance, clearance, max_checks, timeout, locked };
+        let limits = SearchLimits { max_distance, clearance, max_checks, deadline: timeout, locked };
         recovery::find_free_state(py, &self.core, q, limits)
     }
 
@@ -446,6 +461,9 @@ impl Checker {
     /// RRT-Connect with shortcuts. Only the joints of the group move, within their limits. `range` (rad, m): largest length of an edge of
     /// the search. `timeout` (s) and `max_edges` limit the search. Without `timeout`, the same seed gives the same path. Nothing is proven
     /// if no path is found. Raises `Error` for a start or goal beyond joint limits.
+    ///
+    /// `certificate=True` adds the proof of the whole path as a document. If the time ends before it is made, the path has none, and its
+    /// reason is `found_without_certificate`.
     #[pyo3(signature = (start, goal, *, seed=1, timeout=None, max_edges=200_000, range=1.0, shortcuts=64, certificate=false))]
     #[allow(clippy::too_many_arguments)] // one for each keyword
     fn plan<'py>(
@@ -453,14 +471,14 @@ impl Checker {
         py: Python<'py>,
         start: &Bound<'py, PyAny>,
         goal: &Bound<'py, PyAny>,
-        seed: u64,
-        timeout: Option<f64>,
-        max_edges: u64,
-        range: f64,
-        shortcuts: u32,
+        #[pyo3(from_py_with = options::seed)] seed: u64,
+        #[pyo3(from_py_with = options::timeout)] timeout: Option<Instant>,
+        #[pyo3(from_py_with = options::max_edges)] max_edges: u64,
+        #[pyo3(from_py_with = options::range)] range: f64,
+        #[pyo3(from_py_with = options::shortcuts)] shortcuts: u32,
         certificate: bool,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let arguments = PlanArguments { seed, timeout, max_edges, range, shortcuts, certificate };
+        let arguments = PlanArguments { seed, deadline: timeout, max_edges, range, shortcuts, certificate };
         planning::plan(py, &self.core, [start, goal], &arguments)
     }
 
@@ -474,24 +492,20 @@ impl Checker {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let restore = py.import("clearance._clearance")?.getattr("_restore_checker")?;
         let scene = SceneState::new(py, &self.scene);
-        let arguments =
-            (self.robot.clone_ref(py), scene, self.settings.keywords(py)?, &self.group, &self.fixed);
-        Ok((restore, arguments).into_pyobject(py)?.into_any())
+        let state = (self.robot.clone_ref(py), scene, self.settings.keywords(py)?, &self.group, &self.fixed);
+        pickles::reduced(py, "_restore_checker", state.into_pyobject(py)?)
     }
 }
 
+type CheckerState<'py> =
+    (Py<Robot>, SceneState<'py>, Bound<'py, PyDict>, Option<String>, BTreeMap<String, f64>);
+
 /// The checker of a pickle.
 #[pyfunction]
-#[pyo3(name = "_restore_checker")]
-pub fn restore_checker(
-    py: Python<'_>,
-    robot: Py<Robot>,
-    scene: SceneState<'_>,
-    settings: &Bound<'_, PyDict>,
-    group: Option<String>,
-    fixed: BTreeMap<String, f64>,
-) -> PyResult<Checker> {
-    Checker::build(py, robot, scene.scene()?, CheckSettings::new(Some(settings))?, (group, fixed))
+#[pyo3(name = "_restore_checker", signature = (*state))]
+pub fn restore_checker(py: Python<'_>, state: &Bound<'_, PyTuple>) -> PyResult<Checker> {
+    pickles::restored("Checker", state, |(robot, scene, settings, group, fixed): CheckerState<'_>| {
+        Checker::build(py, robot, scene.scene()?, CheckSettings::new(Some(&settings))?, (group, fixed))
+    })
 }

@@ -21,7 +21,7 @@ pub fn error(text: impl Display) -> PyErr {
 pub fn warn(py: Python<'_>, texts: impl IntoIterator<Item = impl Display>) -> PyResult<()> {
     for text in texts {
         let category = py.import("clearance._results")?.getattr("InputWarning")?;
-        py.import("warnings")?.call_method1("warn", (text.to_string(), category, 2))?;
+        py.import("warnings")?.call_method1("warn", (text.to_string(), category, 1))?;
     }
     Ok(())
 }

@@ -38,6 +38,14 @@ impl JointSpace {
                 "fixed: joint '{name}' is one of {of}, whose positions each query gives"
             )));
         }
+        for (name, _) in fixed {
+            let leader = leader_of(&robot, name).filter(|leader| names.contains(leader));
+            if let Some(leader) = leader {
+                return Err(error(format!(
+                    "fixed: joint '{name}' mimics joint '{leader}', whose position each query gives: leave '{name}' out of fixed"
+                )));
+            }
+        }
         let given = fixed.iter().map(|(name, value)| (name.as_str(), *value));
         let rest = robot.configuration_from_names(given).map_err(|e| error(format!("fixed: {e}")))?;
         Ok(Self { robot, rest, columns, names })
@@ -112,6 +120,16 @@ impl JointSpace {
         };
         self.robot.joint_ids().filter(owns_column).collect()
     }
+}
+
+/// The joint that a mimic joint follows.
+fn leader_of(robot: &RobotModel, name: &str) -> Option<String> {
+    let mut joint = robot.joint(robot.joint_by_name(name)?);
+    joint.mimic.as_ref()?;
+    while let Some(mimic) = &joint.mimic {
+        joint = robot.joint(mimic.joint);
+    }
+    Some(joint.name.clone())
 }
 
 /// The positions of a group; its mimic joints have none.

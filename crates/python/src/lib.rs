@@ -5,10 +5,15 @@
 //! | `Robot`, and the sources that it is pickled with | `robot`, `robot_sources` |
 //! | `World`, its shapes and its pickle | `world`, `shapes`, `world_state` |
 //! | `Checker`: its settings, and the joints of its states | `checker`, `settings`, `joint_space` |
-//! | queries on states, motions, ways out of a collision | `state_queries`, `motion_queries`, `recovery` |
+//! | queries on states | `state_queries` |
+//! | batches of edges; single motions and trajectories | `edge_queries`; `motion_queries`, `motion_options`, `trajectory_arrays` |
+//! | ways out of a collision | `recovery` |
+//! | paths of the planner | `planning` |
 //! | `Certificate` and its verification | `certificate`, `verification` |
 //! | arrays and poses | `arrays`, `poses` |
-//! | many states on many threads, ended by Ctrl-C | `batches`, `thread_pools`, `workspaces` |
+//! | values of options, whose errors name the option | `options` |
+//! | versions of pickles | `pickles` |
+//! | many states on many threads, ended by Ctrl-C | `batches`, `thread_pools`, `workspaces`, `memory` |
 //! | result classes, which are Python dataclasses in `clearance/_results.py` | `results` |
 //! | the command `clearance` | `command` |
 
@@ -22,9 +27,14 @@ mod batches;
 mod certificate;
 mod checker;
 mod command;
+mod edge_queries;
 mod error;
 mod joint_space;
+mod memory;
+mod motion_options;
 mod motion_queries;
+mod options;
+mod pickles;
 mod planning;
 mod poses;
 mod recovery;
@@ -35,6 +45,7 @@ mod settings;
 mod shapes;
 mod state_queries;
 mod thread_pools;
+mod trajectory_arrays;
 mod verification;
 mod workspaces;
 mod world;

@@ -1,8 +1,11 @@
 //! Paths of the planner.
 
+use std::time::Instant;
+
 use clearance::checker::{MotionOptions, Watch};
 use clearance::planner::{self, NoPlan, Plan, PlanOptions};
 use clearance::robot::JointGroup;
+use clearance::{Certificate, MotionVerdict, TrajectoryReport, UndecidedReason};
 use pyo3::prelude::*;
 
 use crate::arrays::array;
@@ -10,7 +13,6 @@ use crate::batches::run;
 use crate::checker::CheckerCore;
 use crate::error::error;
 use crate::motion_queries::certificate_object;
-use crate::recovery::deadline;
 use crate::results::result;
 use crate::state_queries::single;
 use crate::workspaces::with_memory;
@@ -18,11 +20,30 @@ use crate::workspaces::with_memory;
 /// Limits of a search, as arguments.
 pub struct PlanArguments {
     pub seed: u64,
-    pub timeout: Option<f64>,
+    pub deadline: Option<Instant>,
     pub max_edges: u64,
     pub range: f64,
     pub shortcuts: u32,
     pub certificate: bool,
+}
+
+/// Reason of a path that was found, and its certificate. A path without the certificate that was asked for is an error, unless the time was
+/// over.
+fn certified(
+    proven: Option<(TrajectoryReport, Option<Certificate>)>,
+) -> PyResult<(&'static str, Option<Certificate>)> {
+    let Some((report, certificate)) = proven else { return Ok(("found", None)) };
+    match (report.verdict, certificate) {
+        (_, Some(certificate)) => Ok(("found", Some(certificate))),
+        (MotionVerdict::Undecided { reason: UndecidedReason::Deadline, .. }, None) => {
+            Ok(("found_without_certificate", None))
+        }
+        (verdict, None) => Err(error(format!(
+            "a path was found, but there is no certificate of it, since its edge {} is {verdict:?}: plan with certificate=False, and \
+             prove the path with check_trajectory and a larger budget",
+            report.segment
+        ))),
+    }
 }
 
 /// Searches a path from `start` to `goal`.
@@ -40,7 +61,7 @@ pub fn plan<'py>(
         range: arguments.range,
         most_edges: arguments.max_edges,
         shortcuts: arguments.shortcuts,
-        deadline: deadline(arguments.timeout)?,
+        deadline: arguments.deadline,
         watch: Some(watch.clone()),
         ..PlanOptions::default()
     };
@@ -50,27 +71,30 @@ pub fn plan<'py>(
             let plan = planner::plan(&core.checker, &group, &ends[0], &ends[1], &options, workspace)?;
             let proof = MotionOptions {
                 tolerance: options.tolerance,
+                deadline: options.deadline,
                 watch: options.watch.clone(),
                 ..MotionOptions::default()
             };
-            let certificate = match &plan {
+            let proven = match &plan {
                 Plan::Found(path) if arguments.certificate => {
-                    path.certificate(&core.checker, &proof, workspace)
+                    let path = path.trajectory(&core.checker);
+                    Some(core.checker.certify_trajectory(&path, &proof, workspace))
                 }
                 _ => None,
             };
-            Ok((plan, certificate))
+            Ok((plan, proven))
         })
     };
     let searched: Result<_, planner::PlanError> = run(py, None, || watch.stop(), search)?;
-    let (plan, certificate) = searched.map_err(error)?;
+    let (plan, proven) = searched.map_err(error)?;
+    let (reason, certificate) = certified(proven)?;
     match plan {
         Plan::Found(path) => {
             let states: Vec<f64> =
                 path.states.iter().flat_map(|q| core.space.select(q.positions())).collect();
             let shape = [path.states.len(), group.len()];
             result!(py, "Plan",
-                found: true, path: array(py, states, &shape)?, length: path.length(), reason: "found",
+                found: true, path: array(py, states, &shape)?, length: path.length(), reason: reason,
                 edges: path.edges, nodes: path.nodes, certificate: certificate_object(py, certificate)?)
         }
         Plan::NotFound(none) => {

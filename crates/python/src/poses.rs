@@ -44,6 +44,11 @@ fn read_given(pose: &Bound<'_, PyAny>) -> PyResult<Pose> {
 
 fn from_quaternion(position: [f64; 3], quaternion: [f64; 4]) -> PyResult<Pose> {
     let length = quaternion.iter().map(|c| c * c).sum::<f64>().sqrt();
+    if !length.is_finite() {
+        return Err(PyValueError::new_err(format!(
+            "the quaternion (x y z w) {quaternion:?} of pose must be finite"
+        )));
+    }
     if (length - 1.0).abs() > SLACK {
         return Err(PyValueError::new_err(format!(
             "the quaternion (x y z w) {quaternion:?} of pose has length {length}, but it must be 1"
@@ -93,8 +98,14 @@ pub fn exact(pose: &Pose) -> [f64; 7] {
     [t.x, t.y, t.z, q.x, q.y, q.z, q.w]
 }
 
-/// The pose that [`exact`] was made of.
-pub fn from_exact([x, y, z, i, j, k, w]: [f64; 7]) -> Pose {
+/// The pose that [`exact`] was made of; other numbers are rejected.
+pub fn from_exact(numbers: [f64; 7]) -> PyResult<Pose> {
+    let [x, y, z, i, j, k, w] = numbers;
     let quaternion = nalgebra::Quaternion::new(w, i, j, k);
-    Pose::from_parts(Translation3::new(x, y, z), Rotation::new_unchecked(quaternion))
+    let is_near = [x, y, z].iter().all(|c| c.abs() <= LARGEST_COORDINATE);
+    // NaN is no rotation either
+    if !(is_near && (quaternion.norm() - 1.0).abs() <= SLACK) {
+        return Err(PyValueError::new_err(format!("{numbers:?} is no pose x y z, quaternion x y z w")));
+    }
+    Ok(Pose::from_parts(Translation3::new(x, y, z), Rotation::new_unchecked(quaternion)))
 }

@@ -1,6 +1,6 @@
 //! Ways out of a collision.
 
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use clearance::checker::{FreeState, NoFreeState, Recovery, RecoveryOptions};
 use clearance::robot::JointId;
@@ -17,16 +17,8 @@ pub struct SearchLimits {
     pub max_distance: f64,
     pub clearance: f64,
     pub max_checks: u64,
-    pub timeout: Option<f64>,
+    pub deadline: Option<Instant>,
     pub locked: Vec<String>,
-}
-
-/// Time after so many seconds.
-pub fn deadline(timeout: Option<f64>) -> PyResult<Option<Instant>> {
-    let Some(seconds) = timeout else { return Ok(None) };
-    let span = Duration::try_from_secs_f64(seconds);
-    let span = span.map_err(|_| error(format!("timeout is {seconds}, but must be zero or more seconds")))?;
-    Ok(Instant::now().checked_add(span))
 }
 
 /// Searches a free state near `q`.
@@ -47,7 +39,7 @@ pub fn find_free_state<'py>(
         largest_distance: limits.max_distance,
         clearance: limits.clearance,
         most_checks: limits.max_checks,
-        deadline: deadline(limits.timeout)?,
+        deadline: limits.deadline,
     };
     let search =
         || with_memory(core, |memory| core.checker.find_free_state(&q, &options, &mut memory.workspace));

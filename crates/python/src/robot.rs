@@ -6,16 +6,17 @@ use std::sync::Arc;
 
 use clearance::geometry::math::Pose;
 use clearance::robot::{Configuration, GroupState, LinkId, LinkPoses, RobotModel};
-use numpy::{PyArray1, PyArrayDyn};
-use pyo3::exceptions::PyTypeError;
+use numpy::{PyArray1, PyArrayDyn, PyArrayMethods};
+use pyo3::exceptions::{PyMemoryError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple};
 
-use crate::arrays::{Numbers, Rows, array};
+use crate::arrays::{Rows, array};
 use crate::error::{error, warn};
 use crate::joint_space::JointSpace;
-use crate::poses;
+use crate::memory::collected;
 use crate::robot_sources::{MeshBytes, RobotSources, Text};
+use crate::{options, pickles, poses};
 
 /// A robot: links and joints from URDF, groups and allowed collisions from SRDF, with the meshes. Immutable.
 ///
@@ -181,22 +182,28 @@ impl Robot {
         &self,
         py: Python<'py>,
         rng: Option<&Bound<'py, PyAny>>,
-        size: Option<usize>,
+        #[pyo3(from_py_with = options::size)] size: Option<usize>,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let count = self.model.position_names().len();
         let shape = size.map_or_else(|| vec![count], |size| vec![size, count]);
         let generator = py.import("numpy.random")?.call_method1("default_rng", (rng,)).map_err(|why| {
             PyTypeError::new_err(format!("rng must be a numpy.random.Generator, a seed or None: {why}"))
         })?;
+        let bytes = shape.iter().try_fold(size_of::<f64>(), |bytes, length| bytes.checked_mul(*length));
+        if bytes.is_none_or(|bytes| isize::try_from(bytes).is_err()) {
+            return Err(PyMemoryError::new_err(format!("no memory for random states of shape {shape:?}")));
+        }
         let numbers = generator.call_method1("random", (PyTuple::new(py, &shape)?,))?;
+        let states = numbers.cast_into::<PyArrayDyn<f64>>()?;
         let ranges = self.random_ranges();
-        let mut values = Numbers::new(&numbers, "rng.random()")?.values().to_vec();
-        for row in values.chunks_exact_mut(count.max(1)) {
+        let mut values = states.readwrite();
+        for row in values.as_slice_mut()?.chunks_exact_mut(count.max(1)) {
             for (value, [first, length]) in row.iter_mut().zip(&ranges) {
                 *value = first + length * *value;
             }
         }
-        array(py, values, &shape)
+        drop(values);
+        Ok(states)
     }
 
     /// Poses of links in the frame of the root link: a dict from link name to homogeneous matrices of shape (..., 4, 4), for `q` of shape
@@ -213,7 +220,8 @@ impl Robot {
         let ids = links.iter().map(|name| self.link(name)).collect::<PyResult<Vec<_>>>()?;
         let (mut poses, mut row_memory) = (LinkPoses::new(&self.model), Vec::new());
         let mut state = self.space.rest().clone();
-        let mut matrices = vec![Vec::with_capacity(16 * rows.count()); ids.len()];
+        let of_one = || collected([], rows.count().saturating_mul(16));
+        let mut matrices = ids.iter().map(|_| of_one()).collect::<PyResult<Vec<Vec<f64>>>>()?;
         for i in 0..rows.count() {
             let read = self.space.read_into(rows.table().row(i), &mut row_memory, &mut state);
             read.map_err(|why| error(format!("q{}: {why}", rows.place(i))))?;
@@ -247,33 +255,29 @@ impl Robot {
         });
         let meshes: Vec<_> = meshes.collect();
         let texts = [Some(urdf), srdf.as_ref()].map(|text| text.map(|text| (&text.text, &text.file)));
-        let arguments = (texts[0], texts[1], folder, package_paths, meshes);
-        let restore = py.import("clearance._clearance")?.getattr("_restore_robot")?;
-        Ok((restore, arguments).into_pyobject(py)?.into_any())
+        let state = (texts[0], texts[1], folder, package_paths, meshes);
+        pickles::reduced(py, "_restore_robot", state.into_pyobject(py)?)
     }
 }
 
-type PickledText = (String, Option<String>);
-type PickledMesh<'py> = (Option<PathBuf>, String, PathBuf, Bound<'py, PyBytes>);
+type TextState = (String, Option<String>);
+type MeshState<'py> = (Option<PathBuf>, String, PathBuf, Bound<'py, PyBytes>);
+/// URDF, SRDF, folder, package paths, meshes.
+type RobotState<'py> = (TextState, Option<TextState>, Option<PathBuf>, Vec<PathBuf>, Vec<MeshState<'py>>);
 
 /// The robot of a pickle.
 #[pyfunction]
-#[pyo3(name = "_restore_robot")]
-pub fn restore_robot(
-    py: Python<'_>,
-    urdf: PickledText,
-    srdf: Option<PickledText>,
-    folder: Option<PathBuf>,
-    package_paths: Vec<PathBuf>,
-    meshes: Vec<PickledMesh<'_>>,
-) -> PyResult<Robot> {
-    let text = |(text, file): PickledText| Text { text, file };
-    let meshes = meshes.into_iter().map(|(folder, uri, file, bytes)| {
-        let bytes = Arc::from(bytes.as_bytes());
-        MeshBytes { folder, uri, file, bytes }
-    });
-    let meshes = meshes.collect();
-    let sources = RobotSources { urdf: text(urdf), srdf: srdf.map(text), folder, package_paths, meshes };
-    let model = py.detach(|| sources.restore()).map_err(error)?;
-    Ok(Robot::new(model, sources))
+#[pyo3(name = "_restore_robot", signature = (*state))]
+pub fn restore_robot(py: Python<'_>, state: &Bound<'_, PyTuple>) -> PyResult<Robot> {
+    let text = |(text, file): TextState| Text { text, file };
+    pickles::restored("Robot", state, |(urdf, srdf, folder, package_paths, meshes): RobotState<'_>| {
+        let meshes = meshes.into_iter().map(|(folder, uri, file, bytes)| {
+            let bytes = Arc::from(bytes.as_bytes());
+            MeshBytes { folder, uri, file, bytes }
+        });
+        let meshes = meshes.collect();
+        let sources = RobotSources { urdf: text(urdf), srdf: srdf.map(text), folder, package_paths, meshes };
+        let model = py.detach(|| sources.restore()).map_err(error)?;
+        Ok(Robot::new(model, sources))
+    })
 }

@@ -48,6 +48,11 @@ impl RobotSources {
         package_paths: Vec<PathBuf>,
         xacro_args: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
+        if xacro_args.is_some() && !is_xacro(urdf) && !srdf.is_some_and(is_xacro) {
+            return Err(error(
+                "xacro_args are given, but neither urdf nor srdf is the path of a .xacro file: leave them out, or give that path",
+            ));
+        }
         let (urdf, path) = read_text(urdf, "urdf", xacro_args)?;
         let srdf = srdf.map(|srdf| read_text(srdf, "srdf", xacro_args)).transpose()?.map(|(text, _)| text);
         let folder = path.map(|path| match path.parent() {
@@ -123,12 +128,20 @@ fn read_text(
         PyTypeError::new_err(format!("{what} must be a path or XML text, but it is of type {given}"))
     })?;
     let file = path.to_str().map(str::to_owned);
-    let text = if path.extension().is_some_and(|extension| extension == "xacro") {
+    let text = if has_xacro_extension(&path) {
         expanded(value.py(), &path, xacro_args)?
     } else {
         input_files::read_text(&path, DESCRIPTION_LIMIT).map_err(error)?
     };
     Ok((Text { text, file }, Some(path)))
+}
+
+fn is_xacro(value: &Bound<'_, PyAny>) -> bool {
+    value.extract::<PathBuf>().is_ok_and(|path| has_xacro_extension(&path))
+}
+
+fn has_xacro_extension(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension == "xacro")
 }
 
 /// The URDF of a xacro file, by the package `xacro`.

@@ -7,7 +7,7 @@ use clearance::proximity::UnknownDepth;
 use clearance::robot::Configuration;
 use clearance::scene::BodyId;
 use clearance::{CollisionChecker, CollisionReport, Contact, PairDistance, Question, Workspace};
-use numpy::{PyArray1, PyArrayMethods, PyUntypedArrayMethods};
+use numpy::{PyArray1, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyList};
 
@@ -15,6 +15,7 @@ use crate::arrays::{Rows, array};
 use crate::batches::evaluate;
 use crate::checker::CheckerCore;
 use crate::error::error;
+use crate::memory::collected;
 use crate::results::{names, result, xyz};
 use crate::workspaces::{QueryMemory, with_memory};
 
@@ -30,7 +31,8 @@ pub fn is_free<'py>(
     q: &Bound<'py, PyAny>,
     threads: Option<usize>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    if let Ok(single) = q.cast::<PyArray1<f64>>()
+    if q.cast_exact::<PyUntypedArray>().is_ok()
+        && let Ok(single) = q.cast::<PyArray1<f64>>()
         && single.len() == core.space.names().len()
         // a copy of some numbers takes less time than the registration of a borrow
         && let Ok(row) = single.to_vec()
@@ -81,7 +83,10 @@ fn each<'py, T: Send + Clone + Default>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let rows = Rows::new(q, "q", core.space.names())?;
     let results = evaluate_each(py, core, &rows, threads, query)?;
-    let converted = results.iter().map(convert).collect::<PyResult<Vec<_>>>()?;
+    let mut converted = collected([], results.len())?;
+    for result in &results {
+        converted.push(convert(result)?);
+    }
     nested(py, converted, rows.leading())
 }
 
@@ -158,7 +163,6 @@ pub fn distance<'py>(
     (limit, gradients): (f64, bool),
     threads: Option<usize>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    check_length("max_distance", limit)?;
     let rows = Rows::new(q, "q", core.space.names())?;
     let found = evaluate_each(py, core, &rows, threads, |q, workspace| {
         if gradients {
@@ -168,9 +172,11 @@ pub fn distance<'py>(
         let report = core.checker.check(q, Question::SelfAndWorldDistance { limit }, workspace);
         PairKind::ALL.map(|kind| report.nearest_of(kind).map_or_else(Nearest::default, Nearest::of_distance))
     })?;
-    let side =
-        |kind: usize| Side { core, rows: &rows, found: found.iter().map(|both| &both[kind]).collect() };
-    let [of_self, of_world] = [side(0), side(1)];
+    let side = |kind: usize| {
+        let found = collected(found.iter().map(|both| &both[kind]), found.len())?;
+        PyResult::Ok(Side { core, rows: &rows, found })
+    };
+    let [of_self, of_world] = [side(0)?, side(1)?];
     let [self_gradient, world_gradient] =
         if gradients { [Some(of_self.gradients(py)?), Some(of_world.gradients(py)?)] } else { [None, None] };
     result!(py, "Distances",
@@ -193,7 +199,8 @@ impl<'py> Side<'_, 'py> {
     }
 
     fn distances(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let distances: Vec<f64> = self.found.iter().map(|n| n.distance.unwrap_or(f64::INFINITY)).collect();
+        let distances = self.found.iter().map(|n| n.distance.unwrap_or(f64::INFINITY));
+        let distances = collected(distances, self.found.len())?;
         match distances[..] {
             [distance] if self.rows.is_single() => Ok(distance.into_pyobject(py)?.into_any()),
             _ => Ok(array(py, distances, self.rows.leading())?.into_any()),
@@ -205,21 +212,23 @@ impl<'py> Side<'_, 'py> {
         if self.rows.is_single() {
             return Ok(self.found.first().and_then(names).into_pyobject(py)?.into_any());
         }
-        let all: Vec<_> = self.found.iter().map(|found| names(found).unwrap_or_default()).collect();
+        let all = self.found.iter().map(|found| names(found).unwrap_or_default());
+        let all = collected(all, self.found.len())?;
         let made = py.import("numpy")?.call_method1("array", (all, "U"))?;
         made.call_method1("reshape", (self.shape(&[2]),))
     }
 
     fn points(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let points = self.found.iter().flat_map(|n| n.points.unwrap_or([[f64::NAN; 3]; 2]));
-        Ok(array(py, points.flatten().collect(), &self.shape(&[2, 3]))?.into_any())
+        let points = self.found.iter().flat_map(|n| n.points.unwrap_or([[f64::NAN; 3]; 2])).flatten();
+        Ok(array(py, collected(points, 6 * self.found.len())?, &self.shape(&[2, 3]))?.into_any())
     }
 
     fn gradients(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let columns = self.core.space.names().len();
         let none = vec![0.0; columns];
         let rows = self.found.iter().flat_map(|n| if n.gradient.is_empty() { &none } else { &n.gradient });
-        Ok(array(py, rows.copied().collect(), &self.shape(&[columns]))?.into_any())
+        let rows = collected(rows.copied(), columns * self.found.len())?;
+        Ok(array(py, rows, &self.shape(&[columns]))?.into_any())
     }
 }
 
@@ -238,7 +247,6 @@ pub fn check<'py>(
     (limit, most_contacts): (f64, usize),
     threads: Option<usize>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    check_length("max_distance", limit)?;
     let query = |q: &Configuration, workspace: &mut Workspace| {
         let report = core.checker.check(q, Question::PairDistances { limit }, workspace);
         let contacts = report.colliding_pairs.iter().filter(|_| most_contacts > 0).filter_map(|&pair| {
@@ -318,9 +326,6 @@ pub fn clearance<'py>(
     influence_distance: f64,
     threads: Option<usize>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    if influence_distance.is_nan() {
-        return Err(error("influence_distance is nan, but must be a number of metres"));
-    }
     let query = |q: &Configuration, workspace: &mut Workspace| {
         core.checker.clearance(q, influence_distance, workspace)
     };
@@ -345,15 +350,6 @@ fn clearance_report<'py>(
         upper: values(&|pair| pair.upper), points: array(py, points, &[count, 2, 3])?,
         normals: array(py, found.pairs.iter().flat_map(normal).collect(), &[count, 3])?,
         gradients: array(py, gradients, &[count, columns])?, unique: PyArray1::from_vec(py, unique))
-}
-
-/// Rejects lengths below zero and NaN.
-pub fn check_length(what: &str, value: f64) -> PyResult<()> {
-    if value >= 0.0 {
-        Ok(())
-    } else {
-        Err(error(format!("{what} is {value}, but must be zero or more metres")))
-    }
 }
 
 /// The configuration of the whole robot for an argument of shape (n,).

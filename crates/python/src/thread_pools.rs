@@ -3,12 +3,12 @@
 use std::num::NonZero;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-/// Largest number of threads.
-const MOST_THREADS: usize = 1024;
+/// Pools that are kept; the threads of the least recently used one end.
+const MOST_POOLS: usize = 8;
 
 struct Pool {
     process: u32,
@@ -16,6 +16,7 @@ struct Pool {
     workers: Arc<ThreadPool>,
 }
 
+/// The most recently used last.
 static POOLS: Mutex<Vec<Pool>> = Mutex::new(Vec::new());
 
 /// The number of cores that the process may use.
@@ -26,15 +27,11 @@ pub fn default_threads() -> usize {
 /// The pool of this process with so many threads; `None` is one for each core that the process may use.
 pub fn pool(threads: Option<usize>) -> PyResult<Arc<ThreadPool>> {
     let threads = threads.unwrap_or_else(default_threads);
-    if !(1..=MOST_THREADS).contains(&threads) {
-        return Err(PyValueError::new_err(format!(
-            "num_threads is {threads}, but must be 1 to {MOST_THREADS}"
-        )));
-    }
     let process = std::process::id();
     let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some(known) = pools.iter().find(|pool| pool.process == process && pool.threads == threads) {
-        return Ok(Arc::clone(&known.workers));
+    if let Some(known) = pools.iter().position(|pool| pool.process == process && pool.threads == threads) {
+        pools[known..].rotate_left(1);
+        return Ok(Arc::clone(&pools[pools.len() - 1].workers));
     }
     let made =
         ThreadPoolBuilder::new().num_threads(threads).thread_name(|i| format!("clearance-{i}")).build();
@@ -44,6 +41,10 @@ pub fn pool(threads: Option<usize>) -> PyResult<Arc<ThreadPool>> {
     let (own, parents): (Vec<_>, Vec<_>) = pools.drain(..).partition(|pool| pool.process == process);
     std::mem::forget(parents);
     *pools = own;
+    if pools.len() == MOST_POOLS {
+        // calls that still use it keep its threads until they end
+        pools.remove(0);
+    }
     pools.push(Pool { process, threads, workers: Arc::clone(&pool) });
     Ok(pool)
 }

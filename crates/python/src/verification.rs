@@ -13,10 +13,12 @@ use crate::arrays::Rows;
 use crate::certificate::Certificate;
 use crate::error::error;
 use crate::joint_space::JointSpace;
-use crate::motion_queries::{TrajectoryArrays, tube_of};
+use crate::motion_queries::tube_of;
+use crate::options;
 use crate::results::result;
 use crate::robot::Robot;
 use crate::settings::CheckSettings;
+use crate::trajectory_arrays::TrajectoryArrays;
 use crate::world::World;
 
 /// Verifies that a certificate proves a motion of this robot in this world free, with code that is independent of the checker.
@@ -42,7 +44,7 @@ pub fn verify<'py>(
     edge: Option<(Bound<'py, PyAny>, Bound<'py, PyAny>)>,
     trajectory: Option<Bound<'py, PyTuple>>,
     tube: Option<Bound<'py, PyAny>>,
-    tolerance: Option<f64>,
+    #[pyo3(from_py_with = options::tolerance_if_any)] tolerance: Option<f64>,
     settings: Option<&Bound<'py, PyDict>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let model = &robot.get().model;

@@ -9,12 +9,13 @@ use clearance::scene::{Obstacle, Scene, SceneLoader, WorldFileKind};
 use clearance_files::input_files::{self, WORLD_LIMIT};
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
+use pyo3::types::PyTuple;
 
 use crate::arrays::{Numbers, array};
 use crate::error::{error, warn};
 use crate::robot::Robot;
 use crate::world_state::SceneState;
-use crate::{poses, shapes};
+use crate::{options, pickles, poses, shapes};
 
 /// The robot of a file that is read without one: its only link is the root, in the frame `world`.
 const NO_ROBOT: &str = "<robot name='not given'><link name='world'/></robot>";
@@ -66,7 +67,7 @@ impl World {
         py: Python<'_>,
         path: PathBuf,
         robot: Option<&Bound<'_, Robot>>,
-        point_radius: Option<f64>,
+        #[pyo3(from_py_with = options::point_radius)] point_radius: Option<f64>,
         unknown_is_occupied: bool,
     ) -> PyResult<Self> {
         let mut loader = SceneLoader::default();
@@ -101,7 +102,12 @@ impl World {
 
     /// Adds a sphere, centred at `pose`.
     #[pyo3(signature = (name, radius, pose=None))]
-    fn add_sphere(&mut self, name: &str, radius: f64, pose: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+    fn add_sphere(
+        &mut self,
+        name: &str,
+        #[pyo3(from_py_with = options::radius)] radius: f64,
+        pose: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<()> {
         self.add(name, shapes::primitive(Primitive::sphere(radius))?, pose)
     }
 
@@ -110,8 +116,8 @@ impl World {
     fn add_cylinder(
         &mut self,
         name: &str,
-        radius: f64,
-        length: f64,
+        #[pyo3(from_py_with = options::radius)] radius: f64,
+        #[pyo3(from_py_with = options::length_of_shape)] length: f64,
         pose: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
         self.add(name, shapes::primitive(Primitive::cylinder(radius, length))?, pose)
@@ -122,8 +128,8 @@ impl World {
     fn add_capsule(
         &mut self,
         name: &str,
-        radius: f64,
-        length: f64,
+        #[pyo3(from_py_with = options::radius)] radius: f64,
+        #[pyo3(from_py_with = options::length_of_shape)] length: f64,
         pose: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
         self.add(name, shapes::primitive(Primitive::capsule(radius, length))?, pose)
@@ -134,8 +140,8 @@ impl World {
     fn add_cone(
         &mut self,
         name: &str,
-        radius: f64,
-        length: f64,
+        #[pyo3(from_py_with = options::radius)] radius: f64,
+        #[pyo3(from_py_with = options::length_of_shape)] length: f64,
         pose: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
         self.add(name, shapes::primitive(Primitive::cone(radius, length))?, pose)
@@ -149,7 +155,7 @@ impl World {
         &mut self,
         name: &str,
         normal: &Bound<'_, PyAny>,
-        offset: f64,
+        #[pyo3(from_py_with = options::offset)] offset: f64,
         pose: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
         let normal = Numbers::new(normal, "normal")?.fixed("normal", "must be (3,)")?;
@@ -191,7 +197,7 @@ impl World {
         &mut self,
         name: &str,
         xyz: &Bound<'_, PyAny>,
-        radius: f64,
+        #[pyo3(from_py_with = options::radius)] radius: f64,
         pose: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
         self.add(name, shapes::points(xyz, radius)?, pose)
@@ -203,7 +209,7 @@ impl World {
         &mut self,
         name: &str,
         centres: &Bound<'_, PyAny>,
-        edge: f64,
+        #[pyo3(from_py_with = options::edge)] edge: f64,
         pose: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
         self.add(name, shapes::voxels(centres, edge)?, pose)
@@ -265,16 +271,16 @@ impl World {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let restore = py.import("clearance._clearance")?.getattr("_restore_world")?;
-        Ok((restore, (SceneState::new(py, &self.scene),)).into_pyobject(py)?.into_any())
+        let state = (SceneState::new(py, &self.scene),);
+        pickles::reduced(py, "_restore_world", state.into_pyobject(py)?)
     }
 }
 
 /// The world of a pickle.
 #[pyfunction]
-#[pyo3(name = "_restore_world")]
-pub fn restore_world(state: SceneState<'_>) -> PyResult<World> {
-    Ok(World { scene: state.scene()? })
+#[pyo3(name = "_restore_world", signature = (*state))]
+pub fn restore_world(state: &Bound<'_, PyTuple>) -> PyResult<World> {
+    pickles::restored("World", state, |(scene,): (SceneState<'_>,)| Ok(World { scene: scene.scene()? }))
 }
 
 fn read(

@@ -13,6 +13,7 @@ use pyo3::types::PyBytes;
 
 use crate::error::error;
 use crate::poses::{exact, from_exact};
+use crate::shapes::primitive;
 
 /// Kind, numbers, and the bytes of what may be large.
 type ShapeState<'py> = (String, Vec<f64>, Bound<'py, PyBytes>, Bound<'py, PyBytes>);
@@ -88,10 +89,11 @@ fn obstacle_state<'py>(py: Python<'py>, obstacle: &Obstacle) -> ObstacleState<'p
 fn obstacle((name, pose, shapes, subframes): ObstacleState<'_>) -> PyResult<Obstacle> {
     let shapes = shapes
         .into_iter()
-        .map(|(pose, state)| Ok(ObstacleShape { pose_os: from_exact(pose), shape: shape(state)? }));
+        .map(|(pose, state)| Ok(ObstacleShape { pose_os: from_exact(pose)?, shape: shape(state)? }));
     let shapes = shapes.collect::<PyResult<Vec<_>>>()?;
-    let subframes = subframes.into_iter().map(|(name, pose)| (name, from_exact(pose))).collect();
-    Ok(Obstacle { pose_ro: from_exact(pose), subframes, ..Obstacle::new(name, shapes) })
+    let subframes = subframes.into_iter().map(|(name, pose)| Ok((name, from_exact(pose)?)));
+    let subframes = subframes.collect::<PyResult<_>>()?;
+    Ok(Obstacle { pose_ro: from_exact(pose)?, subframes, ..Obstacle::new(name, shapes) })
 }
 
 fn shape_state<'py>(py: Python<'py>, shape: &Shape) -> ShapeState<'py> {
@@ -130,28 +132,29 @@ fn shape_state<'py>(py: Python<'py>, shape: &Shape) -> ShapeState<'py> {
 
 fn shape((kind, numbers, first, second): ShapeState<'_>) -> PyResult<Shape> {
     let (first, second) = (first.as_bytes(), second.as_bytes());
-    let primitive = |primitive| Ok(Shape::Primitive(primitive));
     match (kind.as_str(), numbers.as_slice()) {
-        ("box", &[x, y, z]) => primitive(Primitive::Box { half_extents: [x, y, z] }),
-        ("sphere", &[radius]) => primitive(Primitive::Sphere { radius }),
-        ("cylinder", &[radius, half_length]) => primitive(Primitive::Cylinder { radius, half_length }),
-        ("cone", &[radius, half_length]) => primitive(Primitive::Cone { radius, half_length }),
-        ("capsule", &[radius, half_length]) => primitive(Primitive::Capsule { radius, half_length }),
+        ("box", &[x, y, z]) => primitive(Primitive::cuboid([2.0 * x, 2.0 * y, 2.0 * z])),
+        ("sphere", &[radius]) => primitive(Primitive::sphere(radius)),
+        ("cylinder", &[radius, half_length]) => primitive(Primitive::cylinder(radius, 2.0 * half_length)),
+        ("cone", &[radius, half_length]) => primitive(Primitive::cone(radius, 2.0 * half_length)),
+        ("capsule", &[radius, half_length]) => primitive(Primitive::capsule(radius, 2.0 * half_length)),
         ("plane", &[x, y, z, offset]) => {
+            // for the check only: it would round the normal again
+            Plane::from_coefficients([x, y, z, offset]).map_err(error)?;
             let normal = UnitVector::new_unchecked(Vector::new(x, y, z));
             Ok(Shape::Plane(Plane { normal, offset }))
         }
         ("mesh", []) => {
-            let vertices = fields(first, f64::from_le_bytes).into_iter().map(|p: [f64; 3]| Point::from(p));
-            let mesh = TriangleMesh::new(vertices.collect(), fields(second, u32::from_le_bytes));
+            let vertices = fields(first, f64::from_le_bytes)?.into_iter().map(|p: [f64; 3]| Point::from(p));
+            let mesh = TriangleMesh::new(vertices.collect(), fields(second, u32::from_le_bytes)?);
             mesh.map(|mesh| Shape::Mesh(Arc::new(mesh))).map_err(error)
         }
         ("points", &[radius]) => {
-            let cloud = PointCloud::new(fields(first, f32::from_le_bytes), radius).map_err(error)?;
+            let cloud = PointCloud::new(fields(first, f32::from_le_bytes)?, radius).map_err(error)?;
             Ok(Shape::Points(Arc::new(cloud)))
         }
         ("voxels", []) => {
-            let cubes = fields(first, f32::from_le_bytes).into_iter();
+            let cubes = fields(first, f32::from_le_bytes)?.into_iter();
             let cubes = cubes.map(|[x, y, z, half_edge]| Cube { centre: [x, y, z], half_edge });
             Ok(Shape::Voxels(Arc::new(Voxels::new(cubes.collect()).map_err(error)?)))
         }
@@ -163,8 +166,11 @@ fn shape((kind, numbers, first, second): ShapeState<'_>) -> PyResult<Shape> {
 fn fields<T, const SIZE: usize, const N: usize>(
     bytes: &[u8],
     number: impl Fn([u8; SIZE]) -> T,
-) -> Vec<[T; N]> {
-    let numbers = bytes.chunks_exact(SIZE * N);
+) -> PyResult<Vec<[T; N]>> {
+    let records = bytes.chunks_exact(SIZE * N);
+    if !records.remainder().is_empty() {
+        return Err(error(format!("{} bytes are no records of {} bytes", bytes.len(), SIZE * N)));
+    }
     let record = |record: &[u8]| {
         std::array::from_fn(|i| {
             let mut field = [0; SIZE];
@@ -172,5 +178,5 @@ fn fields<T, const SIZE: usize, const N: usize>(
             number(field)
         })
     };
-    numbers.map(record).collect()
+    Ok(records.map(record).collect())
 }

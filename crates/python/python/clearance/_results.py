@@ -51,6 +51,8 @@ class Reason(enum.IntEnum):
     """The pair is two planes, of which nothing is proven, or numbers are too large."""
     MISMATCH = 7
     """The motion has segments that do not join."""
+    UNCHECKED = 8
+    """The time was over before the check of this edge of a batch began."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -198,34 +200,16 @@ class MotionReport:
 
 
 @dataclass(frozen=True, eq=False)
-class TrajectoryReport:
-    """Report on a trajectory: on its first segment that is not free, if there is one."""
+class TrajectoryReport(MotionReport):
+    """Report on a trajectory: on its first segment that is not free, if there is one.
 
-    verdict: Verdict
-    """FREE is a proof for the whole trajectory; CONTACT; or UNDECIDED with its reason."""
+    ``verdict`` FREE and ``certificate`` are about the whole trajectory; ``t`` has fractions of the segment.
+    """
+
     segment: int
     """Index of the segment between two points that the verdict is about; the last one if all are free."""
     time: Optional[Tuple[float, float]]
     """Times (s from the start) of ``t``; None if it is free or there are no times."""
-    t: Optional[Tuple[float, float]]
-    """Fractions of the segment, as in `MotionReport`."""
-    pair: Optional[Pair]
-    """The pair that touches or is undecided."""
-    reason: Optional[Reason]
-    """Why it is undecided."""
-    distance: Optional[Tuple[float, float]]
-    """Bounds (m) on the distance of the undecided pair."""
-    point: Optional[Floats]
-    """A common point (m, root frame) of the bodies that touch, if one is known; shape (3,)."""
-    evaluations: int
-    """Number of evaluations of a pair in an interval."""
-    certificate: Optional[Certificate]
-    """The proof of a free trajectory, if it was asked for."""
-
-    @property
-    def free(self) -> bool:
-        """True only if the whole trajectory is proven free."""
-        return self.verdict == Verdict.FREE
 
 
 @dataclass(frozen=True, eq=False)
@@ -259,7 +243,8 @@ class Plan:
     length: Optional[float]
     """Sum of the Euclidean norms of the changes along all edges (rad, m)."""
     reason: str
-    """``found``, ``start_not_free``, ``goal_not_free``, ``most_edges`` or ``deadline``."""
+    """``found``, ``start_not_free``, ``goal_not_free``, ``most_edges`` or ``deadline``. ``found_without_certificate``: the time was over
+    before the requested certificate was made."""
     edges: int
     """Number of edges that were checked."""
     nodes: Optional[int]

@@ -1,0 +1,147 @@
+//! Values of options: every error names the option and the value.
+
+use std::time::{Duration, Instant};
+
+use pyo3::exceptions::{PyOverflowError, PyTypeError};
+use pyo3::prelude::*;
+
+use crate::error::error;
+
+/// Largest number of threads.
+const MOST_THREADS: u64 = 1024;
+
+/// Characters of a value that an error shows.
+const SHOWN: usize = 60;
+
+/// Conversion functions of arguments: each has the name of the option that it converts.
+macro_rules! options {
+    ($($name:ident: $type:ty = $convert:expr;)*) => {
+        $(
+            pub fn $name(value: &Bound<'_, PyAny>) -> PyResult<$type> {
+                $convert(stringify!($name), value)
+            }
+        )*
+    };
+}
+
+options! {
+    any_contact: bool = flag;
+    budget: u64 = count;
+    clearance: f64 = length;
+    edge: f64 = number;
+    influence_distance: f64 = real;
+    length_of_shape: f64 = |_, value| number("length", value);
+    max_checks: u64 = count;
+    max_contacts: usize = size_of;
+    max_distance: f64 = length_or_infinity;
+    max_edges: u64 = count;
+    num_threads: Option<usize> = threads;
+    offset: f64 = number;
+    point_radius: Option<f64> = |name, value| optional(name, value, number);
+    radius: f64 = number;
+    range: f64 = number;
+    search_distance: f64 = |_, value| length("max_distance", value);
+    seed: u64 = count;
+    shortcuts: u32 = |name, value| whole(name, value, u64::from(u32::MAX));
+    size: Option<usize> = |name, value| optional(name, value, size_of);
+    timeout: Option<Instant> = |name, value| Ok(optional(name, value, deadline)?.flatten());
+    tolerance: f64 = tolerance_of;
+    tolerance_if_any: Option<f64> = |_, value| optional("tolerance", value, tolerance_of);
+}
+
+/// The error about a value; `form` says what it must be.
+fn bad(name: &str, value: &Bound<'_, PyAny>, form: &str) -> String {
+    let given = value.repr().map_or_else(|_| "something else".to_owned(), |text| text.to_string());
+    let short: String = given.chars().take(SHOWN).collect();
+    let rest = if short.len() < given.len() { "..." } else { "" };
+    format!("{name} is {short}{rest}, but must be {form}")
+}
+
+/// Extracts a value. Numbers out of range are errors about values, all others errors about types.
+fn extract<T>(name: &str, value: &Bound<'_, PyAny>, form: &str) -> PyResult<T>
+where
+    T: for<'a, 'py> FromPyObject<'a, 'py, Error = PyErr>,
+{
+    value.extract().map_err(|why: PyErr| {
+        let text = bad(name, value, form);
+        if why.is_instance_of::<PyOverflowError>(value.py()) {
+            error(text)
+        } else {
+            PyTypeError::new_err(text)
+        }
+    })
+}
+
+fn optional<T>(
+    name: &str,
+    value: &Bound<'_, PyAny>,
+    convert: impl Fn(&str, &Bound<'_, PyAny>) -> PyResult<T>,
+) -> PyResult<Option<T>> {
+    if value.is_none() { Ok(None) } else { convert(name, value).map(Some) }
+}
+
+fn number(name: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
+    extract(name, value, "a number (float64)")
+}
+
+fn checked(
+    name: &str,
+    value: &Bound<'_, PyAny>,
+    form: &str,
+    is_valid: impl Fn(f64) -> bool,
+) -> PyResult<f64> {
+    let given = extract(name, value, form)?;
+    if is_valid(given) { Ok(given) } else { Err(error(format!("{name} is {given}, but must be {form}"))) }
+}
+
+fn real(name: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
+    checked(name, value, "a number of metres", |given| !given.is_nan())
+}
+
+fn length(name: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
+    checked(name, value, "a finite number, zero or more", |given| given >= 0.0 && given.is_finite())
+}
+
+fn length_or_infinity(name: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
+    checked(name, value, "zero or more metres", |given| given >= 0.0)
+}
+
+fn tolerance_of(name: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
+    checked(name, value, "a finite number of metres above zero", |given| given > 0.0 && given.is_finite())
+}
+
+/// Time after so many seconds; none if they are infinite, or more than clocks can count.
+fn deadline(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Option<Instant>> {
+    let seconds = checked(name, value, "zero or more seconds", |given| given >= 0.0)?;
+    Ok(Duration::try_from_secs_f64(seconds).ok().and_then(|span| Instant::now().checked_add(span)))
+}
+
+fn flag(name: &str, value: &Bound<'_, PyAny>) -> PyResult<bool> {
+    extract(name, value, "True or False")
+}
+
+fn whole<T: TryFrom<u64>>(name: &str, value: &Bound<'_, PyAny>, most: u64) -> PyResult<T> {
+    let form = match most {
+        u64::MAX => "a whole number, zero or more".to_owned(),
+        most => format!("a whole number from 0 to {most}"),
+    };
+    let given: u64 = extract(name, value, &form)?;
+    T::try_from(given).map_err(|_| error(bad(name, value, &form)))
+}
+
+fn count(name: &str, value: &Bound<'_, PyAny>) -> PyResult<u64> {
+    whole(name, value, u64::MAX)
+}
+
+fn size_of(name: &str, value: &Bound<'_, PyAny>) -> PyResult<usize> {
+    whole(name, value, usize::MAX as u64)
+}
+
+fn threads(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Option<usize>> {
+    let form = format!("None or a whole number from 1 to {MOST_THREADS}");
+    let given: Option<u64> = optional(name, value, |name, value| extract(name, value, &form))?;
+    match given {
+        Some(given) if !(1..=MOST_THREADS).contains(&given) => Err(error(bad(name, value, &form))),
+        _ => Ok(given.and_then(|given| usize::try_from(given).ok())),
+    }
+}
