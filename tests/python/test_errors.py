@@ -6,6 +6,9 @@ import pytest
 import clearance as cl
 from conftest import ALL_KINDS, URDF
 
+ENDLESS = []  # contains itself
+ENDLESS.append(ENDLESS)
+
 EIGHT = r"must be \(\.\.\., 8\): one position for each of joint1"
 
 
@@ -29,6 +32,7 @@ EIGHT = r"must be \(\.\.\., 8\): one position for each of joint1"
         (np.ma.masked_array(np.zeros((3, 8))), TypeError, "masked array"),
         ([np.zeros(8), np.ma.masked_array(np.zeros(8), np.eye(8)[0])], TypeError, "masked array"),
         (([0] * 7 + [np.ma.masked],), TypeError, "masked array"),
+        (ENDLESS, TypeError, "q must be an array of real numbers"),
         (np.full(8, np.nan), cl.Error, "q: joint 'joint1' has position NaN, which is not finite"),
         ([0, 0, np.inf, 0, 0, 0, 0, 0], cl.Error, "joint 'joint3'"),
         ([1e9, 0, 0, 0, 0, 0, 0, 0], cl.Error, "joint 'joint1' has position 1e9, farther than"),
