@@ -346,7 +346,7 @@ def test_the_objective_prefers_clearance(arm, states):
     assert bound[narrow] > cost[narrow] + 0.01
     objective.setCostThreshold(ob.Cost(cost[narrow] + 0.005))
     setup.setOptimizationObjective(objective)
-    path = solve(setup, joints, og.RRTstar, *ends[narrow])
+    path = solve(setup, joints, og.BITstar, *ends[narrow])
     assert path.cost(objective).value() >= cost[narrow] + 0.005
     check_path(arm, setup, path, joints)
 
