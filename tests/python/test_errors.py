@@ -166,6 +166,7 @@ def test_robots(arguments, kind, words):
 def test_arguments_of_xacro_need_a_xacro_file(urdf):
     with pytest.raises(cl.Error, match="xacro_args are given, but neither urdf nor srdf is the path of a .xacro file"):
         cl.Robot.from_urdf(urdf, xacro_args={"tip": "a"})
+    assert cl.Robot.from_urdf(urdf, xacro_args={}).name
 
 
 MOTION = {"tolerance": "above zero", "timeout": "zero or more seconds", "budget": "whole number", "any_contact": "True or False"}
