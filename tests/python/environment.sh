@@ -27,6 +27,9 @@ if [ ! -e "$venv/.complete" ]; then
     rm -rf "$venv"
     "$python" -m venv "$venv"
     "$venv/bin/pip" install --quiet --disable-pip-version-check numpy pytest pytest-timeout xacro
+    # 5 MB; not for every Python
+    "$venv/bin/pip" install --quiet --disable-pip-version-check --only-binary :all: ompl==2.0.1 \
+        || say "no wheel of ompl for this Python: the tests of clearance.ompl will be skipped"
     touch "$venv/.complete"
 fi
 echo "$venv"

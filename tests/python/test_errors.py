@@ -1,5 +1,8 @@
 """Wrong arguments: the class of the exception, and words of its text."""
 
+import importlib
+import sys
+
 import numpy as np
 import pytest
 
@@ -167,6 +170,7 @@ def test_robots(arguments, kind, words):
 def test_arguments_of_xacro_need_a_xacro_file(urdf):
     with pytest.raises(cl.Error, match="xacro_args are given, but neither urdf nor srdf is the path of a .xacro file"):
         cl.Robot.from_urdf(urdf, xacro_args={"tip": "a"})
+    assert cl.Robot.from_urdf(urdf, xacro_args={}).name
 
 
 MOTION = {"tolerance": "above zero", "timeout": "zero or more seconds", "budget": "whole number", "any_contact": "True or False"}
@@ -210,6 +214,13 @@ def test_a_checker_that_checks_nothing_warns(robot, world):
     blind = cl.Checker(robot, world, check_self=False)
     with pytest.warns(cl.InputWarning, match="no pair of bodies to check"):
         assert blind.with_world(cl.World()).is_free(np.zeros(8))
+
+
+def test_the_module_for_ompl_says_what_is_missing(monkeypatch):
+    monkeypatch.setitem(sys.modules, "ompl", None)
+    monkeypatch.delitem(sys.modules, "clearance.ompl", raising=False)
+    with pytest.raises(ImportError, match='clearance.ompl needs the Python package ompl: pip install "ompl>=2"'):
+        importlib.import_module("clearance.ompl")
 
 
 def test_errors_are_value_errors():

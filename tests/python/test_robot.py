@@ -62,6 +62,8 @@ def test_every_kind_of_joint():
     parts = ["trans_x", "trans_y", "trans_z", "rot_x", "rot_y", "rot_z", "rot_w"]
     assert robot.joint_names == ["t", "s", *(f"f/{part}" for part in parts), "p/x", "p/y", "p/theta"]
     assert list(robot.lower) == [-np.inf, 1] + [-np.inf] * 10 and robot.upper[1] == 3
+    assert robot.joint_types == {"t": "continuous", "s": "prismatic", "m": "prismatic", "f": "floating", "p": "planar"}
+    assert robot.mimics == {"m": ("s", -2.0, 0.5)}
     q = robot.configuration({"t": 0.3, "s": 2.0, "f/trans_y": 4.0, "p/theta": 0.5})
     poses = robot.forward_kinematics(q)
     assert np.allclose(poses["turn"][:3, :3], rotation([0, 0, 1], 0.3))

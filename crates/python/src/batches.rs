@@ -2,8 +2,9 @@
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Condvar, Mutex, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
+use clearance::MotionOptions;
 use pyo3::prelude::*;
 use rayon::prelude::*;
 
@@ -16,6 +17,9 @@ use crate::workspaces::{QueryMemory, with_memory};
 
 /// Interval at which the waiting thread looks for signals.
 const SIGNAL_INTERVAL: Duration = Duration::from_millis(50);
+
+/// Time that a check may take on the calling thread, where Ctrl-C does not end it. To give it to a pool takes longer than most checks do.
+const BRIEF: Duration = Duration::from_millis(20);
 
 /// Largest number of states that a thread takes at a time, and that the calling thread checks by itself.
 const LARGEST_BLOCK: usize = 256;
@@ -61,6 +65,20 @@ pub fn run<T: Send>(
     raised?;
     // a panic of the work has been passed on
     result.ok_or_else(|| error("the work ended without a result"))
+}
+
+/// Runs a check of a motion on this thread, without the GIL. `None` if that took too long: then [`run`] has to do it again.
+pub fn run_briefly<T: Send>(
+    py: Python<'_>,
+    options: &MotionOptions,
+    check: impl FnOnce(&MotionOptions) -> T + Send,
+) -> Option<T> {
+    let brief = Instant::now() + BRIEF;
+    let deadline = options.deadline.map_or(brief, |deadline| deadline.min(brief));
+    let options = MotionOptions { deadline: Some(deadline), ..options.clone() };
+    let result = py.detach(|| check(&options));
+    // what ended before this deadline does not depend on it
+    (Instant::now() < brief).then_some(result)
 }
 
 /// Runs the Python handlers of signals that have come, if this is the main thread.

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use rayon::prelude::*;
 
 use crate::arrays::{Pairing, Rows, Table, array};
-use crate::batches::run;
+use crate::batches::{Stop, run, run_briefly};
 use crate::checker::CheckerCore;
 use crate::error::error;
 use crate::memory::{collected, filled};
@@ -119,21 +119,11 @@ fn evaluate<T: Send + Clone>(
         options: arguments.settings.options(&watch),
         first_error: AtomicUsize::new(usize::MAX),
     };
-    let threads = arguments.threads.unwrap_or_else(default_threads);
-    let size = (results.len() / (8 * threads)).clamp(1, LARGEST_BLOCK);
-    let all = &mut results;
-    run(
-        py,
-        arguments.threads,
-        || watch.stop(),
-        |stop| {
-            all.par_chunks_mut(size).enumerate().for_each(|(i, results)| {
-                if !stop.is_requested() {
-                    batch.block(i * size, results, &check);
-                }
-            });
-        },
-    )?;
+    let is_done = results.len() == 1
+        && run_briefly(py, &batch.options, |options| batch.block(0, &mut results, options, &check)).is_some();
+    if !is_done {
+        batch.check_all(py, (arguments.threads, &watch), &mut results, &check)?;
+    }
     match batch.first_error.load(Ordering::Relaxed) {
         usize::MAX => Ok((results, batch.pairing.shape)),
         edge => Err(batch.error_of(edge, &rows)),
@@ -151,12 +141,33 @@ struct EdgeBatch<'a> {
 }
 
 impl EdgeBatch<'_> {
+    /// Checks all edges, on the threads of a pool.
+    fn check_all<T: Send>(
+        &self,
+        py: Python<'_>,
+        (threads, watch): (Option<usize>, &Watch),
+        results: &mut [T],
+        check: &(impl Fn(&[MotionSegment], &MotionOptions, &mut Workspace, &mut [T]) + Sync),
+    ) -> PyResult<()> {
+        let size = results.len() / (8 * threads.unwrap_or_else(default_threads));
+        let size = size.clamp(1, LARGEST_BLOCK);
+        let work = |stop: &Stop| {
+            results.par_chunks_mut(size).enumerate().for_each(|(i, results)| {
+                if !stop.is_requested() {
+                    self.block(i * size, results, &self.options, check);
+                }
+            });
+        };
+        run(py, threads, || watch.stop(), work)
+    }
+
     /// Checks the edges from `first` on.
     fn block<T>(
         &self,
         first: usize,
         results: &mut [T],
-        check: impl Fn(&[MotionSegment], &MotionOptions, &mut Workspace, &mut [T]),
+        options: &MotionOptions,
+        check: &impl Fn(&[MotionSegment], &MotionOptions, &mut Workspace, &mut [T]),
     ) {
         if first > self.first_error.load(Ordering::Relaxed) {
             return;
@@ -170,7 +181,7 @@ impl EdgeBatch<'_> {
                 };
                 segments.push(segment);
             }
-            check(&segments, &self.options, &mut memory.workspace, results);
+            check(&segments, options, &mut memory.workspace, results);
         });
     }
 

@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::arrays::{Numbers, wrong_shape};
-use crate::batches::run;
+use crate::batches::{run, run_briefly};
 use crate::certificate::Certificate;
 use crate::checker::CheckerCore;
 use crate::error::error;
@@ -90,17 +90,20 @@ pub fn check_trajectory<'py>(
     crate::results::make(py, "TrajectoryReport", &fields)
 }
 
-/// Runs a check on a thread of the pool, so that Ctrl-C ends it.
+/// Runs a check: on this thread if it is short, else on one of the pool, so that Ctrl-C ends it.
 fn prove<T: Send>(
     py: Python<'_>,
     core: &CheckerCore,
     settings: &MotionSettings,
-    check: impl FnOnce(&MotionOptions, &mut Workspace) -> T + Send,
+    check: impl Fn(&MotionOptions, &mut Workspace) -> T + Sync,
 ) -> PyResult<T> {
     let watch = Watch::default();
     let options = &settings.options(&watch);
-    let work = move |_: &_| with_memory(core, |memory| check(options, &mut memory.workspace));
-    run(py, None, || watch.stop(), work)
+    let work = |options: &MotionOptions| with_memory(core, |memory| check(options, &mut memory.workspace));
+    match run_briefly(py, options, work) {
+        Some(result) => Ok(result),
+        None => run(py, None, || watch.stop(), |_| work(options)),
+    }
 }
 
 /// The report on a motion whose check had no time to begin.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use clearance::geometry::math::Pose;
-use clearance::robot::{Configuration, GroupState, LinkId, LinkPoses, RobotModel};
+use clearance::robot::{Configuration, GroupState, JointKind, LinkId, LinkPoses, Mimic, RobotModel};
 use numpy::{PyArray1, PyArrayDyn, PyArrayMethods};
 use pyo3::exceptions::{PyMemoryError, PyTypeError};
 use pyo3::prelude::*;
@@ -114,6 +114,23 @@ impl Robot {
     #[getter]
     fn upper<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_vec(py, self.model.position_ranges().into_iter().map(|[_, upper]| upper).collect())
+    }
+
+    /// Types of the joints that move, by name: `revolute`, `continuous`, `prismatic`, `planar` or `floating`; also of mimic joints.
+    #[getter]
+    fn joint_types(&self) -> BTreeMap<String, &'static str> {
+        let moving = self.model.joint_ids().map(|id| self.model.joint(id));
+        moving.filter_map(|joint| Some((joint.name.clone(), type_of(&joint.kind)?))).collect()
+    }
+
+    /// Mimic joints by name: the joint that each follows, multiplier and offset (rad, m).
+    #[getter]
+    fn mimics(&self) -> BTreeMap<String, (String, f64, f64)> {
+        let following = self.model.joint_ids().map(|id| self.model.joint(id)).filter_map(|joint| {
+            let Mimic { joint: leader, multiplier, offset } = joint.mimic?;
+            Some((joint.name.clone(), (self.model.joint(leader).name.clone(), multiplier, offset)))
+        });
+        following.collect()
     }
 
     /// Names of all links, in the order of the URDF.
@@ -257,6 +274,18 @@ impl Robot {
         let texts = [Some(urdf), srdf.as_ref()].map(|text| text.map(|text| (&text.text, &text.file)));
         let state = (texts[0], texts[1], folder, package_paths, meshes);
         pickles::reduced(py, "_restore_robot", state.into_pyobject(py)?)
+    }
+}
+
+/// The name of a joint's type in the URDF; none if it does not move.
+fn type_of(kind: &JointKind) -> Option<&'static str> {
+    match kind {
+        JointKind::Fixed => None,
+        JointKind::Revolute(_) => Some("revolute"),
+        JointKind::Continuous(_) => Some("continuous"),
+        JointKind::Prismatic(_) => Some("prismatic"),
+        JointKind::Floating => Some("floating"),
+        JointKind::Planar(_) => Some("planar"),
     }
 }
 

@@ -48,7 +48,8 @@ impl RobotSources {
         package_paths: Vec<PathBuf>,
         xacro_args: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
-        if xacro_args.is_some() && !is_xacro(urdf) && !srdf.is_some_and(is_xacro) {
+        let has_arguments = xacro_args.is_some_and(|arguments| !arguments.is_empty());
+        if has_arguments && !is_xacro(urdf) && !srdf.is_some_and(is_xacro) {
             return Err(error(
                 "xacro_args are given, but neither urdf nor srdf is the path of a .xacro file: leave them out, or give that path",
             ));
