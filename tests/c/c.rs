@@ -1,0 +1,3 @@
+//! The C and C++ interface as its users meet it.
+
+mod header;
