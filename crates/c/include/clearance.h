@@ -25,7 +25,7 @@
 #define CLEARANCE_VERSION_PATCH 0
 
 // Status of a call. After every status but `CLEARANCE_STATUS_OK`, `clearance_last_error` has the reason, and results are not written.
-typedef enum clearance_status {
+typedef enum {
   // The call succeeded. A collision is a result, and no error.
   CLEARANCE_STATUS_OK = 0,
   // An argument is null, has a wrong length, or is used in a way that is not allowed: an error of the program.
@@ -37,7 +37,7 @@ typedef enum clearance_status {
 } clearance_status;
 
 // Verdict on a motion.
-typedef enum clearance_verdict {
+typedef enum {
   // Neither a proof nor a contact was found; there is a reason.
   CLEARANCE_VERDICT_UNDECIDED = -1,
   // A pair touches.
@@ -47,7 +47,7 @@ typedef enum clearance_verdict {
 } clearance_verdict;
 
 // Reason why a motion is undecided.
-typedef enum clearance_reason {
+typedef enum {
   // The motion is not undecided.
   CLEARANCE_REASON_NONE = 0,
   // A pair comes nearer than the tolerance, and no contact was found.
@@ -103,7 +103,7 @@ typedef struct clearance_workspace clearance_workspace;
 typedef struct clearance_world clearance_world;
 
 // A value by name: a position (rad, m), a padding (m), a factor.
-typedef struct clearance_named_value {
+typedef struct {
   // The name.
   const char *name;
   // The value.
@@ -112,7 +112,7 @@ typedef struct clearance_named_value {
 
 // A state: `n` joint positions (rad, m), in the order of `clearance_checker_joint_name`, or where a robot is asked,
 // `clearance_robot_joint_name`.
-typedef struct clearance_state {
+typedef struct {
   // The positions.
   const double *positions;
   // Number of positions.
@@ -120,7 +120,7 @@ typedef struct clearance_state {
 } clearance_state;
 
 // A pose. Where a pointer to a pose is null, the pose is the identity.
-typedef struct clearance_pose {
+typedef struct {
   // x, y, z (m).
   double position[3];
   // Unit quaternion x, y, z, w.
@@ -128,7 +128,7 @@ typedef struct clearance_pose {
 } clearance_pose;
 
 // A triangle mesh.
-typedef struct clearance_mesh {
+typedef struct {
   // vertex_count x 3 coordinates (m).
   const double *vertices;
   // Number of vertices.
@@ -140,7 +140,7 @@ typedef struct clearance_mesh {
 } clearance_mesh;
 
 // Points.
-typedef struct clearance_points {
+typedef struct {
   // count x 3 coordinates (m).
   const double *xyz;
   // Number of points.
@@ -148,7 +148,7 @@ typedef struct clearance_points {
 } clearance_points;
 
 // Names of two bodies: links, attached objects or obstacles. In results, both are null if there is no pair.
-typedef struct clearance_pair {
+typedef struct {
   // A link or an attached object.
   const char *a;
   // A link, an attached object or an obstacle.
@@ -156,37 +156,37 @@ typedef struct clearance_pair {
 } clearance_pair;
 
 // Options of a checker. Start with `clearance_checker_options_default`. Flags are 0 or 1. Arrays are copied.
-typedef struct clearance_checker_options {
+typedef struct {
   // Group of the SRDF whose positions are those of a state, in the order of the group; null for all joints of the robot.
   const char *group;
   // Positions (rad, m) of joints outside of the group; the others are at their defaults: 0, or the middle of limits that exclude 0.
-  const struct clearance_named_value *fixed;
+  const clearance_named_value *fixed;
   // Number of fixed positions.
   size_t fixed_count;
   // Safety distance (m) of all links against obstacles.
   double padding;
   // Safety distances (m) of individual links, instead of `padding`.
-  const struct clearance_named_value *link_padding;
+  const clearance_named_value *link_padding;
   // Number of link paddings.
   size_t link_padding_count;
   // Scale factors of individual links.
-  const struct clearance_named_value *link_scale;
+  const clearance_named_value *link_scale;
   // Number of link scales.
   size_t link_scale_count;
   // Safety distances (m) of individual objects, in addition to that of the links.
-  const struct clearance_named_value *object_padding;
+  const clearance_named_value *object_padding;
   // Number of object paddings.
   size_t object_padding_count;
   // Scale factors of individual objects.
-  const struct clearance_named_value *object_scale;
+  const clearance_named_value *object_scale;
   // Number of object scales.
   size_t object_scale_count;
   // Pairs that may touch, besides those that the world's file or else the SRDF allows.
-  const struct clearance_pair *allowed_collisions;
+  const clearance_pair *allowed_collisions;
   // Number of these pairs.
   size_t allowed_collision_count;
   // Pairs that are checked, whatever the world's file or the SRDF allows.
-  const struct clearance_pair *checked_collisions;
+  const clearance_pair *checked_collisions;
   // Number of these pairs.
   size_t checked_collision_count;
   // Padding applies between links, too. Default 0.
@@ -200,15 +200,15 @@ typedef struct clearance_checker_options {
 } clearance_checker_options;
 
 // How a link holds an obstacle.
-typedef struct clearance_grasp {
+typedef struct {
   // Name of the obstacle.
   const char *object;
   // Name of the link.
   const char *link;
   // Pose of the object in the frame of the link; if it is null, `state` determines it.
-  const struct clearance_pose *pose;
+  const clearance_pose *pose;
   // State in which the link grasps the object where it is; not used if there is a pose.
-  struct clearance_state state;
+  clearance_state state;
   // Links that may touch the object, besides `link`.
   const char *const *touch_links;
   // Number of these links.
@@ -216,7 +216,7 @@ typedef struct clearance_grasp {
 } clearance_grasp;
 
 // Many states: `count` rows of `n` joint positions each (rad, m), row by row.
-typedef struct clearance_states {
+typedef struct {
   // count x n positions.
   const double *positions;
   // Number of states.
@@ -226,9 +226,9 @@ typedef struct clearance_states {
 } clearance_states;
 
 // Distance of two bodies, padding subtracted.
-typedef struct clearance_pair_distance {
+typedef struct {
   // Names of the bodies, valid as long as the checker; null if no pair is within the largest distance.
-  struct clearance_pair pair;
+  clearance_pair pair;
   // Distance (m): 0 for bodies that touch, infinity if there is no pair.
   double distance;
   // Nearest points of the two bodies (m, root frame), without padding; NaN if there is no pair.
@@ -236,15 +236,15 @@ typedef struct clearance_pair_distance {
 } clearance_pair_distance;
 
 // Least distances in one state.
-typedef struct clearance_distances {
+typedef struct {
   // Of two bodies of the robot.
-  struct clearance_pair_distance self_pair;
+  clearance_pair_distance self_pair;
   // Of a body of the robot and an obstacle.
-  struct clearance_pair_distance world_pair;
+  clearance_pair_distance world_pair;
 } clearance_distances;
 
 // Extent of a report.
-typedef struct clearance_report_options {
+typedef struct {
   // Distances of pairs up to this (m) are reported. Default 0.1.
   double max_distance;
   // Number of contacts of each colliding pair; 0 for none. Default 1.
@@ -252,9 +252,9 @@ typedef struct clearance_report_options {
 } clearance_report_options;
 
 // A contact of two bodies, paddings included.
-typedef struct clearance_contact {
+typedef struct {
   // Names of the bodies, valid as long as the checker.
-  struct clearance_pair pair;
+  clearance_pair pair;
   // Point of the contact (m, root frame).
   double point[3];
   // Unit vector (root frame) along which the second body separates; NaN if it is not known.
@@ -269,7 +269,7 @@ typedef struct clearance_contact {
 } clearance_contact;
 
 // Report on one state. Arrays are valid until the next query with the workspace.
-typedef struct clearance_report {
+typedef struct {
   // True only if every pair is proven apart.
   bool is_free;
   // True if two bodies of the robot collide.
@@ -277,23 +277,23 @@ typedef struct clearance_report {
   // True if a body of the robot collides with an obstacle.
   bool world_collision;
   // All colliding pairs.
-  const struct clearance_pair *colliding_pairs;
+  const clearance_pair *colliding_pairs;
   // Number of colliding pairs.
   size_t colliding_pair_count;
   // Contacts of the colliding pairs, pair by pair, the deepest of each first.
-  const struct clearance_contact *contacts;
+  const clearance_contact *contacts;
   // Number of contacts.
   size_t contact_count;
   // Distances of all pairs within the largest distance.
-  const struct clearance_pair_distance *distances;
+  const clearance_pair_distance *distances;
   // Number of distances.
   size_t distance_count;
 } clearance_report;
 
 // Signed distance of two bodies.
-typedef struct clearance_pair_clearance {
+typedef struct {
   // Names of the bodies, valid as long as the checker.
-  struct clearance_pair pair;
+  clearance_pair pair;
   // Signed distance (m, padding subtracted): minus the penetration depth of bodies that overlap.
   double distance;
   // Lower bound (m) on the signed distance; minus infinity if no translation is known that separates the bodies.
@@ -309,9 +309,9 @@ typedef struct clearance_pair_clearance {
 } clearance_pair_clearance;
 
 // Signed distances of near pairs. Arrays are valid until the next query with the workspace.
-typedef struct clearance_clearance {
+typedef struct {
   // All pairs within the influence distance.
-  const struct clearance_pair_clearance *pairs;
+  const clearance_pair_clearance *pairs;
   // Number of pairs.
   size_t pair_count;
   // pair_count x n derivatives of the signed distances with respect to the positions of the state (m/rad, m/m), row by row; zeros for a
@@ -322,7 +322,7 @@ typedef struct clearance_clearance {
 } clearance_clearance;
 
 // Options of motion checks. Start with `clearance_motion_options_default`. Flags are 0 or 1.
-typedef struct clearance_motion_options {
+typedef struct {
   // Pairs that stay farther apart than this (m) are always decided. Default 5e-4.
   double tolerance;
   // Time (s) after which a check ends with its results so far. Default infinity.
@@ -344,7 +344,7 @@ typedef struct clearance_motion_options {
 // A straight motion in joint space between two states of `n` positions (rad, m).
 //
 // Continuous joints move through all positions in between, also by more than half a turn.
-typedef struct clearance_edge {
+typedef struct {
   // n positions at the start.
   const double *from;
   // n positions at the end.
@@ -356,7 +356,7 @@ typedef struct clearance_edge {
 // Straight motions in joint space: the k-th is from row k of `from` to row k of `to`.
 //
 // Continuous joints move through all positions in between, also by more than half a turn.
-typedef struct clearance_edges {
+typedef struct {
   // count x n positions (rad, m).
   const double *from;
   // count x n positions (rad, m).
@@ -368,16 +368,16 @@ typedef struct clearance_edges {
 } clearance_edges;
 
 // Report on a motion.
-typedef struct clearance_motion_report {
+typedef struct {
   // The verdict: free, contact or undecided.
-  enum clearance_verdict verdict;
+  clearance_verdict verdict;
   // Why the motion is undecided.
-  enum clearance_reason reason;
+  clearance_reason reason;
   // Contact: the motion is proven free before t[0], and collides at t[1]. Undecided: it is proven free before t[0] and after t[1], and
   // a part in between is undecided. Free: NaN. t is 0 at the start and 1 at the end of the motion, or of the segment.
   double t[2];
   // The pair that touches, or that is undecided; its names are valid as long as the checker.
-  struct clearance_pair pair;
+  clearance_pair pair;
   // Undecided: bounds on the distance of the pair (m, padding subtracted); otherwise NaN.
   double distance[2];
   // Contact: a common point (m, root frame) at t[1], NaN if none is known.
@@ -389,14 +389,14 @@ typedef struct clearance_motion_report {
   // Number of evaluations of a pair.
   uint64_t evaluations;
   // The proof, if it was asked for and the motion is free; otherwise null. The caller frees it with `clearance_certificate_free`.
-  struct clearance_certificate *certificate;
+  clearance_certificate *certificate;
 } clearance_motion_report;
 
 // A trajectory: `count` points, at least two.
 //
 // Between two points the motion is linear, cubic if there are velocities, quintic if there are accelerations, too, as in
 // `trajectory_msgs/JointTrajectory`.
-typedef struct clearance_trajectory {
+typedef struct {
   // count x n positions (rad, m), row by row.
   const double *positions;
   // Number of points.
@@ -414,13 +414,13 @@ typedef struct clearance_trajectory {
 } clearance_trajectory;
 
 // What a certificate has to prove. Start with `clearance_expectation_default`.
-typedef struct clearance_expectation {
+typedef struct {
   // Options of the check: they must be the same. Null for the defaults.
-  const struct clearance_checker_options *options;
+  const clearance_checker_options *options;
   // The motion; a certificate of another motion is rejected. For a straight motion, a path of two states without times. Its states are
   // those of a checker with these options. If it is null, only the proof is checked: then compare the motion in the certificate with
   // yours.
-  const struct clearance_trajectory *motion;
+  const clearance_trajectory *motion;
   // Tracking tolerance (rad, m) of the check: one for each position, 1 for the same of all, or none.
   const double *tube;
   // Number of tracking tolerances.
@@ -430,7 +430,7 @@ typedef struct clearance_expectation {
 } clearance_expectation;
 
 // Result of a verification.
-typedef struct clearance_verification {
+typedef struct {
   // True only if the certificate proves the motion free.
   bool is_valid;
   // Why the certificate is rejected, or null; valid until the next verification in this thread.
@@ -444,7 +444,7 @@ typedef struct clearance_verification {
 } clearance_verification;
 
 // Limits of a search for a path. Start with `clearance_plan_options_default`.
-typedef struct clearance_plan_options {
+typedef struct {
   // Seed of the random states. Default 1.
   uint64_t seed;
   // Time (s) after which the search ends. Default infinity.
@@ -460,7 +460,7 @@ typedef struct clearance_plan_options {
 } clearance_plan_options;
 
 // Result of a search for a path. The states are valid until the next query with the workspace.
-typedef struct clearance_plan {
+typedef struct {
   // True if there is a path. Nothing is proven if none is found.
   bool is_found;
   // `found`, `start_not_free`, `goal_not_free`, `most_edges` or `deadline`.
@@ -477,11 +477,11 @@ typedef struct clearance_plan {
   uint64_t edges;
   // The proof of all edges, if it was asked for and there is a path; otherwise null. The caller frees it with
   // `clearance_certificate_free`.
-  struct clearance_certificate *certificate;
+  clearance_certificate *certificate;
 } clearance_plan;
 
 // Limits of a search for a free state. Start with `clearance_recovery_options_default`.
-typedef struct clearance_recovery_options {
+typedef struct {
   // Largest Euclidean norm of all changes (rad, m). Default 0.5.
   double max_distance;
   // Distance (m) that the free state keeps from every collision. Default 0.001.
@@ -497,7 +497,7 @@ typedef struct clearance_recovery_options {
 } clearance_recovery_options;
 
 // Result of a search for a free state. The state is valid until the next query with the workspace.
-typedef struct clearance_free_state {
+typedef struct {
   // True if there is a free state.
   bool is_found;
   // `found`, `already_free`, `not_movable`, `unfinished` or `beyond_limits`.
@@ -511,7 +511,7 @@ typedef struct clearance_free_state {
   // The straight motion to the free state is proven free from this t in [0, 1] on; NaN without a free state.
   double exit;
   // A pair that no movable joint moves apart, if the reason is `not_movable`; names are valid as long as the checker.
-  struct clearance_pair pair;
+  clearance_pair pair;
   // Number of states that were checked.
   uint64_t checks;
 } clearance_free_state;
@@ -535,113 +535,113 @@ const char *clearance_version(void);
 //
 // Rejected: every fault of the files; the text names file, line, link and joint. Unusual content that is accepted is among the warnings
 // (`clearance_robot_warning`).
-enum clearance_status clearance_robot_from_urdf(const char *urdf,
-                                                const char *srdf,
-                                                const char *const *package_paths,
-                                                size_t package_path_count,
-                                                struct clearance_robot **robot);
+clearance_status clearance_robot_from_urdf(const char *urdf,
+                                           const char *srdf,
+                                           const char *const *package_paths,
+                                           size_t package_path_count,
+                                           clearance_robot **robot);
 
 // Frees a robot; null is ignored. Worlds and checkers that were made with it stay valid.
-void clearance_robot_free(struct clearance_robot *robot);
+void clearance_robot_free(clearance_robot *robot);
 
 // Name of the robot in the URDF. All texts of a robot are valid as long as the robot.
-const char *clearance_robot_name(const struct clearance_robot *robot);
+const char *clearance_robot_name(const clearance_robot *robot);
 
 // Number of joint positions of the robot.
-size_t clearance_robot_joint_count(const struct clearance_robot *robot);
+size_t clearance_robot_joint_count(const clearance_robot *robot);
 
 // Name of a joint position; null beyond the last.
-const char *clearance_robot_joint_name(const struct clearance_robot *robot, size_t index);
+const char *clearance_robot_joint_name(const clearance_robot *robot, size_t index);
 
 // Number of links.
-size_t clearance_robot_link_count(const struct clearance_robot *robot);
+size_t clearance_robot_link_count(const clearance_robot *robot);
 
 // Name of a link, in the order of the URDF; null beyond the last.
-const char *clearance_robot_link_name(const struct clearance_robot *robot, size_t index);
+const char *clearance_robot_link_name(const clearance_robot *robot, size_t index);
 
 // Name of the root link, whose frame is the frame of all poses and points.
-const char *clearance_robot_root_link(const struct clearance_robot *robot);
+const char *clearance_robot_root_link(const clearance_robot *robot);
 
 // Number of warnings about unusual content that was accepted.
-size_t clearance_robot_warning_count(const struct clearance_robot *robot);
+size_t clearance_robot_warning_count(const clearance_robot *robot);
 
 // Text of a warning; null beyond the last.
-const char *clearance_robot_warning(const struct clearance_robot *robot, size_t index);
+const char *clearance_robot_warning(const clearance_robot *robot, size_t index);
 
 // Number of groups of the SRDF.
-size_t clearance_robot_group_count(const struct clearance_robot *robot);
+size_t clearance_robot_group_count(const clearance_robot *robot);
 
 // Name of a group; null beyond the last.
-const char *clearance_robot_group_name(const struct clearance_robot *robot, size_t group);
+const char *clearance_robot_group_name(const clearance_robot *robot, size_t group);
 
 // Number of joint positions of a group; 0 beyond the last group.
-size_t clearance_robot_group_joint_count(const struct clearance_robot *robot, size_t group);
+size_t clearance_robot_group_joint_count(const clearance_robot *robot, size_t group);
 
 // Name of a joint position of a group, in the order of the states of a checker of this group; null beyond the last.
-const char *clearance_robot_group_joint_name(const struct clearance_robot *robot,
+const char *clearance_robot_group_joint_name(const clearance_robot *robot,
                                              size_t group,
                                              size_t index);
 
 // Number of group states of the SRDF.
-size_t clearance_robot_group_state_count(const struct clearance_robot *robot);
+size_t clearance_robot_group_state_count(const clearance_robot *robot);
 
 // Name of a group state as `GROUP/STATE`; null beyond the last.
-const char *clearance_robot_group_state_name(const struct clearance_robot *robot, size_t index);
+const char *clearance_robot_group_state_name(const clearance_robot *robot, size_t index);
 
 // Writes the `n` lower and `n` upper limits (rad, m), also of the joints that mimic these; infinite without limit.
 //
 // `n` is the number of joint positions. Collisions are checked beyond limits, too.
-enum clearance_status clearance_robot_limits(const struct clearance_robot *robot,
-                                             double *lower,
-                                             double *upper,
-                                             size_t n);
+clearance_status clearance_robot_limits(const clearance_robot *robot,
+                                        double *lower,
+                                        double *upper,
+                                        size_t n);
 
 // Writes a state of `n` positions with `count` joints set by name (rad, m).
 //
 // The others are at 0, or in the middle of limits that exclude 0. A mimic joint moves its leader. Rejected: unknown names.
-enum clearance_status clearance_robot_state(const struct clearance_robot *robot,
-                                            const struct clearance_named_value *values,
-                                            size_t count,
-                                            double *positions,
-                                            size_t n);
+clearance_status clearance_robot_state(const clearance_robot *robot,
+                                       const clearance_named_value *values,
+                                       size_t count,
+                                       double *positions,
+                                       size_t n);
 
 // Writes a group state of the SRDF as a state of `n` positions, those of the whole robot. `name` is `STATE`, or `GROUP/STATE` where
 // several groups have a state of this name. Joints that it does not name are at their defaults.
 //
 // Rejected: unknown, ambiguous and faulty states.
-enum clearance_status clearance_robot_group_state(const struct clearance_robot *robot,
-                                                  const char *name,
-                                                  double *positions,
-                                                  size_t n);
+clearance_status clearance_robot_group_state(const clearance_robot *robot,
+                                             const char *name,
+                                             double *positions,
+                                             size_t n);
 
 // Writes `count` random states of `n` positions each, those of the whole robot, uniform between the limits.
 //
 // `seed` is the state of the random generator, and is updated: the same number gives the same states. Continuous joints are within half
 // a turn; prismatic joints without limits are within half a metre. Planar and floating joints keep their default positions.
-enum clearance_status clearance_robot_random_states(const struct clearance_robot *robot,
-                                                    uint64_t *seed,
-                                                    size_t count,
-                                                    double *positions,
-                                                    size_t n);
+clearance_status clearance_robot_random_states(const clearance_robot *robot,
+                                               uint64_t *seed,
+                                               size_t count,
+                                               double *positions,
+                                               size_t n);
 
 // Writes the poses of all links in the frame of the root link, in the order of `clearance_robot_link_name`; `count` is their number.
 //
 // `state` has all positions of the robot. Rejected: positions that are not finite.
-enum clearance_status clearance_robot_forward_kinematics(const struct clearance_robot *robot,
-                                                         struct clearance_state state,
-                                                         struct clearance_pose *poses,
-                                                         size_t count);
+clearance_status clearance_robot_forward_kinematics(const clearance_robot *robot,
+                                                    clearance_state state,
+                                                    clearance_pose *poses,
+                                                    size_t count);
 
 // Writes the pose of a link in the frame of the root link. `state` has all positions of the robot.
 //
 // Rejected: an unknown link, and positions that are not finite.
-enum clearance_status clearance_robot_link_pose(const struct clearance_robot *robot,
-                                                struct clearance_state state,
-                                                const char *link,
-                                                struct clearance_pose *pose);
+clearance_status clearance_robot_link_pose(const clearance_robot *robot,
+                                           clearance_state state,
+                                           const char *link,
+                                           clearance_pose *pose);
 
 // Makes a world without obstacles.
-enum clearance_status clearance_world_new(struct clearance_world **world);
+clearance_status clearance_world_new(clearance_world **world);
 
 // Reads obstacles, attached objects and allowed collisions of a file: the YAML of a MoveIt planning scene, MoveIt's `.scene` text, an
 // octree (`.bt`, `.ot`), or a cloud (PCD, PLY).
@@ -651,309 +651,303 @@ enum clearance_status clearance_world_new(struct clearance_world **world);
 // counts as occupied if `unknown_is_occupied` is not 0. Meshes are searched beside the file, and where those of the robot are.
 //
 // Rejected: every fault of the file. Unusual content that is accepted is among the warnings (`clearance_world_warning`).
-enum clearance_status clearance_world_from_file(const char *path,
-                                                const struct clearance_robot *robot,
-                                                double point_radius,
-                                                int unknown_is_occupied,
-                                                struct clearance_world **world);
+clearance_status clearance_world_from_file(const char *path,
+                                           const clearance_robot *robot,
+                                           double point_radius,
+                                           int unknown_is_occupied,
+                                           clearance_world **world);
 
 // Makes a copy, which shares the shapes.
-enum clearance_status clearance_world_copy(const struct clearance_world *world,
-                                           struct clearance_world **copy);
+clearance_status clearance_world_copy(const clearance_world *world, clearance_world **copy);
 
 // Frees a world; null is ignored. Checkers that were made with it stay valid.
-void clearance_world_free(struct clearance_world *world);
+void clearance_world_free(clearance_world *world);
 
 // Number of obstacles.
-size_t clearance_world_obstacle_count(const struct clearance_world *world);
+size_t clearance_world_obstacle_count(const clearance_world *world);
 
 // Name of an obstacle, valid until the world changes; null beyond the last.
-const char *clearance_world_obstacle_name(const struct clearance_world *world, size_t index);
+const char *clearance_world_obstacle_name(const clearance_world *world, size_t index);
 
 // Number of warnings about unusual content of a file that was accepted.
-size_t clearance_world_warning_count(const struct clearance_world *world);
+size_t clearance_world_warning_count(const clearance_world *world);
 
 // Text of a warning, valid as long as the world; null beyond the last.
-const char *clearance_world_warning(const struct clearance_world *world, size_t index);
+const char *clearance_world_warning(const clearance_world *world, size_t index);
 
 // Adds a box with 3 edges `size` (m) along x, y and z, centred at `pose`.
-enum clearance_status clearance_world_add_box(struct clearance_world *world,
-                                              const char *name,
-                                              const double *size,
-                                              const struct clearance_pose *pose);
+clearance_status clearance_world_add_box(clearance_world *world,
+                                         const char *name,
+                                         const double *size,
+                                         const clearance_pose *pose);
 
 // Adds a sphere (m), centred at `pose`.
-enum clearance_status clearance_world_add_sphere(struct clearance_world *world,
-                                                 const char *name,
-                                                 double radius,
-                                                 const struct clearance_pose *pose);
+clearance_status clearance_world_add_sphere(clearance_world *world,
+                                            const char *name,
+                                            double radius,
+                                            const clearance_pose *pose);
 
 // Adds a cylinder (m) along z, centred at `pose`.
-enum clearance_status clearance_world_add_cylinder(struct clearance_world *world,
-                                                   const char *name,
-                                                   double radius,
-                                                   double length,
-                                                   const struct clearance_pose *pose);
+clearance_status clearance_world_add_cylinder(clearance_world *world,
+                                              const char *name,
+                                              double radius,
+                                              double length,
+                                              const clearance_pose *pose);
 
 // Adds a capsule (m) along z, centred at `pose`; `length` does not include its half spheres.
-enum clearance_status clearance_world_add_capsule(struct clearance_world *world,
-                                                  const char *name,
-                                                  double radius,
-                                                  double length,
-                                                  const struct clearance_pose *pose);
+clearance_status clearance_world_add_capsule(clearance_world *world,
+                                             const char *name,
+                                             double radius,
+                                             double length,
+                                             const clearance_pose *pose);
 
 // Adds a triangle mesh.
-enum clearance_status clearance_world_add_mesh(struct clearance_world *world,
-                                               const char *name,
-                                               struct clearance_mesh mesh,
-                                               const struct clearance_pose *pose);
+clearance_status clearance_world_add_mesh(clearance_world *world,
+                                          const char *name,
+                                          clearance_mesh mesh,
+                                          const clearance_pose *pose);
 
 // Adds a mesh file (STL, OBJ, COLLADA, PLY, glTF); `scale` has a factor for each axis, or is null.
-enum clearance_status clearance_world_add_mesh_file(struct clearance_world *world,
-                                                    const char *name,
-                                                    const char *path,
-                                                    const double *scale,
-                                                    const struct clearance_pose *pose);
+clearance_status clearance_world_add_mesh_file(clearance_world *world,
+                                               const char *name,
+                                               const char *path,
+                                               const double *scale,
+                                               const clearance_pose *pose);
 
 // Adds solid balls of one `radius` (m) around points, in the frame at `pose`.
 //
 // Points are kept as 32-bit floats; the radius grows by the largest rounding, so that nothing is lost.
-enum clearance_status clearance_world_add_points(struct clearance_world *world,
-                                                 const char *name,
-                                                 struct clearance_points points,
-                                                 double radius,
-                                                 const struct clearance_pose *pose);
+clearance_status clearance_world_add_points(clearance_world *world,
+                                            const char *name,
+                                            clearance_points points,
+                                            double radius,
+                                            const clearance_pose *pose);
 
 // Moves an obstacle. Rejected: an unknown name.
-enum clearance_status clearance_world_move(struct clearance_world *world,
-                                           const char *name,
-                                           const struct clearance_pose *pose);
+clearance_status clearance_world_move(clearance_world *world, const char *name, const clearance_pose *pose);
 
 // Removes an obstacle. Rejected: an unknown name.
-enum clearance_status clearance_world_remove(struct clearance_world *world, const char *name);
+clearance_status clearance_world_remove(clearance_world *world, const char *name);
 
 // Options without group, fixed positions, paddings and pairs, that check everything.
-struct clearance_checker_options clearance_checker_options_default(void);
+clearance_checker_options clearance_checker_options_default(void);
 
 // Makes a checker. A null `world` is empty, null `options` are the defaults. Takes the time to build hierarchies of all meshes.
 //
 // Rejected: an unknown group, unknown names of links and objects, paddings and scales out of their range.
-enum clearance_status clearance_checker_new(const struct clearance_robot *robot,
-                                            const struct clearance_world *world,
-                                            const struct clearance_checker_options *options,
-                                            struct clearance_checker **checker);
+clearance_status clearance_checker_new(const clearance_robot *robot,
+                                       const clearance_world *world,
+                                       const clearance_checker_options *options,
+                                       clearance_checker **checker);
 
 // Makes the same checker for another world. Hierarchies of links and of obstacles that do not change are shared.
-enum clearance_status clearance_checker_with_world(const struct clearance_checker *checker,
-                                                   const struct clearance_world *world,
-                                                   struct clearance_checker **with_world);
+clearance_status clearance_checker_with_world(const clearance_checker *checker,
+                                              const clearance_world *world,
+                                              clearance_checker **with_world);
 
 // Makes a checker in which an obstacle is attached to a link and moves with it.
 //
 // Rejected: unknown names.
-enum clearance_status clearance_checker_attach(const struct clearance_checker *checker,
-                                               const struct clearance_grasp *grasp,
-                                               struct clearance_checker **attached);
+clearance_status clearance_checker_attach(const clearance_checker *checker,
+                                          const clearance_grasp *grasp,
+                                          clearance_checker **attached);
 
 // Makes a checker in which the attached object `name` is an obstacle, where it is in `state`.
 //
 // Rejected: an object that is not attached.
-enum clearance_status clearance_checker_detach(const struct clearance_checker *checker,
-                                               const char *name,
-                                               struct clearance_state state,
-                                               struct clearance_checker **detached);
+clearance_status clearance_checker_detach(const clearance_checker *checker,
+                                          const char *name,
+                                          clearance_state state,
+                                          clearance_checker **detached);
 
 // Frees a checker; null is ignored. Names of pairs in results were valid until here.
-void clearance_checker_free(struct clearance_checker *checker);
+void clearance_checker_free(clearance_checker *checker);
 
 // Makes a copy of the checker's world.
-enum clearance_status clearance_checker_world(const struct clearance_checker *checker,
-                                              struct clearance_world **world);
+clearance_status clearance_checker_world(const clearance_checker *checker, clearance_world **world);
 
 // Number of positions of a state.
-size_t clearance_checker_joint_count(const struct clearance_checker *checker);
+size_t clearance_checker_joint_count(const clearance_checker *checker);
 
 // Name of a position of a state, valid as long as the checker; null beyond the last.
-const char *clearance_checker_joint_name(const struct clearance_checker *checker, size_t index);
+const char *clearance_checker_joint_name(const clearance_checker *checker, size_t index);
 
 // Writes the `n` lower and `n` upper limits of a state (rad, m), also of the joints that mimic these; infinite without limit.
-enum clearance_status clearance_checker_limits(const struct clearance_checker *checker,
-                                               double *lower,
-                                               double *upper,
-                                               size_t n);
+clearance_status clearance_checker_limits(const clearance_checker *checker,
+                                          double *lower,
+                                          double *upper,
+                                          size_t n);
 
 // Writes a state of `n` positions with `count` joints set by name (rad, m); the others are at their defaults.
 //
 // Rejected: unknown names, and joints outside of the group.
-enum clearance_status clearance_checker_state(const struct clearance_checker *checker,
-                                              const struct clearance_named_value *values,
-                                              size_t count,
-                                              double *positions,
-                                              size_t n);
+clearance_status clearance_checker_state(const clearance_checker *checker,
+                                         const clearance_named_value *values,
+                                         size_t count,
+                                         double *positions,
+                                         size_t n);
 
 // Writes the `count` positions of the whole robot for a state of the checker.
-enum clearance_status clearance_checker_expand(const struct clearance_checker *checker,
-                                               struct clearance_state state,
-                                               double *positions,
-                                               size_t count);
+clearance_status clearance_checker_expand(const clearance_checker *checker,
+                                          clearance_state state,
+                                          double *positions,
+                                          size_t count);
 
 // Number of pairs of bodies that are checked.
-size_t clearance_checker_pair_count(const struct clearance_checker *checker);
+size_t clearance_checker_pair_count(const clearance_checker *checker);
 
 // Names of a pair of bodies that is checked, valid as long as the checker; null beyond the last.
-struct clearance_pair clearance_checker_pair(const struct clearance_checker *checker, size_t index);
+clearance_pair clearance_checker_pair(const clearance_checker *checker, size_t index);
 
 // Makes a workspace for queries of a checker.
-enum clearance_status clearance_workspace_new(const struct clearance_checker *checker,
-                                              struct clearance_workspace **workspace);
+clearance_status clearance_workspace_new(const clearance_checker *checker, clearance_workspace **workspace);
 
 // Frees a workspace; null is ignored.
-void clearance_workspace_free(struct clearance_workspace *workspace);
+void clearance_workspace_free(clearance_workspace *workspace);
 
 // Whether a state is free of collision: true is proven, every pair is apart, by more than the padding.
 //
 // Rejected: positions that are not finite.
-enum clearance_status clearance_checker_is_free(const struct clearance_checker *checker,
-                                                struct clearance_workspace *workspace,
-                                                struct clearance_state state,
-                                                bool *is_free);
+clearance_status clearance_checker_is_free(const clearance_checker *checker,
+                                           clearance_workspace *workspace,
+                                           clearance_state state,
+                                           bool *is_free);
 
 // Writes for each of many states 1 if it is free, as `clearance_checker_is_free` does, and otherwise 0: `states.count` results.
 //
 // `threads` is the number of threads; 0 for all cores, 1 for the calling thread with this workspace. Results do not depend on it.
 // Rejected: positions that are not finite; the text names the row.
-enum clearance_status clearance_checker_are_free(const struct clearance_checker *checker,
-                                                 struct clearance_workspace *workspace,
-                                                 struct clearance_states states,
-                                                 size_t threads,
-                                                 uint8_t *are_free);
+clearance_status clearance_checker_are_free(const clearance_checker *checker,
+                                            clearance_workspace *workspace,
+                                            clearance_states states,
+                                            size_t threads,
+                                            uint8_t *are_free);
 
 // Searches the least distances within the robot, and between robot and world, up to `max_distance` (m).
 //
 // Rejected: positions that are not finite, and a negative `max_distance`.
-enum clearance_status clearance_checker_distance(const struct clearance_checker *checker,
-                                                 struct clearance_workspace *workspace,
-                                                 struct clearance_state state,
-                                                 double max_distance,
-                                                 struct clearance_distances *distances);
+clearance_status clearance_checker_distance(const clearance_checker *checker,
+                                            clearance_workspace *workspace,
+                                            clearance_state state,
+                                            double max_distance,
+                                            clearance_distances *distances);
 
 // The default extent of a report.
-struct clearance_report_options clearance_report_options_default(void);
+clearance_report_options clearance_report_options_default(void);
 
 // Full report on a state: all colliding pairs, their contacts, and the distances of near pairs. Null `options` are the defaults.
 //
 // Rejected: positions that are not finite, and a negative `max_distance`.
-enum clearance_status clearance_checker_check(const struct clearance_checker *checker,
-                                              struct clearance_workspace *workspace,
-                                              struct clearance_state state,
-                                              const struct clearance_report_options *options,
-                                              struct clearance_report *report);
+clearance_status clearance_checker_check(const clearance_checker *checker,
+                                         clearance_workspace *workspace,
+                                         clearance_state state,
+                                         const clearance_report_options *options,
+                                         clearance_report *report);
 
 // Signed distances of all pairs up to `influence_distance` (m), with nearest points, normals and derivatives.
 //
 // Rejected: positions that are not finite, and an `influence_distance` that is no number. If it is negative, only pairs that overlap at
 // least as deep are reported.
-enum clearance_status clearance_checker_clearance(const struct clearance_checker *checker,
-                                                  struct clearance_workspace *workspace,
-                                                  struct clearance_state state,
-                                                  double influence_distance,
-                                                  struct clearance_clearance *clearance);
+clearance_status clearance_checker_clearance(const clearance_checker *checker,
+                                             clearance_workspace *workspace,
+                                             clearance_state state,
+                                             double influence_distance,
+                                             clearance_clearance *clearance);
 
 // The default options: no tracking tolerance, no time limit, the earliest contact, no certificate.
-struct clearance_motion_options clearance_motion_options_default(void);
+clearance_motion_options clearance_motion_options_default(void);
 
 // Whether a straight motion is proven free, at every point: false for a contact, or if undecided. `clearance_checker_check_motion` has
 // the reason. Null `options` are the defaults; `any_contact` and `certificate` have no effect.
 //
 // Rejected: positions that are not finite.
-enum clearance_status clearance_checker_is_motion_free(const struct clearance_checker *checker,
-                                                       struct clearance_workspace *workspace,
-                                                       struct clearance_edge edge,
-                                                       const struct clearance_motion_options *options,
-                                                       bool *is_free);
+clearance_status clearance_checker_is_motion_free(const clearance_checker *checker,
+                                                  clearance_workspace *workspace,
+                                                  clearance_edge edge,
+                                                  const clearance_motion_options *options,
+                                                  bool *is_free);
 
 // Writes for each of many straight motions 1 if it is proven free, and otherwise 0: `edges.count` results.
 //
 // Options as for `clearance_checker_is_motion_free`; `options.threads` is the number of threads. Results do not depend on it, unless
 // there is a timeout. Rejected: positions that are not finite; the text names the row.
-enum clearance_status clearance_checker_are_motions_free(const struct clearance_checker *checker,
-                                                         struct clearance_workspace *workspace,
-                                                         struct clearance_edges edges,
-                                                         const struct clearance_motion_options *options,
-                                                         uint8_t *are_free);
+clearance_status clearance_checker_are_motions_free(const clearance_checker *checker,
+                                                    clearance_workspace *workspace,
+                                                    clearance_edges edges,
+                                                    const clearance_motion_options *options,
+                                                    uint8_t *are_free);
 
 // Checks a straight motion. The verdict FREE is a proof for the whole motion. Null `options` are the defaults.
 //
 // Rejected: positions, tolerances and times that are not finite or out of their range.
-enum clearance_status clearance_checker_check_motion(const struct clearance_checker *checker,
-                                                     struct clearance_workspace *workspace,
-                                                     struct clearance_edge edge,
-                                                     const struct clearance_motion_options *options,
-                                                     struct clearance_motion_report *report);
+clearance_status clearance_checker_check_motion(const clearance_checker *checker,
+                                                clearance_workspace *workspace,
+                                                clearance_edge edge,
+                                                const clearance_motion_options *options,
+                                                clearance_motion_report *report);
 
 // Checks a trajectory: the report is on its first segment that is not free, if there is one. Null `options` are the defaults.
 //
 // Rejected: numbers that are not finite, times that do not increase, fewer than two points.
-enum clearance_status clearance_checker_check_trajectory(const struct clearance_checker *checker,
-                                                         struct clearance_workspace *workspace,
-                                                         const struct clearance_trajectory *trajectory,
-                                                         const struct clearance_motion_options *options,
-                                                         struct clearance_motion_report *report);
+clearance_status clearance_checker_check_trajectory(const clearance_checker *checker,
+                                                    clearance_workspace *workspace,
+                                                    const clearance_trajectory *trajectory,
+                                                    const clearance_motion_options *options,
+                                                    clearance_motion_report *report);
 
 // Reads a certificate from JSON text. Rejected: text that is none, and certificates that were altered.
-enum clearance_status clearance_certificate_from_json(const char *json,
-                                                      struct clearance_certificate **certificate);
+clearance_status clearance_certificate_from_json(const char *json, clearance_certificate **certificate);
 
 // The certificate as one line of JSON, valid as long as the certificate; null if `certificate` is null.
-const char *clearance_certificate_to_json(const struct clearance_certificate *certificate);
+const char *clearance_certificate_to_json(const clearance_certificate *certificate);
 
 // Number of segments of the motion.
-size_t clearance_certificate_segment_count(const struct clearance_certificate *certificate);
+size_t clearance_certificate_segment_count(const clearance_certificate *certificate);
 
 // Number of pairs of bodies that are proven apart.
-size_t clearance_certificate_pair_count(const struct clearance_certificate *certificate);
+size_t clearance_certificate_pair_count(const clearance_certificate *certificate);
 
 // Frees a certificate; null is ignored.
-void clearance_certificate_free(struct clearance_certificate *certificate);
+void clearance_certificate_free(clearance_certificate *certificate);
 
 // An expectation that any motion meets.
-struct clearance_expectation clearance_expectation_default(void);
+clearance_expectation clearance_expectation_default(void);
 
 // Verifies that a certificate proves a motion of this robot in this world free, with code that is independent of the checker.
 //
 // A null `world` is empty. A certificate that does not prove it is a result, not an error: `is_valid` is false, with a reason.
 // Rejected: options and expected motions that a checker would reject, too.
-enum clearance_status clearance_verify(const struct clearance_certificate *certificate,
-                                       const struct clearance_robot *robot,
-                                       const struct clearance_world *world,
-                                       const struct clearance_expectation *expectation,
-                                       struct clearance_verification *verification);
+clearance_status clearance_verify(const clearance_certificate *certificate,
+                                  const clearance_robot *robot,
+                                  const clearance_world *world,
+                                  const clearance_expectation *expectation,
+                                  clearance_verification *verification);
 
 // The default limits.
-struct clearance_plan_options clearance_plan_options_default(void);
+clearance_plan_options clearance_plan_options_default(void);
 
 // Searches a path of straight edges from `ends.from` to `ends.to` whose edges are proven free. Null `options` are the defaults.
 //
 // RRT-Connect with shortcuts. Only the joints of the checker's states move, within their limits. Without a timeout, the same seed gives
 // the same path. Rejected: a start or goal beyond joint limits, planar and floating joints.
-enum clearance_status clearance_checker_plan(const struct clearance_checker *checker,
-                                             struct clearance_workspace *workspace,
-                                             struct clearance_edge ends,
-                                             const struct clearance_plan_options *options,
-                                             struct clearance_plan *plan);
+clearance_status clearance_checker_plan(const clearance_checker *checker,
+                                        clearance_workspace *workspace,
+                                        clearance_edge ends,
+                                        const clearance_plan_options *options,
+                                        clearance_plan *plan);
 
 // The default limits.
-struct clearance_recovery_options clearance_recovery_options_default(void);
+clearance_recovery_options clearance_recovery_options_default(void);
 
 // Searches a free state near `state`. Only the joints of the checker's states move, without the locked ones. Null `options` are the
 // defaults. Nothing proves that no free state is nearer.
 //
 // Rejected: unknown joints, and lengths that are negative or not finite.
-enum clearance_status clearance_checker_find_free_state(const struct clearance_checker *checker,
-                                                        struct clearance_workspace *workspace,
-                                                        struct clearance_state state,
-                                                        const struct clearance_recovery_options *options,
-                                                        struct clearance_free_state *free_state);
+clearance_status clearance_checker_find_free_state(const clearance_checker *checker,
+                                                   clearance_workspace *workspace,
+                                                   clearance_state state,
+                                                   const clearance_recovery_options *options,
+                                                   clearance_free_state *free_state);
 
 #ifdef __cplusplus
 }  // extern "C"
