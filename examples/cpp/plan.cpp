@@ -12,8 +12,8 @@ int main() try {
   const clearance::Checker checker(robot, world, options);
   clearance::Workspace workspace(checker);
 
-  const auto start = checker.state({{"joint1", -1.0}, {"joint2", 0.4}, {"joint4", -1.8}});
-  const auto goal = checker.state({{"joint1", 1.0}, {"joint2", 0.4}, {"joint4", -1.8}});
+  const auto start = checker.state({{"joint1", -0.8}, {"joint2", 0.5}, {"joint4", -1.6}, {"joint6", 1.8}});
+  const auto goal = checker.state({{"joint1", 0.8}, {"joint2", 0.5}, {"joint4", -1.6}, {"joint6", 1.8}});
   clearance::PlanOptions limits;
   limits.certificate = true;
   const auto plan = checker.plan(start, goal, workspace, limits);

@@ -160,10 +160,26 @@ class States {
   }
 
 #ifdef CLEARANCE_WITH_EIGEN
-  // A matrix with a row for each state. Row-major matrices are used as they are.
-  States(const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> &rows)
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+  // A matrix with a row for each state, used as it is.
+  States(const Rows &rows)
       : States(rows.data(), static_cast<std::size_t>(rows.rows()), static_cast<std::size_t>(rows.cols())) {}
+
+  // The same of another kind of matrix, which is copied.
+  template <typename Derived>
+  States(const Eigen::MatrixBase<Derived> &rows)
+      : data_(nullptr),
+        count_(static_cast<std::size_t>(rows.rows())),
+        n_(static_cast<std::size_t>(rows.cols())),
+        own_(static_cast<std::size_t>(rows.size())) {
+    Eigen::Map<Rows>(own_.data(), rows.rows(), rows.cols()) = rows;
+    data_ = own_.data();
+  }
 #endif
+
+  States(const States &) = delete;
+  States &operator=(const States &) = delete;
 
   const double *data() const noexcept { return data_; }
   std::size_t count() const noexcept { return count_; }
@@ -173,6 +189,7 @@ class States {
   const double *data_;
   std::size_t count_;
   std::size_t n_;
+  std::vector<double> own_;
 };
 
 // A pose: position (m) and unit quaternion x, y, z, w. By default the identity.
