@@ -56,8 +56,31 @@ fn c_and_cpp_interface() {
     } else {
         announce("C and C++ interface: clang++ is not installed, g++ alone was tested");
     }
-    installed.examples();
+    let has_ompl = has_ompl();
+    if has_ompl {
+        ompl(&installed);
+    } else {
+        announce("C and C++ interface: OMPL is not installed, clearance/ompl.hpp was not tested");
+    }
+    installed.examples(has_ompl);
     announce("C and C++ interface: all programs passed");
+}
+
+fn has_ompl() -> bool {
+    let status = Command::new("pkg-config").args(["--exists", "ompl"]).status();
+    status.is_ok_and(|status| status.success())
+}
+
+/// Planners of OMPL with proven motions.
+fn ompl(installed: &Installation) {
+    // not its other flags: they ask for C++14, and list libraries of Boost that Debian's libompl-dev does not bring
+    let folders = output_of("folders of OMPL", Command::new("pkg-config").args(["--cflags-only-I", "ompl"]));
+    // its own headers have warnings
+    let folders: Vec<String> =
+        folders.split_whitespace().map(|flag| flag.replacen("-I", "-isystem", 1)).collect();
+    let folders: Vec<&str> = folders.iter().map(String::as_str).collect();
+    let options: [&[&str]; 5] = [&CPP, &WARNINGS, &installed.shared(), &folders, &["-lompl"]];
+    installed.run("ompl", &installed.compile("g++", "ompl", &options), &[]);
 }
 
 /// Reads of freed memory and leaks in the C++ layer and in the programs, and results that outlive their query.

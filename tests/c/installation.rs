@@ -79,7 +79,7 @@ impl Installation {
     }
 
     /// Builds the examples by `find_package` and one of them by pkg-config, and compares what they print with the pages.
-    pub fn examples(&self) {
+    pub fn examples(&self, has_ompl: bool) {
         let examples = root().join("examples/cpp");
         let build = self.folder().join("examples");
         let mut configure = Command::new("cmake");
@@ -90,7 +90,19 @@ impl Installation {
         let plan = output_of("plan", Command::new(build.join("plan")).current_dir(root()));
         let page = std::fs::read_to_string(root().join("docs/plan/cpp.md")).expect("the page is there");
         assert!(page.contains(states.trim_end()), "docs/plan/cpp.md shows another output than:\n{states}");
+        let program =
+            std::fs::read_to_string(examples.join("check_states.cpp")).expect("the example is there");
+        // without the comment at the beginning
+        let (_, program) = program.split_once("\n\n").expect("the example begins with a comment");
+        assert!(
+            page.contains(program.trim_end()),
+            "docs/plan/cpp.md does not show examples/cpp/check_states.cpp"
+        );
         assert!(plan.contains("verified: yes"), "{plan}");
+        if has_ompl {
+            let planned = output_of("ompl_plan", Command::new(build.join("ompl_plan")).current_dir(root()));
+            assert!(planned.contains("verified: yes"), "{planned}");
+        }
 
         let mut flags = Command::new("pkg-config");
         flags

@@ -772,6 +772,9 @@ size_t clearance_checker_joint_count(const clearance_checker *checker);
 // Name of a position of a state, valid as long as the checker; null beyond the last.
 const char *clearance_checker_joint_name(const clearance_checker *checker, size_t index);
 
+// True if a whole turn of a position changes nothing: a continuous joint. False beyond the last.
+bool clearance_checker_joint_is_continuous(const clearance_checker *checker, size_t index);
+
 // Writes the `n` lower and `n` upper limits of a state (rad, m), also of the joints that mimic these; infinite without limit.
 clearance_status clearance_checker_limits(const clearance_checker *checker,
                                           double *lower,

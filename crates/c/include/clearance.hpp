@@ -814,6 +814,8 @@ class Checker {
     }
     return names;
   }
+  // True if a whole turn of a position changes nothing: a continuous joint.
+  bool is_continuous(std::size_t joint) const { return clearance_checker_joint_is_continuous(handle(), joint); }
   // Lower and upper limits (rad, m) of the positions; infinite without limit.
   std::pair<std::vector<double>, std::vector<double>> limits() const {
     std::vector<double> lower(size()), upper(size());

@@ -253,6 +253,19 @@ pub extern "C" fn clearance_checker_joint_name(
     call_for(ptr::null(), |arguments| Ok(arguments.object(checker, "checker")?.joints.get(index)))
 }
 
+/// True if a whole turn of a position changes nothing: a continuous joint. False beyond the last.
+#[unsafe(no_mangle)]
+pub extern "C" fn clearance_checker_joint_is_continuous(
+    checker: *const clearance_checker,
+    index: usize,
+) -> bool {
+    call_for(false, |arguments| {
+        let checker = arguments.object(checker, "checker")?;
+        let turns = checker.space.select(&checker.model().whole_turns());
+        Ok(turns.get(index).copied().unwrap_or(false))
+    })
+}
+
 /// Writes the `n` lower and `n` upper limits of a state (rad, m), also of the joints that mimic these; infinite without limit.
 #[unsafe(no_mangle)]
 pub extern "C" fn clearance_checker_limits(

@@ -97,7 +97,7 @@ impl JointSpace {
     }
 
     /// The columns of values that the whole robot has, such as a row of derivatives.
-    pub fn select(&self, whole: &[f64]) -> Vec<f64> {
+    pub fn select<T: Copy>(&self, whole: &[T]) -> Vec<T> {
         match &self.columns {
             Some(columns) => columns.iter().map(|&position| whole[position]).collect(),
             None => whole.to_vec(),
