@@ -5,8 +5,10 @@ mod installation;
 mod rust_results;
 
 use std::io::Write;
+use std::num::NonZero;
 use std::path::Path;
 use std::process::Command;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use installation::Installation;
 
@@ -39,62 +41,86 @@ fn c_and_cpp_interface() {
     let truth = truth.to_str().expect("the temporary folder is UTF-8");
 
     let shared = installed.shared();
-    for program in ["flow", "errors"] {
-        installed.run(program, &installed.compile("gcc", program, &[&C, &WARNINGS, &shared]), &[]);
-    }
-    for (program, arguments) in [("objects", &[][..]), ("truth", &[truth][..])] {
-        let options: [&[&str]; 3] = [&CPP, &WARNINGS, &shared];
-        installed.run(program, &installed.compile("g++", program, &options), arguments);
-    }
-    sanitized(&installed, truth);
+    let mut programs = vec![
+        Program { compiler: "gcc", name: "flow", options: vec![&C, &shared], arguments: vec![] },
+        Program {
+            compiler: "gcc",
+            name: "errors",
+            options: vec![&C, &SANITIZERS, &shared],
+            arguments: vec![],
+        },
+        Program {
+            compiler: "g++",
+            name: "objects",
+            options: vec![&CPP, &SANITIZERS, &shared],
+            arguments: vec![],
+        },
+        Program {
+            compiler: "g++",
+            name: "truth",
+            options: vec![&CPP, &SANITIZERS, &shared],
+            arguments: vec![truth],
+        },
+    ];
     let archive = installed.archive();
-    installed.run("flow", &installed.compile("gcc", "flow", &[&C, &WARNINGS, &archive]), &[]);
+    programs.push(Program { compiler: "gcc", name: "flow", options: vec![&C, &archive], arguments: vec![] });
     if exists("clang++") {
-        let options: [&[&str]; 3] = [&CPP, &WARNINGS, &shared];
-        installed.run("objects", &installed.compile("clang++", "objects", &options), &[]);
-        installed.run("flow", &installed.compile("clang", "flow", &[&C, &WARNINGS, &shared]), &[]);
+        let (c, cpp) = (vec![&C[..], &SANITIZERS, &shared], vec![&CPP[..], &shared]);
+        programs.push(Program { compiler: "clang", name: "flow", options: c, arguments: vec![] });
+        programs.push(Program { compiler: "clang++", name: "objects", options: cpp, arguments: vec![] });
     } else {
-        announce("C and C++ interface: clang++ is not installed, g++ alone was tested");
+        announce("C and C++ interface: clang++ is not installed, gcc alone was tested");
     }
-    let has_ompl = has_ompl();
-    if has_ompl {
-        ompl(&installed);
+    let folders = ompl_folders();
+    let folders: Option<Vec<&str>> =
+        folders.as_ref().map(|folders| folders.iter().map(String::as_str).collect());
+    if let Some(folders) = &folders {
+        let options = vec![&CPP[..], &shared, folders, &["-lompl"]];
+        programs.push(Program { compiler: "g++", name: "ompl", options, arguments: vec![] });
     } else {
         announce("C and C++ interface: OMPL is not installed, clearance/ompl.hpp was not tested");
     }
-    installed.examples(has_ompl);
+    run_all(&installed, &programs);
+    installed.examples(folders.is_some());
     announce("C and C++ interface: all programs passed");
 }
 
-fn has_ompl() -> bool {
-    let status = Command::new("pkg-config").args(["--exists", "ompl"]).status();
-    status.is_ok_and(|status| status.success())
+/// A program of this folder, how it is compiled and run.
+struct Program<'a> {
+    compiler: &'a str,
+    name: &'a str,
+    options: Vec<&'a [&'a str]>,
+    arguments: Vec<&'a str>,
 }
 
-/// Planners of OMPL with proven motions.
-fn ompl(installed: &Installation) {
-    // not its other flags: they ask for C++14, and list libraries of Boost that Debian's libompl-dev does not bring
-    let folders = output_of("folders of OMPL", Command::new("pkg-config").args(["--cflags-only-I", "ompl"]));
+/// Compiles and runs programs, as many at a time as there are cores. The sanitizers find reads of freed memory and leaks in the C++ layer
+/// and in the programs, and results that outlive their query.
+fn run_all(installed: &Installation, programs: &[Program<'_>]) {
+    let next = AtomicUsize::new(0);
+    let work = || {
+        loop {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            let Some(Program { compiler, name, options, arguments }) = programs.get(index) else { return };
+            let made = installed.folder().join(format!("{index} {name}"));
+            installed.compile(compiler, name, &[options.as_slice(), &[&WARNINGS]].concat(), &made);
+            installed.run(name, &made, arguments);
+        }
+    };
+    std::thread::scope(|scope| {
+        for _ in 0..std::thread::available_parallelism().map_or(1, NonZero::get) {
+            scope.spawn(work);
+        }
+    });
+}
+
+/// Options for OMPL's headers; none where it is not installed. Its other flags are not used: they ask for C++14, and list libraries of
+/// Boost that Debian's libompl-dev does not bring.
+fn ompl_folders() -> Option<Vec<String>> {
+    let output = Command::new("pkg-config").args(["--cflags-only-I", "ompl"]).output();
+    let output = output.ok().filter(|output| output.status.success())?;
+    let flags = String::from_utf8_lossy(&output.stdout).into_owned();
     // its own headers have warnings
-    let folders: Vec<String> =
-        folders.split_whitespace().map(|flag| flag.replacen("-I", "-isystem", 1)).collect();
-    let folders: Vec<&str> = folders.iter().map(String::as_str).collect();
-    let options: [&[&str]; 5] = [&CPP, &WARNINGS, &installed.shared(), &folders, &["-lompl"]];
-    installed.run("ompl", &installed.compile("g++", "ompl", &options), &[]);
-}
-
-/// Reads of freed memory and leaks in the C++ layer and in the programs, and results that outlive their query.
-fn sanitized(installed: &Installation, truth: &str) {
-    let shared = installed.shared();
-    for (compiler, program, language, arguments) in [
-        ("gcc", "flow", &C, &[][..]),
-        ("gcc", "errors", &C, &[][..]),
-        ("g++", "objects", &CPP, &[][..]),
-        ("g++", "truth", &CPP, &[truth][..]),
-    ] {
-        let options: [&[&str]; 4] = [language, &WARNINGS, &SANITIZERS, &shared];
-        installed.run(program, &installed.compile(compiler, program, &options), arguments);
-    }
+    Some(flags.split_whitespace().map(|flag| flag.replacen("-I", "-isystem", 1)).collect())
 }
 
 fn exists(tool: &str) -> bool {

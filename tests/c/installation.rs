@@ -46,29 +46,20 @@ impl Installation {
         ["-L", &self.library, "-lclearance", "-lm", "-pthread"]
     }
 
-    /// Options for the static library.
-    pub fn archive(&self) -> [&str; 6] {
-        let native = ["-lgcc_s", "-lpthread", "-lm", "-ldl", "-lc"];
-        let [a, b, c, d, e] = native;
-        [self.archive_path(), a, b, c, d, e]
-    }
-
-    fn archive_path(&self) -> &str {
-        static PATH: std::sync::OnceLock<String> = std::sync::OnceLock::new();
-        PATH.get_or_init(|| format!("{}/libclearance.a", self.library))
+    /// Options for the static library, with those of `Libs.private` in its pkg-config file.
+    pub fn archive(&self) -> [&str; 8] {
+        ["-L", &self.library, "-l:libclearance.a", "-lgcc_s", "-lpthread", "-lm", "-ldl", "-lc"]
     }
 
     /// Compiles a program of this folder, with Eigen where Debian has it.
-    pub fn compile(&self, compiler: &str, program: &str, options: &[&[&str]]) -> PathBuf {
+    pub fn compile(&self, compiler: &str, program: &str, options: &[&[&str]], made: &Path) {
         let here = Path::new(env!("CARGO_MANIFEST_DIR"));
         let extension = if compiler.ends_with("++") { "cpp" } else { "c" };
-        let made = self.folder().join(program);
         let mut command = Command::new(compiler);
-        command.arg(here.join(program).with_extension(extension)).arg("-o").arg(&made);
+        command.arg(here.join(program).with_extension(extension)).arg("-o").arg(made);
         command.args(["-I", &self.include, "-isystem", "/usr/include/eigen3"]);
         command.args(options.concat());
         output_of(program, &mut command);
-        made
     }
 
     /// Runs a program in the root of the project.
