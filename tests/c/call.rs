@@ -6,7 +6,7 @@ use std::ptr;
 use std::sync::Arc;
 use std::time::Instant;
 
-use clearance::{CollisionChecker, Configuration, RobotModel, SceneLoader, Settings, World};
+use clearance::{CollisionChecker, Configuration, MeshFiles, RobotModel, SceneLoader, Settings, World};
 use clearance_c::checker::{clearance_checker, clearance_checker_new};
 use clearance_c::robot::{clearance_robot, clearance_robot_from_urdf};
 use clearance_c::state_queries::clearance_checker_is_free;
@@ -72,7 +72,7 @@ fn rust_checker(has_world: bool) -> CollisionChecker {
     let mut loader = SceneLoader::default();
     if has_world {
         let bytes = std::fs::read(file(WORLD)).expect("there is a world");
-        let read = loader.read_file(&bytes, Path::new(&file(WORLD)), None, &robot, &Default::default());
+        let read = loader.read_file(&bytes, Path::new(&file(WORLD)), None, &robot, &MeshFiles::default());
         read.expect("the world is sound");
     }
     let world: World = loader.into_scene().world;
