@@ -3,7 +3,7 @@
 use std::path::Path;
 
 /// The crates, and those of them that each may use.
-const CRATES: [(&str, &[&str]); 12] = [
+const CRATES: [(&str, &[&str]); 13] = [
     ("geometry", &[]),
     ("files", &[]),
     ("proximity", &["geometry"]),
@@ -17,6 +17,7 @@ const CRATES: [(&str, &[&str]); 12] = [
     ("ros", &["geometry", "files", "proximity", "robot", "scene", "motion", "checker", "monitor"]),
     // above the root package, which it uses like any other program
     ("python", &["files"]),
+    ("c", &["files"]),
 ];
 
 /// Modules that share a crate, and those of them that each may use.

@@ -30,6 +30,9 @@ if [ ! -e "$venv/.complete" ]; then
     # 5 MB; not for every Python
     "$venv/bin/pip" install --quiet --disable-pip-version-check --only-binary :all: ompl==2.0.1 \
         || say "no wheel of ompl for this Python: the tests of clearance.ompl will be skipped"
+    # 70 MB; not for every Python
+    "$venv/bin/pip" install --quiet --disable-pip-version-check --only-binary :all: 'ray>=2.40,<3' \
+        || say "no wheel of ray for this Python: the test of examples/roadmap_ray.py will be skipped"
     touch "$venv/.complete"
 fi
 echo "$venv"

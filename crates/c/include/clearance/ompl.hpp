@@ -1,0 +1,420 @@
+// clearance in OMPL: validity of states, motions that are proven free, and the certificate of a path. Header only; needs OMPL 1.5 or newer.
+//
+// A motion of OMPL is valid only if it is proven free at every point, for the straight line in joint space that the state space
+// interpolates: the resolution of OMPL's validity checking has no effect. Continuous joints in an SO2StateSpace take the short way, as
+// there.
+//
+// Values of a state space are joints by name: the dimension names of a RealVectorStateSpace, and the names of SO2StateSpaces, also inside
+// of CompoundStateSpaces. A RealVectorStateSpace without dimension names has the joints of the checker in their order.
+//
+// Threads: planners may check states and motions from any number of threads.
+
+#ifndef CLEARANCE_OMPL_HPP
+#define CLEARANCE_OMPL_HPP
+
+#include "../clearance.hpp"
+
+#include <ompl/base/MotionValidator.h>
+#include <ompl/base/ScopedState.h>
+#include <ompl/base/SpaceInformation.h>
+#include <ompl/base/StateSpace.h>
+#include <ompl/base/StateValidityChecker.h>
+#include <ompl/base/spaces/RealVectorStateSpace.h>
+#include <ompl/base/spaces/SO2StateSpace.h>
+#include <ompl/geometric/PathGeometric.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace clearance {
+
+// Where the positions of a checker are in the states of an OMPL space.
+//
+// Throws Error if a joint is missing, if the space has values that are no joints, if a joint with limits is in an SO2StateSpace, or if the
+// space does not interpolate along straight lines.
+class OmplJoints {
+ public:
+  OmplJoints(const ::ompl::base::StateSpacePtr &space, const Checker &checker) : space_(space) {
+    space->computeLocations();
+    const std::vector<std::string> names = checker.joint_names();
+    if (!is_in_order(names.size())) {
+      for (std::size_t i = 0; i < names.size(); ++i) {
+        add(names[i], checker.is_continuous(i));
+      }
+      reject_other_values(names);
+    }
+    check_interpolation();
+  }
+
+  // Writes the joint positions (rad, m) of a state.
+  void read(const ::ompl::base::State *state, std::vector<double> &q) const {
+    q.resize(values_.size());
+    for (std::size_t i = 0; i < values_.size(); ++i) {
+      q[i] = *space_->getValueAddressAtLocation(state, values_[i].location);
+    }
+  }
+
+  // Writes both ends of the motion that the space interpolates: a straight line, on which circular joints take the short way.
+  void read_motion(const ::ompl::base::State *s1, const ::ompl::base::State *s2, std::vector<double> &from,
+                   std::vector<double> &to) const {
+    read(s1, from);
+    read(s2, to);
+    continue_from(from, to);
+  }
+
+  // Adds whole turns to the circular joints of `to`, so that they are the short way from `from`, as in SO2StateSpace::interpolate.
+  void continue_from(const std::vector<double> &from, std::vector<double> &to) const {
+    for (std::size_t i = 0; i < values_.size(); ++i) {
+      const double difference = to[i] - from[i];
+      if (values_[i].is_circular && std::abs(difference) > 0.5 * TURN) {
+        to[i] -= TURN * std::round(difference / TURN);
+      }
+    }
+  }
+
+  // Writes joint positions (rad, m) into a state.
+  void write(Positions q, ::ompl::base::State *state) const {
+    if (q.size() != values_.size()) {
+      throw Error(CLEARANCE_STATUS_ARGUMENT, "the state has " + std::to_string(values_.size()) + " joints, but " +
+                                                 std::to_string(q.size()) + " positions are given");
+    }
+    for (std::size_t i = 0; i < values_.size(); ++i) {
+      const double value = q.data()[i];
+      *space_->getValueAddressAtLocation(state, values_[i].location) =
+          values_[i].is_circular ? value - TURN * std::round(value / TURN) : value;
+    }
+  }
+
+ private:
+  static constexpr double TURN = 6.283185307179586476925286766559;
+
+  struct Value {
+    ::ompl::base::StateSpace::ValueLocation location;
+    bool is_circular;
+  };
+
+  // A space of real values without names: takes the joints in their order.
+  bool is_in_order(std::size_t count) {
+    if (space_->getType() != ::ompl::base::STATE_SPACE_REAL_VECTOR || space_->getDimension() != count) {
+      return false;
+    }
+    const auto *real = space_->as<::ompl::base::RealVectorStateSpace>();
+    for (unsigned int i = 0; i < real->getDimension(); ++i) {
+      if (!real->getDimensionName(i).empty()) {
+        return false;
+      }
+    }
+    for (const auto &location : space_->getValueLocations()) {
+      values_.push_back({location, false});
+    }
+    return true;
+  }
+
+  void add(const std::string &name, bool is_continuous) {
+    const auto &named = space_->getValueLocationsByName();
+    const auto found = named.find(name);
+    if (found == named.end()) {
+      throw Error(CLEARANCE_STATUS_REJECTED, "the state space has no joint '" + name +
+                                                 "': give this name to a dimension of a RealVectorStateSpace (setDimensionName), or to "
+                                                 "an SO2StateSpace (setName)");
+    }
+    const int type = found->second.stateLocation.space->getType();
+    if (type != ::ompl::base::STATE_SPACE_REAL_VECTOR && type != ::ompl::base::STATE_SPACE_SO2) {
+      throw Error(CLEARANCE_STATUS_REJECTED,
+                  "joint '" + name + "' is neither in a RealVectorStateSpace nor in an SO2StateSpace: use one of these");
+    }
+    const bool is_circular = type == ::ompl::base::STATE_SPACE_SO2;
+    if (is_circular && !is_continuous) {
+      throw Error(CLEARANCE_STATUS_REJECTED, "joint '" + name +
+                                                 "' is not continuous, but in an SO2StateSpace, which would turn it through its limits: "
+                                                 "use a dimension of a RealVectorStateSpace");
+    }
+    values_.push_back({found->second, is_circular});
+  }
+
+  // Values that the checker does not know would be ignored.
+  void reject_other_values(const std::vector<std::string> &names) const {
+    const std::size_t count = space_->getValueLocations().size();
+    const ::ompl::base::ScopedState<> state(space_);
+    std::set<const double *> addresses;
+    for (const Value &value : values_) {
+      addresses.insert(space_->getValueAddressAtLocation(state.get(), value.location));
+    }
+    if (count == names.size() && addresses.size() == names.size()) {
+      return;
+    }
+    std::string list;
+    for (const std::string &name : names) {
+      list += (list.empty() ? "" : ", ") + name;
+    }
+    throw Error(CLEARANCE_STATUS_REJECTED, "the state space has " + std::to_string(count) + " values, but the checker has " +
+                                               std::to_string(names.size()) +
+                                               " joints, each of which needs one value of its own: " + list);
+  }
+
+  // A proof is about straight lines: a space that interpolates in another way would move along another path than the proven one.
+  void check_interpolation() const {
+    const auto sampler = space_->allocDefaultStateSampler();
+    ::ompl::base::ScopedState<> a(space_), b(space_), middle(space_);
+    std::vector<double> from, to, q;
+    for (int i = 0; i < PROBES; ++i) {
+      sampler->sampleUniform(a.get());
+      sampler->sampleUniform(b.get());
+      read_motion(a.get(), b.get(), from, to);
+      space_->interpolate(a.get(), b.get(), PROBE, middle.get());
+      read(middle.get(), q);
+      std::vector<double> expected(from);
+      for (std::size_t k = 0; k < from.size(); ++k) {
+        expected[k] += PROBE * (to[k] - from[k]);
+      }
+      continue_from(expected, q);
+      for (std::size_t k = 0; k < q.size(); ++k) {
+        if (!(std::abs(q[k] - expected[k]) <= 1e-6 * (1.0 + std::abs(expected[k])))) {
+          throw Error(CLEARANCE_STATUS_REJECTED, "the state space '" + space_->getName() +
+                                                     "' does not interpolate along straight lines between joint positions, which alone "
+                                                     "are proven");
+        }
+      }
+    }
+  }
+
+  static constexpr int PROBES = 16;
+  static constexpr double PROBE = 0.3;
+
+  ::ompl::base::StateSpacePtr space_;
+  std::vector<Value> values_;
+};
+
+namespace detail {
+
+// Workspaces for the threads of a planner, which OMPL does not tell apart.
+class OmplWorkspaces {
+ public:
+  struct Entry {
+    explicit Entry(const Checker &checker) : workspace(checker) {}
+    Workspace workspace;
+    std::vector<double> from, to;
+  };
+
+  // An entry that this thread has alone; returned at its end.
+  class Lease {
+   public:
+    Lease(OmplWorkspaces &owner, std::unique_ptr<Entry> entry) : owner_(owner), entry_(std::move(entry)) {}
+    Lease(const Lease &) = delete;
+    Lease &operator=(const Lease &) = delete;
+    ~Lease() {
+      const std::lock_guard<std::mutex> lock(owner_.mutex_);
+      owner_.idle_.push_back(std::move(entry_));
+    }
+    Entry *operator->() { return entry_.get(); }
+    Entry &operator*() { return *entry_; }
+
+   private:
+    OmplWorkspaces &owner_;
+    std::unique_ptr<Entry> entry_;
+  };
+
+  Lease lease(const Checker &checker) {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      if (!idle_.empty()) {
+        std::unique_ptr<Entry> entry = std::move(idle_.back());
+        idle_.pop_back();
+        return Lease(*this, std::move(entry));
+      }
+      // room for the return of this entry, which must not fail
+      idle_.reserve(++made_);
+    }
+    return Lease(*this, std::make_unique<Entry>(checker));
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<Entry>> idle_;
+  std::size_t made_ = 0;
+};
+
+}  // namespace detail
+
+// Validity of states: within the bounds of the space, and proven free.
+class OmplStateValidityChecker : public ::ompl::base::StateValidityChecker {
+ public:
+  // Distances beyond max_clearance (m) count as max_clearance.
+  OmplStateValidityChecker(const ::ompl::base::SpaceInformationPtr &si, const Checker &checker, double max_clearance = 0.5)
+      : ::ompl::base::StateValidityChecker(si),
+        checker_(checker),
+        joints_(si->getStateSpace(), checker),
+        max_clearance_(max_clearance) {
+    specs_.clearanceComputationType = ::ompl::base::StateValidityCheckerSpecs::EXACT;
+  }
+
+  using ::ompl::base::StateValidityChecker::clearance;
+  using ::ompl::base::StateValidityChecker::isValid;
+
+  bool isValid(const ::ompl::base::State *state) const override {
+    if (!si_->satisfiesBounds(state)) {
+      return false;
+    }
+    auto lease = workspaces_.lease(checker_);
+    joints_.read(state, lease->from);
+    return checker_.is_free(lease->from, lease->workspace);
+  }
+
+  // Least distance of two bodies (m, padding subtracted), not of states; minus the penetration depth in a collision.
+  double clearance(const ::ompl::base::State *state) const override {
+    auto lease = workspaces_.lease(checker_);
+    joints_.read(state, lease->from);
+    const Distances near = checker_.distance(lease->from, lease->workspace, max_clearance_);
+    const double distance = std::min({near.self.distance, near.world.distance, max_clearance_});
+    if (distance > 0.0) {
+      return distance;
+    }
+    double deepest = 0.0;
+    for (const PairClearance &pair : checker_.clearance(lease->from, lease->workspace, 0.0).pairs) {
+      deepest = std::min(deepest, pair.distance);
+    }
+    return deepest;
+  }
+
+ private:
+  Checker checker_;
+  OmplJoints joints_;
+  double max_clearance_;
+  mutable detail::OmplWorkspaces workspaces_;
+};
+
+// Validity of motions: proven free at every point, and to an end within the bounds of the space.
+class OmplMotionValidator : public ::ompl::base::MotionValidator {
+ public:
+  OmplMotionValidator(const ::ompl::base::SpaceInformationPtr &si, const Checker &checker, const MotionOptions &options = {})
+      : ::ompl::base::MotionValidator(si), checker_(checker), joints_(si->getStateSpace(), checker), options_(options) {
+    options_.certificate = false;
+  }
+
+  bool checkMotion(const ::ompl::base::State *s1, const ::ompl::base::State *s2) const override {
+    bool is_free = false;
+    if (si_->satisfiesBounds(s2)) {
+      auto lease = workspaces_.lease(checker_);
+      joints_.read_motion(s1, s2, lease->from, lease->to);
+      is_free = checker_.is_motion_free(lease->from, lease->to, lease->workspace, options_);
+    }
+    return counted(is_free);
+  }
+
+  // The last valid state is the end of the part from s1 on that is proven free; its fraction is 0 if s2 is out of the bounds.
+  bool checkMotion(const ::ompl::base::State *s1, const ::ompl::base::State *s2,
+                   std::pair<::ompl::base::State *, double> &last_valid) const override {
+    double fraction = 0.0;
+    auto lease = workspaces_.lease(checker_);
+    if (si_->satisfiesBounds(s2)) {
+      joints_.read_motion(s1, s2, lease->from, lease->to);
+      const MotionReport report = checker_.check_motion(lease->from, lease->to, lease->workspace, options_);
+      if (report.is_free()) {
+        return counted(true);
+      }
+      fraction = report.t[0];
+    }
+    ::ompl::base::ScopedState<> last(si_->getStateSpace());
+    last_valid.second = shrink_to_free(s1, s2, fraction, last.get(), *lease);
+    if (last_valid.first != nullptr) {
+      si_->copyState(last_valid.first, last.get());
+    }
+    return counted(false);
+  }
+
+ private:
+  bool counted(bool is_free) const {
+    ++(is_free ? valid_ : invalid_);
+    return is_free;
+  }
+
+  // The end of the proven part, as the space rounds it, is free, too: otherwise a little less of it.
+  double shrink_to_free(const ::ompl::base::State *s1, const ::ompl::base::State *s2, double fraction,
+                        ::ompl::base::State *last, detail::OmplWorkspaces::Entry &entry) const {
+    for (double step = 1e-12; fraction > 0.0; step *= 10.0) {
+      si_->getStateSpace()->interpolate(s1, s2, fraction, last);
+      joints_.read(last, entry.from);
+      if (checker_.is_free(entry.from, entry.workspace)) {
+        return fraction;
+      }
+      fraction -= step;
+    }
+    si_->copyState(last, s1);
+    return 0.0;
+  }
+
+  Checker checker_;
+  OmplJoints joints_;
+  MotionOptions options_;
+  mutable detail::OmplWorkspaces workspaces_;
+};
+
+// Uses a checker for states and motions. Call it before the setup of the planner.
+inline void use_in_ompl(const ::ompl::base::SpaceInformationPtr &si, const Checker &checker, const MotionOptions &options = {}) {
+  si->setStateValidityChecker(std::make_shared<OmplStateValidityChecker>(si, checker));
+  si->setMotionValidator(std::make_shared<OmplMotionValidator>(si, checker, options));
+}
+
+// A state space of the joints of a checker, with their limits: SO2StateSpaces for continuous joints, real values for the others.
+//
+// Throws Error for joints that are neither continuous nor limited on both sides.
+inline ::ompl::base::StateSpacePtr ompl_state_space(const Checker &checker) {
+  const std::vector<std::string> names = checker.joint_names();
+  const auto [lower, upper] = checker.limits();
+  const auto compound = std::make_shared<::ompl::base::CompoundStateSpace>();
+  const auto real = std::make_shared<::ompl::base::RealVectorStateSpace>();
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (checker.is_continuous(i)) {
+      const auto circle = std::make_shared<::ompl::base::SO2StateSpace>();
+      circle->setName(names[i]);
+      compound->addSubspace(circle, 1.0);
+      continue;
+    }
+    if (!std::isfinite(lower[i]) || !std::isfinite(upper[i])) {
+      throw Error(CLEARANCE_STATUS_REJECTED, "joint '" + names[i] + "' has no limits: make a state space with bounds for it");
+    }
+    real->addDimension(names[i], lower[i], upper[i]);
+  }
+  if (compound->getSubspaceCount() == 0) {
+    return real;
+  }
+  if (real->getDimension() > 0) {
+    compound->addSubspace(real, 1.0);
+  }
+  compound->lock();
+  return compound;
+}
+
+// The motion along a path, without times: for certify, and for the expectation of a verification.
+inline Trajectory trajectory_of(const ::ompl::geometric::PathGeometric &path, const Checker &checker) {
+  const OmplJoints joints(path.getSpaceInformation()->getStateSpace(), checker);
+  Trajectory trajectory;
+  trajectory.n = checker.size();
+  std::vector<double> q, last;
+  for (std::size_t i = 0; i < path.getStateCount(); ++i) {
+    joints.read(path.getState(static_cast<unsigned int>(i)), q);
+    if (i > 0) {
+      joints.continue_from(last, q);
+    }
+    trajectory.positions.insert(trajectory.positions.end(), q.begin(), q.end());
+    last = q;
+  }
+  return trajectory;
+}
+
+// Proves a path free: a report, with the certificate if it is free. Paths have at least two states.
+inline MotionReport certify(const ::ompl::geometric::PathGeometric &path, const Checker &checker, Workspace &workspace,
+                            MotionOptions options = {}) {
+  options.certificate = true;
+  return checker.check_trajectory(trajectory_of(path, checker), workspace, options);
+}
+
+}  // namespace clearance
+
+#endif  // CLEARANCE_OMPL_HPP

@@ -1,0 +1,164 @@
+//! Paths of the planner.
+
+use std::ffi::{CStr, c_char, c_int};
+use std::ptr;
+
+use clearance::MotionOptions;
+use clearance::planner::{self, NoPlan, Path, Plan, PlanOptions};
+use clearance::robot::JointGroup;
+
+use crate::arguments::Arguments;
+use crate::certificate::clearance_certificate;
+use crate::checker::clearance_checker;
+use crate::motion_options::deadline;
+use crate::motion_queries::edge_ends;
+use crate::status::{Failure, Outcome, clearance_status};
+use crate::structs::clearance_edge;
+use crate::workspace::{Memory, clearance_workspace, query};
+
+/// Limits of a search for a path. Start with `clearance_plan_options_default`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct clearance_plan_options {
+    /// Seed of the random states. Default 1.
+    pub seed: u64,
+    /// Time (s) after which the search ends. Default infinity.
+    pub timeout: f64,
+    /// Number of edges after which the search ends. Default 200 000.
+    pub max_edges: u64,
+    /// Largest length of an edge of the search: the Euclidean norm of all changes (rad, m). Default 1.
+    pub range: f64,
+    /// Number of shortcuts that are tried. Default 64.
+    pub shortcuts: u32,
+    /// If not 0, a path gets a certificate. Default 0.
+    pub certificate: c_int,
+}
+
+impl Default for clearance_plan_options {
+    fn default() -> Self {
+        let PlanOptions { seed, range, most_edges, shortcuts, .. } = PlanOptions::default();
+        let (timeout, max_edges) = (f64::INFINITY, most_edges);
+        Self { seed, timeout, max_edges, range, shortcuts, certificate: 0 }
+    }
+}
+
+/// The default limits.
+#[unsafe(no_mangle)]
+pub extern "C" fn clearance_plan_options_default() -> clearance_plan_options {
+    clearance_plan_options::default()
+}
+
+/// Result of a search for a path. The states are valid until the next query with the workspace.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct clearance_plan {
+    /// True if there is a path. Nothing is proven if none is found.
+    pub is_found: bool,
+    /// `found`, `start_not_free`, `goal_not_free`, `most_edges` or `deadline`.
+    pub reason: *const c_char,
+    /// count x n positions (rad, m), from the start to the goal, row by row. The edges between them are proven free.
+    pub states: *const f64,
+    /// Number of states; 0 without a path.
+    pub count: usize,
+    /// Number of positions of a state.
+    pub n: usize,
+    /// Sum of the Euclidean norms of the changes along all edges (rad, m); 0 without a path.
+    pub length: f64,
+    /// Number of edges that were checked.
+    pub edges: u64,
+    /// The proof of all edges, if it was asked for and there is a path; otherwise null. The caller frees it with
+    /// `clearance_certificate_free`.
+    pub certificate: *mut clearance_certificate,
+}
+
+/// Searches a path of straight edges from `ends.from` to `ends.to` whose edges are proven free. Null `options` are the defaults.
+///
+/// RRT-Connect with shortcuts. Only the joints of the checker's states move, within their limits. Without a timeout, the same seed gives
+/// the same path. Rejected: a start or goal beyond joint limits, planar and floating joints.
+#[unsafe(no_mangle)]
+pub extern "C" fn clearance_checker_plan(
+    checker: *const clearance_checker,
+    workspace: *mut clearance_workspace,
+    ends: clearance_edge,
+    options: *const clearance_plan_options,
+    plan: *mut clearance_plan,
+) -> clearance_status {
+    query(checker, workspace, |arguments, checker, memory| {
+        let given = arguments.object_or_none(options, "options")?.copied().unwrap_or_default();
+        let [start, goal] = edge_ends(arguments, &checker.space, ends)?;
+        let group = JointGroup::of_joints(checker.model(), "joints of the checker", &checker.space.joints());
+        let options = plan_options(&given)?;
+        let workspace = &mut memory.workspace;
+        let found = planner::plan(&checker.checker, &group, &start, &goal, &options, workspace);
+        match found.map_err(Failure::rejected)? {
+            Plan::NotFound(none) => arguments.write(plan, not_found(checker, &none), "plan"),
+            Plan::Found(path) => {
+                arguments.write(plan, found_path(checker, &path, memory), "plan")?;
+                if given.certificate == 0 {
+                    return Ok(());
+                }
+                let plan = arguments.object_mut(plan, "plan")?;
+                write_certificate(arguments, checker, &path, memory, &raw mut plan.certificate)
+            }
+        }
+    })
+}
+
+fn plan_options(given: &clearance_plan_options) -> Outcome<PlanOptions> {
+    Ok(PlanOptions {
+        seed: given.seed,
+        range: given.range,
+        most_edges: given.max_edges,
+        shortcuts: given.shortcuts,
+        deadline: deadline(given.timeout)?,
+        ..PlanOptions::default()
+    })
+}
+
+fn write_certificate(
+    arguments: Arguments<'_>,
+    checker: &clearance_checker,
+    path: &Path,
+    memory: &mut Memory,
+    out: *mut *mut clearance_certificate,
+) -> Outcome {
+    match path.certificate(&checker.checker, &MotionOptions::default(), &mut memory.workspace) {
+        Some(proof) => arguments.write_handle(out, clearance_certificate::new(proof), "certificate"),
+        None => Ok(()),
+    }
+}
+
+fn found_path(checker: &clearance_checker, path: &Path, memory: &mut Memory) -> clearance_plan {
+    let states = path.states.iter().flat_map(|q| checker.space.select(q.positions()));
+    memory.states = states.collect();
+    clearance_plan {
+        is_found: true,
+        reason: c"found".as_ptr(),
+        states: memory.states.as_ptr(),
+        count: path.states.len(),
+        n: checker.space.names().len(),
+        length: path.length(),
+        edges: path.edges,
+        certificate: ptr::null_mut(),
+    }
+}
+
+fn not_found(checker: &clearance_checker, none: &NoPlan) -> clearance_plan {
+    let (reason, edges): (&'static CStr, u64) = match *none {
+        NoPlan::StartNotFree => (c"start_not_free", 0),
+        NoPlan::GoalNotFree => (c"goal_not_free", 0),
+        NoPlan::MostEdges { edges } => (c"most_edges", edges),
+        NoPlan::Deadline { edges } => (c"deadline", edges),
+        NoPlan::Canceled { edges } => (c"canceled", edges),
+    };
+    clearance_plan {
+        is_found: false,
+        reason: reason.as_ptr(),
+        states: ptr::null(),
+        count: 0,
+        n: checker.space.names().len(),
+        length: 0.0,
+        edges,
+        certificate: ptr::null_mut(),
+    }
+}

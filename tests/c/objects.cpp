@@ -1,0 +1,195 @@
+// The C++ interface: objects, errors, certificates, Eigen.
+
+#if __has_include(<Eigen/Core>)
+#include <Eigen/Dense>
+#endif
+
+#include <clearance.hpp>
+
+#include <iostream>
+#include <string>
+#include <type_traits>
+
+#include "checks.h"
+
+namespace {
+
+// The text of the error of a call; empty if it succeeds.
+template <typename Call>
+std::string error_of(Call call) {
+  try {
+    call();
+  } catch (const clearance::Error &error) {
+    return error.what();
+  }
+  return "";
+}
+
+#define CHECK_THROWS(expression, part) CHECK_TEXT(error_of([&] { (void)(expression); }).c_str(), part)
+
+clearance::CheckerOptions of_arm() {
+  clearance::CheckerOptions options;
+  options.group = "arm";
+  return options;
+}
+
+struct Scene {
+  clearance::Robot robot = clearance::Robot::from_urdf("urdf/demo_arm/demo_arm.urdf", "urdf/demo_arm/demo_arm.srdf");
+  clearance::World world = clearance::World::from_file("config/demo_world.yaml", robot);
+  clearance::Checker checker = clearance::Checker(robot, world, of_arm());
+  clearance::Workspace workspace = checker.workspace();
+  std::vector<double> near = checker.state({{"joint2", 0.1}, {"joint4", -1.6}});
+  std::vector<double> far = checker.state({{"joint2", 0.2}, {"joint4", -1.7}});
+  std::vector<double> table = checker.state({{"joint2", 0.9}, {"joint4", -1.6}});
+};
+
+void check_robots(const Scene &scene) {
+  CHECK(scene.robot.name() == "demo_arm" && scene.robot.joint_names().size() == 8 && scene.robot.warnings().empty());
+  CHECK(scene.robot.groups().at("arm") == scene.checker.joint_names());
+  CHECK(scene.robot.group_states().at(0) == "arm/home" && scene.robot.group_state("home")[1] == -0.5);
+  const auto poses = scene.robot.forward_kinematics(scene.robot.state());
+  CHECK(poses.size() == scene.robot.link_names().size());
+  CHECK(poses[0].position[2] == 0.0);
+  const clearance::Robot copy = scene.robot;
+  CHECK(copy.handle() == scene.robot.handle());
+  CHECK(scene.checker.limits().first.size() == 7 && scene.checker.pairs().size() == 76);
+  CHECK(scene.checker.expand(scene.near, 8)[3] == -1.6);
+}
+
+void check_errors(Scene &scene) {
+  CHECK_THROWS(clearance::Robot::from_urdf("no/such.urdf"), "no/such.urdf");
+  CHECK_THROWS(clearance::World::from_file("no/such.yaml"), "no/such.yaml");
+  clearance::CheckerOptions options;
+  options.group = "leg";
+  CHECK_THROWS(clearance::Checker(scene.robot, scene.world, options), "no group 'leg'");
+  CHECK_THROWS(scene.checker.is_free(std::vector<double>(6), scene.workspace), "6 positions, but must have 7");
+  CHECK_THROWS(scene.checker.is_free(std::vector<double>(7, NAN), scene.workspace), "'joint1' has position NaN");
+  CHECK_THROWS(scene.checker.check_motion(scene.near, std::vector<double>(6), scene.workspace), "7 and 6");
+  CHECK_THROWS(clearance::States(std::vector<double>(8), 7), "no multiple");
+  CHECK_THROWS(clearance::Certificate::from_json("{\"format\": \"other\"}"), "certificate");
+  clearance::Trajectory trajectory;
+  trajectory.positions = std::vector<double>(8);
+  trajectory.n = 7;
+  CHECK_THROWS(scene.checker.check_trajectory(trajectory, scene.workspace), "n positions for each point");
+  clearance::World world;
+  CHECK_THROWS(world.add_points("p", {1.0, 2.0}, 0.1), "three numbers");
+  CHECK_THROWS(world.add_sphere("s", -1.0), "obstacle 's'");
+  CHECK_THROWS(world.remove("s"), "'s'");
+  CHECK(world.obstacle_names().empty());
+}
+
+void check_worlds(Scene &scene) {
+  clearance::World world;
+  world.add_box("box", {0.1, 0.1, 0.1}, clearance::Pose(3.0, 0.0, 0.0));
+  world.add_sphere("sphere", 0.1, clearance::Pose(3.0, 0.0, 0.0));
+  clearance::World copy = world;
+  copy.remove("box");
+  CHECK(world.obstacle_names().size() == 2 && copy.obstacle_names().size() == 1);
+  copy = world;
+  CHECK(copy.obstacle_names().size() == 2);
+  const auto moved = scene.checker.with_world(world);
+  CHECK(moved.is_free(scene.table, scene.workspace)); // the table is no longer there
+  const auto holding = moved.attach("box", "hand", clearance::Pose(0.0, 0.0, 0.3), {"finger1", "finger2"});
+  CHECK(holding.world().obstacle_names().size() == 1);
+  CHECK(holding.detach("box", scene.near).world().obstacle_names().size() == 2);
+  const auto grasped = moved.attach_at("box", "hand", scene.near);
+  CHECK(grasped.detach("box", scene.near).distance(scene.near, scene.workspace, 10.0).world.distance > 1.0);
+
+  clearance::CheckerOptions options = of_arm();
+  options.padding = 0.2;
+  const clearance::Checker padded(scene.robot, scene.world, options);
+  CHECK(scene.checker.is_free(scene.near, scene.workspace) && !padded.is_free(scene.near, scene.workspace));
+  const auto report = padded.check(scene.near, scene.workspace);
+  CHECK(report.world_collision && !report.self_collision && !report.contacts.empty());
+  options.allowed_collisions = report.colliding_pairs;
+  CHECK(clearance::Checker(scene.robot, scene.world, options).is_free(scene.near, scene.workspace));
+  options.link_padding = {{"link6", 0.0}};
+  options.object_padding = {{"table", 0.01}};
+  CHECK(clearance::Checker(scene.robot, scene.world, options).pairs().size() < 76);
+  options.allowed_collisions.clear();
+  CHECK_THROWS(clearance::Checker(scene.robot, options), "object_padding: there is no object 'table'");
+}
+
+// The certificate of a motion proves it, after a round trip too; an altered one and another motion are rejected.
+void check_certificates(Scene &scene) {
+  clearance::MotionOptions options;
+  options.certificate = true;
+  const auto report = scene.checker.check_motion(scene.near, scene.far, scene.workspace, options);
+  CHECK(report.is_free() && report.certificate.has_value());
+  CHECK(!scene.checker.check_motion(scene.near, scene.table, scene.workspace, options).certificate.has_value());
+  const std::string json = report.certificate->to_json();
+  const auto read = clearance::Certificate::from_json(json);
+  CHECK(read.to_json() == json && read.segment_count() == 1 && read.pair_count() == 76);
+
+  clearance::Expectation expected;
+  expected.options = of_arm();
+  expected.tolerance = options.tolerance;
+  expected.motion.emplace();
+  expected.motion->n = 7;
+  expected.motion->positions = scene.near;
+  expected.motion->positions.insert(expected.motion->positions.end(), scene.far.begin(), scene.far.end());
+  const auto valid = read.verify(scene.robot, scene.world, expected);
+  CHECK(valid && valid.reason.empty() && valid.segments == 1 && valid.pairs == 76 && valid.proofs > 0);
+  expected.motion->positions[8] += 0.01;
+  const auto other_motion = read.verify(scene.robot, scene.world, expected);
+  CHECK(!other_motion && !other_motion.reason.empty());
+  clearance::World other_world = scene.world;
+  other_world.add_sphere("sphere", 0.01, clearance::Pose(0.5, 0.0, 2.0));
+  CHECK(!read.verify(scene.robot, other_world));
+  CHECK(read.verify(scene.robot, scene.world));
+
+  // altered text: the digest does not fit
+  std::string altered = json;
+  const std::size_t digit = altered.find("-1.6");
+  CHECK(digit != std::string::npos);
+  altered[digit + 3] = '5';
+  CHECK(!error_of([&] { clearance::Certificate::from_json(altered); }).empty());
+
+  clearance::PlanOptions limits;
+  limits.certificate = true;
+  const auto plan = scene.checker.plan(scene.near, scene.far, scene.workspace, limits);
+  CHECK(plan.is_found && plan.certificate && plan.certificate->verify(scene.robot, scene.world));
+  const auto found = scene.checker.find_free_state(scene.table, scene.workspace);
+  CHECK(found.is_found && scene.checker.is_free(found.positions, scene.workspace));
+}
+
+void check_eigen(Scene &scene) {
+#ifdef CLEARANCE_WITH_EIGEN
+  const Eigen::VectorXd q = Eigen::Map<const Eigen::VectorXd>(scene.near.data(), 7);
+  CHECK(scene.checker.is_free(q, scene.workspace));
+  Eigen::MatrixXd columns(7, 2), rows(2, 7);
+  columns.col(1) = q;
+  CHECK(scene.checker.is_free(columns.col(1), scene.workspace));
+  rows.row(0) = q;
+  rows.row(1) = Eigen::Map<const Eigen::VectorXd>(scene.table.data(), 7);
+  CHECK_THROWS(scene.checker.is_free(rows.row(0), scene.workspace), "not contiguous");
+  const auto free = scene.checker.are_free(rows, scene.workspace);
+  CHECK(free.size() == 2 && free[0] == 1 && free[1] == 0);
+  const auto near = scene.checker.clearance(q, scene.workspace, 0.15);
+  CHECK(near.gradient_matrix().rows() == 5 && near.gradient_matrix()(4, 6) == near.gradient(4)[6]);
+  const Eigen::Isometry3d turned = Eigen::Translation3d(1, 2, 3) * Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitX());
+  CHECK(clearance::Pose(turned).isometry().isApprox(turned, 1e-12));
+  std::cout << "with Eigen, ";
+#else
+  (void)scene;
+#endif
+}
+
+}  // namespace
+
+int main() {
+  static_assert(!std::is_copy_constructible_v<clearance::Workspace> && std::is_move_constructible_v<clearance::Workspace>);
+  try {
+    Scene scene;
+    check_robots(scene);
+    check_errors(scene);
+    check_worlds(scene);
+    check_certificates(scene);
+    check_eigen(scene);
+  } catch (const std::exception &error) {
+    std::cerr << error.what() << '\n';
+    return 1;
+  }
+  std::cout << failed_checks << " checks failed\n";
+  return failed_checks == 0 ? 0 : 1;
+}
