@@ -24,19 +24,19 @@ impl<'py> Numbers<'py> {
             return Ok(Self { array: array.readonly() });
         }
         let numpy = value.py().import("numpy")?;
+        let masked = numpy.getattr("ma")?.getattr("MaskedArray")?;
+        if is_masked(value, &masked, DEEPEST)? {
+            return Err(PyTypeError::new_err(format!(
+                "{what} is or contains a masked array, whose masked entries have no value: give their values with {what}.filled(...), or \
+                 leave out their rows with numpy.ma.compress_rows({what})"
+            )));
+        }
         let ragged = |error: PyErr| {
             PyTypeError::new_err(format!(
                 "{what} must be an array of real numbers, but it is none of one shape: {error}"
             ))
         };
         let array = numpy.call_method1("asarray", (value,)).map_err(ragged)?;
-        let masked = numpy.getattr("ma")?.getattr("MaskedArray")?;
-        if is_masked(value, &masked, array.getattr("ndim")?.extract()?)? {
-            return Err(PyTypeError::new_err(format!(
-                "{what} is or contains a masked array, whose masked entries have no value: give their values with {what}.filled(...), or \
-                 leave out their rows with numpy.ma.compress_rows({what})"
-            )));
-        }
         let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
         let is_empty = array.getattr("size")?.extract::<usize>()? == 0;
         if !matches!(kind.as_str(), "f" | "i" | "u") && !is_empty {
@@ -75,7 +75,10 @@ impl<'py> Numbers<'py> {
     }
 }
 
-/// True for a masked array, and for lists that contain one at most `depth` levels below: a list may contain itself.
+/// Largest number of dimensions of an array in NumPy. A list may contain itself.
+const DEEPEST: usize = 64;
+
+/// True for a masked array, and for lists that contain one at most `depth` levels below.
 fn is_masked(value: &Bound<'_, PyAny>, masked: &Bound<'_, PyAny>, depth: usize) -> PyResult<bool> {
     let any = |items: &mut dyn Iterator<Item = Bound<'_, PyAny>>| {
         for item in items {
