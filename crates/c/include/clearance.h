@@ -670,7 +670,7 @@ size_t clearance_world_obstacle_count(const clearance_world *world);
 // Name of an obstacle, valid until the world changes; null beyond the last.
 const char *clearance_world_obstacle_name(const clearance_world *world, size_t index);
 
-// Number of warnings about unusual content of a file that was accepted.
+// Number of warnings about unusual content of files that was accepted; copies have none.
 size_t clearance_world_warning_count(const clearance_world *world);
 
 // Text of a warning, valid as long as the world; null beyond the last.
@@ -709,6 +709,8 @@ clearance_status clearance_world_add_mesh(clearance_world *world,
                                           const clearance_pose *pose);
 
 // Adds a mesh file (STL, OBJ, COLLADA, PLY, glTF); `scale` has a factor for each axis, or is null.
+//
+// Unusual content that is accepted is among the warnings (`clearance_world_warning`).
 clearance_status clearance_world_add_mesh_file(clearance_world *world,
                                                const char *name,
                                                const char *path,
