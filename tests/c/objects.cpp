@@ -6,9 +6,13 @@
 
 #include <clearance.hpp>
 
+#include <filesystem>
+#include <fstream>
 #include <iostream>
 #include <string>
 #include <type_traits>
+
+#include <unistd.h>
 
 #include "checks.h"
 
@@ -76,6 +80,18 @@ void check_errors(Scene &scene) {
   CHECK_THROWS(world.add_sphere("s", -1.0), "obstacle 's'");
   CHECK_THROWS(world.remove("s"), "'s'");
   CHECK(world.obstacle_names().empty());
+}
+
+// A triangle and a line, which no mesh has.
+void check_warnings() {
+  const auto path = std::filesystem::temp_directory_path() / ("clearance_line_" + std::to_string(getpid()) + ".ply");
+  std::ofstream(path) << "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+                         "element face 2\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n2 0 1\n";
+  clearance::World world;
+  world.add_mesh_file("mesh", path.string());
+  std::filesystem::remove(path);
+  CHECK(world.warnings().size() == 1);
+  CHECK_TEXT(world.warnings().at(0).c_str(), "1 polygons of fewer than three corners are skipped");
 }
 
 void check_worlds(Scene &scene) {
@@ -183,6 +199,7 @@ int main() {
     Scene scene;
     check_robots(scene);
     check_errors(scene);
+    check_warnings();
     check_worlds(scene);
     check_certificates(scene);
     check_eigen(scene);

@@ -3,7 +3,7 @@
  * Units are metres, radians and seconds. Poses and points are in the frame of the robot's root link.
  *
  * Every function that can fail returns a clearance_status. After every other status than CLEARANCE_STATUS_OK, clearance_last_error() has
- * the reason, and results are not written. Functions that return a value instead return null, 0 or nothing for a null handle.
+ * the reason, and results must not be used. Functions that return a value instead return null, 0 or nothing for a null handle.
  *
  * Pointers are null or valid: handles are of this library and not freed, arrays have as many elements as the count beside them says,
  * texts are UTF-8 and end with NUL. They are used during the call only. A null pointer is an error, unless the function says otherwise.
@@ -24,7 +24,7 @@
 #define CLEARANCE_VERSION_MINOR 1
 #define CLEARANCE_VERSION_PATCH 0
 
-// Status of a call. After every status but `CLEARANCE_STATUS_OK`, `clearance_last_error` has the reason, and results are not written.
+// Status of a call. After every status but `CLEARANCE_STATUS_OK`, `clearance_last_error` has the reason, and results must not be used.
 typedef enum {
   // The call succeeded. A collision is a result, and no error.
   CLEARANCE_STATUS_OK = 0,
@@ -373,14 +373,15 @@ typedef struct {
   clearance_verdict verdict;
   // Why the motion is undecided.
   clearance_reason reason;
-  // Contact: the motion is proven free before t[0], and collides at t[1]. Undecided: it is proven free before t[0] and after t[1], and
-  // a part in between is undecided. Free: NaN. t is 0 at the start and 1 at the end of the motion, or of the segment.
+  // Contact: the motion is proven free before the first t, and collides at the second. Undecided: it is proven free before the first
+  // and after the second, and a part in between is undecided. Free: NaN. t is 0 at the start and 1 at the end of the motion, or of the
+  // segment.
   double t[2];
   // The pair that touches, or that is undecided; its names are valid as long as the checker.
   clearance_pair pair;
   // Undecided: bounds on the distance of the pair (m, padding subtracted); otherwise NaN.
   double distance[2];
-  // Contact: a common point (m, root frame) at t[1], NaN if none is known.
+  // Contact: a common point (m, root frame) at the second t, NaN if none is known.
   double point[3];
   // Trajectory: index of the segment that the verdict refers to; the last one if all are free.
   size_t segment;
@@ -669,7 +670,7 @@ size_t clearance_world_obstacle_count(const clearance_world *world);
 // Name of an obstacle, valid until the world changes; null beyond the last.
 const char *clearance_world_obstacle_name(const clearance_world *world, size_t index);
 
-// Number of warnings about unusual content of a file that was accepted.
+// Number of warnings about unusual content of files that was accepted; copies have none.
 size_t clearance_world_warning_count(const clearance_world *world);
 
 // Text of a warning, valid as long as the world; null beyond the last.
@@ -708,6 +709,8 @@ clearance_status clearance_world_add_mesh(clearance_world *world,
                                           const clearance_pose *pose);
 
 // Adds a mesh file (STL, OBJ, COLLADA, PLY, glTF); `scale` has a factor for each axis, or is null.
+//
+// Unusual content that is accepted is among the warnings (`clearance_world_warning`).
 clearance_status clearance_world_add_mesh_file(clearance_world *world,
                                                const char *name,
                                                const char *path,

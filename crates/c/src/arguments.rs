@@ -7,7 +7,28 @@ use std::ffi::{CStr, c_char};
 use std::marker::PhantomData;
 
 use crate::status::{Failure, Outcome};
-use crate::structs::Plain;
+use crate::structs::{clearance_named_value, clearance_pair, clearance_pose};
+
+/// Types of which every bit pattern is a value, so that C may fill them with anything.
+///
+/// # Safety
+/// Only numbers, raw pointers, and `repr(C)` structs of these.
+pub unsafe trait Plain: Copy {}
+
+// SAFETY: numbers and raw pointers.
+unsafe impl Plain for u8 {}
+// SAFETY: as above.
+unsafe impl Plain for u32 {}
+// SAFETY: as above.
+unsafe impl Plain for f64 {}
+// SAFETY: as above.
+unsafe impl Plain for *const c_char {}
+// SAFETY: a struct of two pointers.
+unsafe impl Plain for clearance_pair {}
+// SAFETY: a struct of a pointer and a number.
+unsafe impl Plain for clearance_named_value {}
+// SAFETY: a struct of numbers.
+unsafe impl Plain for clearance_pose {}
 
 /// Arguments of one call from C. References to them live no longer than the call.
 #[derive(Clone, Copy, Debug)]

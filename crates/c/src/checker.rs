@@ -33,13 +33,8 @@ pub struct clearance_checker {
     settings: Arc<CheckSettings>,
     joints: Names,
     bodies: HashMap<BodyId, CString>,
-    pairs: Vec<clearance_pair>,
+    pairs: Vec<(BodyId, BodyId)>,
 }
-
-// SAFETY: the pointers in `pairs` are to the texts in `bodies`, which do not move or change as long as the checker exists.
-unsafe impl Send for clearance_checker {}
-// SAFETY: as above; nothing changes behind a shared reference.
-unsafe impl Sync for clearance_checker {}
 
 impl clearance_checker {
     fn new(
@@ -50,12 +45,10 @@ impl clearance_checker {
     ) -> Self {
         let joints = Names::new(space.names().iter().map(String::as_str));
         let bodies = body_names(&checker, &scene);
-        let mut made = Self { checker, space, scene, settings, joints, bodies, pairs: Vec::new() };
-        let list = made.checker.pairs();
+        let list = checker.pairs();
         let world = list.world_pairs().map(|(part, obstacle)| (part, BodyId::Obstacle(obstacle)));
-        let pairs: Vec<_> = list.self_pairs().iter().copied().chain(world).collect();
-        made.pairs = pairs.into_iter().map(|pair| made.pair(pair)).collect();
-        made
+        let pairs = list.self_pairs().iter().copied().chain(world).collect();
+        Self { checker, space, scene, settings, joints, bodies, pairs }
     }
 
     /// The same checker in another scene; hierarchies that do not change are shared.
@@ -343,7 +336,7 @@ pub extern "C" fn clearance_checker_pair_count(checker: *const clearance_checker
 #[unsafe(no_mangle)]
 pub extern "C" fn clearance_checker_pair(checker: *const clearance_checker, index: usize) -> clearance_pair {
     call_for(clearance_pair::NONE, |arguments| {
-        let pairs = &arguments.object(checker, "checker")?.pairs;
-        Ok(pairs.get(index).copied().unwrap_or(clearance_pair::NONE))
+        let checker = arguments.object(checker, "checker")?;
+        Ok(checker.pairs.get(index).map_or(clearance_pair::NONE, |&pair| checker.pair(pair)))
     })
 }

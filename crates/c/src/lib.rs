@@ -40,3 +40,11 @@ mod texts;
 mod thread_pools;
 pub mod workspace;
 pub mod world;
+
+/// What the header promises: threads may share these.
+const fn is_shareable<T: Send + Sync>() {}
+const _: () = is_shareable::<robot::clearance_robot>();
+const _: () = is_shareable::<world::clearance_world>();
+const _: () = is_shareable::<checker::clearance_checker>();
+const _: () = is_shareable::<certificate::clearance_certificate>();
+const _: () = is_shareable::<workspace::clearance_workspace>();

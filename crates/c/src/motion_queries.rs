@@ -114,14 +114,15 @@ pub struct clearance_motion_report {
     pub verdict: clearance_verdict,
     /// Why the motion is undecided.
     pub reason: clearance_reason,
-    /// Contact: the motion is proven free before t[0], and collides at t[1]. Undecided: it is proven free before t[0] and after t[1], and
-    /// a part in between is undecided. Free: NaN. t is 0 at the start and 1 at the end of the motion, or of the segment.
+    /// Contact: the motion is proven free before the first t, and collides at the second. Undecided: it is proven free before the first
+    /// and after the second, and a part in between is undecided. Free: NaN. t is 0 at the start and 1 at the end of the motion, or of the
+    /// segment.
     pub t: [f64; 2],
     /// The pair that touches, or that is undecided; its names are valid as long as the checker.
     pub pair: clearance_pair,
     /// Undecided: bounds on the distance of the pair (m, padding subtracted); otherwise NaN.
     pub distance: [f64; 2],
-    /// Contact: a common point (m, root frame) at t[1], NaN if none is known.
+    /// Contact: a common point (m, root frame) at the second t, NaN if none is known.
     pub point: [f64; 3],
     /// Trajectory: index of the segment that the verdict refers to; the last one if all are free.
     pub segment: usize,

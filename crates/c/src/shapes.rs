@@ -51,15 +51,15 @@ pub fn mesh(arguments: Arguments<'_>, mesh: clearance_mesh) -> Outcome<Shape> {
     mesh.map(|mesh| Shape::Mesh(Arc::new(mesh))).map_err(Failure::rejected)
 }
 
-/// A mesh file, scaled.
-pub fn mesh_file(path: &Path, scale: [f64; 3]) -> Outcome<Shape> {
+/// A mesh file, scaled; with remarks about it.
+pub fn mesh_file(path: &Path, scale: [f64; 3]) -> Outcome<(Shape, Vec<String>)> {
     let absolute =
         std::path::absolute(path).map_err(|why| Failure::rejected(format!("{}: {why}", path.display())))?;
     let folder = absolute.parent().unwrap_or(&absolute);
     // a mesh name in which nothing is taken for an escape
     let name = absolute.to_string_lossy().replace('%', "%25");
     let loaded = MeshFiles::under(folder).load(&name, Vector::from(scale)).map_err(Failure::rejected)?;
-    Ok(Shape::Mesh(loaded.mesh))
+    Ok((Shape::Mesh(loaded.mesh), loaded.remarks))
 }
 
 /// Balls of one radius (m) around points. Points are kept as 32-bit floats; the balls are larger by what is lost.

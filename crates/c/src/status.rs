@@ -9,7 +9,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use crate::arguments::Arguments;
 use crate::texts::c_text;
 
-/// Status of a call. After every status but `CLEARANCE_STATUS_OK`, `clearance_last_error` has the reason, and results are not written.
+/// Status of a call. After every status but `CLEARANCE_STATUS_OK`, `clearance_last_error` has the reason, and results must not be used.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum clearance_status {

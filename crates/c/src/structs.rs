@@ -9,27 +9,6 @@ use clearance::geometry::math::{Point, Pose, pose_from_xyz_quaternion};
 use crate::arguments::Arguments;
 use crate::status::{Failure, Outcome};
 
-/// Types of which every bit pattern is a value, so that C may fill them with anything.
-///
-/// # Safety
-/// Only numbers, raw pointers, and `repr(C)` structs of these.
-pub unsafe trait Plain: Copy {}
-
-// SAFETY: numbers and raw pointers.
-unsafe impl Plain for u8 {}
-// SAFETY: as above.
-unsafe impl Plain for u32 {}
-// SAFETY: as above.
-unsafe impl Plain for f64 {}
-// SAFETY: as above.
-unsafe impl Plain for *const c_char {}
-// SAFETY: two pointers.
-unsafe impl Plain for clearance_pair {}
-// SAFETY: a pointer and a number.
-unsafe impl Plain for clearance_named_value {}
-// SAFETY: numbers.
-unsafe impl Plain for clearance_pose {}
-
 /// A state: `n` joint positions (rad, m), in the order of `clearance_checker_joint_name`, or where a robot is asked,
 /// `clearance_robot_joint_name`.
 #[repr(C)]

@@ -18,6 +18,11 @@ impl Names {
         Self(names.into_iter().map(c_text).collect())
     }
 
+    /// Adds texts; earlier ones stay where they are.
+    pub fn extend<'a>(&mut self, texts: impl IntoIterator<Item = &'a str>) {
+        self.0.extend(texts.into_iter().map(c_text));
+    }
+
     /// Number of names.
     pub fn len(&self) -> usize {
         self.0.len()

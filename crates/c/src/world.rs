@@ -174,7 +174,7 @@ pub extern "C" fn clearance_world_obstacle_name(
     call_for(ptr::null(), |arguments| Ok(arguments.object(world, "world")?.names().get(index)))
 }
 
-/// Number of warnings about unusual content of a file that was accepted.
+/// Number of warnings about unusual content of files that was accepted; copies have none.
 #[unsafe(no_mangle)]
 pub extern "C" fn clearance_world_warning_count(world: *const clearance_world) -> usize {
     call_for(0, |arguments| Ok(arguments.object(world, "world")?.warnings.len()))
@@ -247,6 +247,8 @@ pub extern "C" fn clearance_world_add_mesh(
 }
 
 /// Adds a mesh file (STL, OBJ, COLLADA, PLY, glTF); `scale` has a factor for each axis, or is null.
+///
+/// Unusual content that is accepted is among the warnings (`clearance_world_warning`).
 #[unsafe(no_mangle)]
 pub extern "C" fn clearance_world_add_mesh_file(
     world: *mut clearance_world,
@@ -255,10 +257,21 @@ pub extern "C" fn clearance_world_add_mesh_file(
     scale: *const f64,
     pose: *const clearance_pose,
 ) -> clearance_status {
-    add(world, name, pose, |arguments| {
+    let mut remarks = Vec::new();
+    let status = add(world, name, pose, |arguments| {
         let path = Path::new(arguments.text(path, "path")?);
         let scale = if scale.is_null() { &[1.0; 3] } else { arguments.array(scale, 3, "scale")? };
-        shapes::mesh_file(path, [scale[0], scale[1], scale[2]])
+        let (shape, found) = shapes::mesh_file(path, [scale[0], scale[1], scale[2]])?;
+        remarks.extend(found.iter().map(|remark| format!("{}: {remark}", path.display())));
+        Ok(shape)
+    });
+    if status != clearance_status::Ok {
+        return status;
+    }
+    call(|arguments| {
+        let world = arguments.object_mut(world, "world")?;
+        world.warnings.extend(remarks.iter().map(String::as_str));
+        Ok(())
     })
 }
 
