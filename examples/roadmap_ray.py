@@ -3,7 +3,7 @@
 
     pip install . ray
     python examples/roadmap_ray.py --states 2000                    # on this machine
-    python examples/roadmap_ray.py --states 100000 --address auto   # on the cluster that this machine belongs to
+    python examples/roadmap_ray.py --states 50000 --address auto    # on the cluster that this machine belongs to
 
 A roadmap (Kavraki et al. 1996) has free states as nodes, and edges between near ones. Each task proves some of the edges. A task
 whose worker is lost runs again on another one. The roadmap does not depend on the workers: the same seed gives the same one.
@@ -19,14 +19,40 @@ import ray
 import clearance as cl
 
 ROOT = Path(__file__).resolve().parents[1]
-EDGES_OF_A_TASK = 500  # 10 to 100 ms of work
+STATES_OF_A_TASK = 2000
+EDGES_OF_A_TASK = 500
 RETRIES = 20  # of a task whose worker was lost
 
 
+checkers = {}  # of this process, by the reference that it was read from
+
+
+def checker_of(reference):
+    """The checker of a reference, which each process reads once."""
+    if reference.hex() not in checkers:
+        checkers.clear()
+        checkers[reference.hex()] = ray.get(reference)
+    return checkers[reference.hex()]
+
+
 @ray.remote(num_cpus=1, max_retries=RETRIES)
-def prove(checker, q0, q1):
+def nearest(states, first, last, neighbours):
+    """Pairs of the states from `first` to `last` with their nearest ones: indices, shape (N, 2)."""
+    pairs = []
+    norms = (states**2).sum(axis=1)
+    for begin in range(first, last, 100):
+        own = np.arange(begin, min(begin + 100, last))
+        squares = norms[own, None] + norms[None, :] - 2 * states[own] @ states.T
+        squares[np.arange(len(own)), own] = np.inf
+        near = np.argpartition(squares, neighbours - 1, axis=1)[:, :neighbours]
+        pairs.append(np.stack([np.repeat(own, neighbours), near.ravel()], axis=1))
+    return np.concatenate(pairs)
+
+
+@ray.remote(num_cpus=1, max_retries=RETRIES)
+def prove(references, q0, q1):
     """Whether each edge is proven free: q0 and q1 of shape (N, n), result of shape (N,)."""
-    return checker.are_edges_free(q0, q1, num_threads=1)
+    return checker_of(references[0]).are_edges_free(q0, q1, num_threads=1)
 
 
 def free_states(checker, count, seed):
@@ -45,19 +71,20 @@ def free_states(checker, count, seed):
 
 def candidate_edges(states, neighbours):
     """Pairs of each state with its nearest ones, each pair once: indices, shape (N, 2)."""
-    pairs = []
-    for first in range(0, len(states), 1000):
-        block = states[first : first + 1000]
-        squares = ((block[:, None, :] - states[None, :, :]) ** 2).sum(axis=2)
-        near = np.argsort(squares, axis=1)[:, 1 : neighbours + 1]
-        own = np.repeat(np.arange(first, first + len(block)), near.shape[1])
-        pairs.append(np.stack([own, near.ravel()], axis=1))
+    neighbours = min(neighbours, len(states) - 1)
+    if neighbours < 1:
+        return np.empty((0, 2), dtype=int)
+    shared, step = ray.put(states), STATES_OF_A_TASK
+    parts = [(first, min(first + step, len(states))) for first in range(0, len(states), step)]
+    pairs = ray.get([nearest.remote(shared, first, last, neighbours) for first, last in parts])
     return np.unique(np.sort(np.concatenate(pairs), axis=1), axis=0)
 
 
 def proven_edges(checker, states, pairs, on_progress=lambda done, all: None):
     """Those of the pairs whose straight line in joint space is proven free, from the workers of the cluster."""
-    shared = ray.put(checker)  # pickled once; each worker reads it once
+    if len(pairs) == 0:
+        return pairs
+    shared = [ray.put(checker)]  # in a list, so that Ray passes the reference and not the object
     parts = [pairs[first : first + EDGES_OF_A_TASK] for first in range(0, len(pairs), EDGES_OF_A_TASK)]
     tasks = [prove.remote(shared, states[part[:, 0]], states[part[:, 1]]) for part in parts]
     waiting = tasks

@@ -29,7 +29,7 @@ class Tally:
 
 
 HEAD = (
-    "| planner | paths | no path | colliding | share | median depth (mm) | largest depth (mm) | longest colliding part (rad) "
+    "| planner | paths | no path | colliding | share | median depth (mm) | largest depth (mm) | largest colliding length of a path (rad) "
     "| confirmed by Coal | undecided | contradicted by Coal |\n|---|" + "---:|" * 10
 )
 

@@ -88,7 +88,7 @@ static void check_options(void) {
   clearance_checker *none = NULL;
   clearance_checker_options options = clearance_checker_options_default();
   options.group = "leg";
-  CHECK_FAILS(clearance_checker_new(robot, world, &options, &none), REJECTED, "no group 'leg': it has 'arm', 'hand'");
+  CHECK_FAILS(clearance_checker_new(robot, world, &options, &none), REJECTED, "no group 'leg'; its SRDF has 'arm' and 'hand'");
   options = clearance_checker_options_default();
   options.padding = NAN;
   CHECK_FAILS(clearance_checker_new(robot, world, &options, &none), REJECTED, "padding");

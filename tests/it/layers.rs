@@ -3,7 +3,7 @@
 use std::path::Path;
 
 /// The crates, and those of them that each may use.
-const CRATES: [(&str, &[&str]); 13] = [
+const CRATES: [(&str, &[&str]); 14] = [
     ("geometry", &[]),
     ("files", &[]),
     ("proximity", &["geometry"]),
@@ -16,8 +16,9 @@ const CRATES: [(&str, &[&str]); 13] = [
     ("monitor", &["geometry", "proximity", "robot", "scene", "checker"]),
     ("ros", &["geometry", "files", "proximity", "robot", "scene", "motion", "checker", "monitor"]),
     // above the root package, which it uses like any other program
-    ("python", &["files"]),
-    ("c", &["files"]),
+    ("bindings", &[]),
+    ("python", &["files", "bindings"]),
+    ("c", &["files", "bindings"]),
 ];
 
 /// Modules that share a crate, and those of them that each may use.

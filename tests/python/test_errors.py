@@ -61,7 +61,7 @@ def test_the_first_bad_row_is_named(checker, states, bad):
 @pytest.mark.parametrize(
     "settings, kind, words",
     [
-        ({"group": "leg"}, cl.Error, "no group 'leg': it has 'arm', 'hand'"),
+        ({"group": "leg"}, cl.Error, "no group 'leg'; its SRDF has 'arm' and 'hand'"),
         ({"padding": -0.1}, cl.Error, "padding is -0.1"),
         ({"padding": "much"}, TypeError, "padding is 'much', but must be a number"),
         ({"pading": 0.1}, TypeError, "no setting 'pading'; there are padding"),

@@ -23,8 +23,10 @@ def example():
 
 
 @pytest.fixture
-def cluster():
+def cluster(monkeypatch, tmp_path):
     """A head without processors, and two workers."""
+    monkeypatch.setenv("HOME", str(tmp_path))  # Ray keeps a token there
+    monkeypatch.setenv("RAY_USAGE_STATS_ENABLED", "0")
     options = {"object_store_memory": 80 * 2**20, "include_dashboard": False}
     cluster = Cluster(initialize_head=True, head_node_args={"num_cpus": 0, **options})
     cluster.workers = [cluster.add_node(num_cpus=1, object_store_memory=80 * 2**20) for _ in range(2)]
@@ -54,6 +56,10 @@ def test_a_roadmap_survives_the_loss_of_a_worker(example, cluster, arm):
 
     label = example.components(len(states), edges)
     assert (label[edges[:, 0]] == label[edges[:, 1]]).all() and 1 <= len(np.unique(label)) < 400
+
+    for count, neighbours in [(1, 8), (5, 0)]:
+        few, none = example.build(arm, count, neighbours, seed=3)
+        assert len(few) == count and none.shape == (0, 2)
 
     first, second = states[edges[0]]
     certificate = arm.check_motion(first, second, certificate=True).certificate

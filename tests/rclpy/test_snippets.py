@@ -30,6 +30,8 @@ NOT_HERE = {
     "cd ~/ws": "needs colcon and ROS's command line",
     "pip install": "builds the release",
     "cmake -S": "builds the release",
+    "python3 benches/plans/run.py --shared": "takes an hour, and needs the other planners",
+    "python examples/roadmap_ray.py": "runs in tests/python, on a cluster",
     "crates/python/build_wheels.sh": "builds the release",
     "clearance replay run.mcap --save-test": "needs a recording that differs, as test_recording.py makes one",
 }

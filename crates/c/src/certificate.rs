@@ -7,10 +7,10 @@ use std::sync::OnceLock;
 
 use clearance::verifier::{ExpectedMotion, VerificationStatistics};
 use clearance::{Certificate, Trajectory, Verifier};
+use clearance_bindings::JointSpace;
 
 use crate::arguments::Arguments;
 use crate::checker_options::{CheckSettings, clearance_checker_options};
-use crate::joint_space::JointSpace;
 use crate::motion_options::tube_of;
 use crate::motion_queries::clearance_trajectory;
 use crate::robot::clearance_robot;

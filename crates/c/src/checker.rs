@@ -8,11 +8,12 @@ use std::sync::Arc;
 use clearance::CollisionChecker;
 use clearance::robot::{Configuration, RobotModel};
 use clearance::scene::{AttachedId, AttachedObject, BodyId, Scene};
+use clearance_bindings::JointSpace;
 
 use crate::arguments::Arguments;
 use crate::checker_options::{CheckSettings, clearance_checker_options};
-use crate::joint_space::JointSpace;
 use crate::robot::{clearance_robot, link_pose};
+use crate::rows;
 use crate::status::{Failure, Outcome, call, call_for, clearance_status};
 use crate::structs::{
     clearance_named_value, clearance_pair, clearance_pose, clearance_state, named_values, texts,
@@ -78,7 +79,7 @@ impl clearance_checker {
         name: &str,
     ) -> Outcome<Configuration> {
         let row = arguments.array(state.positions, state.n, name)?;
-        self.space.read(row, &|| name.to_owned())
+        rows::read(&self.space, row, &|| name.to_owned())
     }
 }
 

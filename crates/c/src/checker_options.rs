@@ -7,9 +7,9 @@ use std::sync::Arc;
 
 use clearance::robot::RobotModel;
 use clearance::scene::{AllowedCollisionMatrix, MeshModel, Scene, Settings};
+use clearance_bindings::{JointSpace, PairSelection};
 
 use crate::arguments::Arguments;
-use crate::joint_space::JointSpace;
 use crate::status::{Failure, Outcome};
 use crate::structs::{clearance_named_value, clearance_pair, named_values};
 
@@ -92,16 +92,13 @@ pub extern "C" fn clearance_checker_options_default() -> clearance_checker_optio
     clearance_checker_options::default()
 }
 
-type Pairs = Vec<(String, String)>;
-
 /// Options of a checker, read.
 #[derive(Clone, Debug)]
 pub struct CheckSettings {
     settings: Settings,
     group: Option<String>,
     fixed: Vec<(String, f64)>,
-    allowed: Pairs,
-    checked: Pairs,
+    pairs: PairSelection,
 }
 
 impl CheckSettings {
@@ -127,52 +124,40 @@ impl CheckSettings {
             settings,
             group: arguments.text_or_none(given.group, "group")?.map(str::to_owned),
             fixed: named_values(arguments, given.fixed, given.fixed_count, "fixed")?,
-            allowed: pairs(given.allowed_collisions, given.allowed_collision_count, "allowed_collisions")?,
-            checked: pairs(given.checked_collisions, given.checked_collision_count, "checked_collisions")?,
+            pairs: PairSelection {
+                allowed: pairs(
+                    given.allowed_collisions,
+                    given.allowed_collision_count,
+                    "allowed_collisions",
+                )?,
+                checked: pairs(
+                    given.checked_collisions,
+                    given.checked_collision_count,
+                    "checked_collisions",
+                )?,
+            },
         })
     }
 
     /// The joints of a state.
     pub fn space(&self, robot: &Arc<RobotModel>) -> Outcome<JointSpace> {
-        JointSpace::of_group(Arc::clone(robot), self.group.as_deref(), &self.fixed)
+        let space = JointSpace::of_group(Arc::clone(robot), self.group.as_deref(), &self.fixed);
+        space.map_err(Failure::rejected)
+    }
+
+    /// Rejects names of the pairs and objects that neither the robot nor the scene has.
+    pub fn check_names(&self, robot: &RobotModel, scene: &Scene) -> Outcome {
+        self.pairs.check_names(&self.settings, robot, scene).map_err(Failure::rejected)
+    }
+
+    /// The matrix that selects the pairs; none if this is up to the SRDF.
+    pub fn matrix(&self, robot: &RobotModel, scene: &Scene) -> Option<AllowedCollisionMatrix> {
+        self.pairs.matrix(robot, scene)
     }
 
     /// The settings of the library in a scene.
     pub fn in_scene(&self, scene: &Scene) -> Settings {
         self.settings.clone().with_scene(scene)
-    }
-
-    /// Rejects names of the pairs and objects that neither the robot nor the scene has.
-    pub fn check_names(&self, robot: &RobotModel, scene: &Scene) -> Outcome {
-        let is_object =
-            |name: &str| scene.world.id(name).is_some() || scene.world.attached_by_name(name).is_some();
-        let is_known = |name: &str| robot.link_by_name(name).is_some() || is_object(name);
-        for (what, pairs) in [("allowed_collisions", &self.allowed), ("checked_collisions", &self.checked)] {
-            if let Some(name) = pairs.iter().flat_map(|(a, b)| [a, b]).find(|name| !is_known(name)) {
-                return Err(Failure::rejected(format!("{what}: there is no link or object '{name}'")));
-            }
-        }
-        let Settings { object_padding, object_scale, .. } = &self.settings;
-        for (what, values) in [("object_padding", object_padding), ("object_scale", object_scale)] {
-            if let Some(name) = values.keys().find(|name| !is_object(name)) {
-                return Err(Failure::rejected(format!("{what}: there is no object '{name}'")));
-            }
-        }
-        Ok(())
-    }
-
-    /// The matrix that selects the pairs; none if this is up to the SRDF.
-    pub fn matrix(&self, robot: &RobotModel, scene: &Scene) -> Option<AllowedCollisionMatrix> {
-        if self.allowed.is_empty() && self.checked.is_empty() {
-            return scene.matrix.clone();
-        }
-        let mut matrix = scene.matrix.clone().unwrap_or_else(|| AllowedCollisionMatrix::of_robot(robot));
-        for (pairs, allowed) in [(&self.allowed, true), (&self.checked, false)] {
-            for (a, b) in pairs {
-                matrix.set(a, b, allowed);
-            }
-        }
-        Some(matrix)
     }
 }
 
@@ -181,7 +166,7 @@ fn pairs_of_names(
     pairs: *const clearance_pair,
     count: usize,
     what: &str,
-) -> Outcome<Pairs> {
+) -> Outcome<Vec<(String, String)>> {
     let pairs = arguments.array(pairs, count, what)?.iter().enumerate();
     let named = pairs.map(|(i, pair)| {
         let name = |text, side| Ok(arguments.text(text, &format!("{what}[{i}].{side}"))?.to_owned());

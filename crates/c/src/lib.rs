@@ -8,7 +8,7 @@
 //! | status and last error; no panic leaves a function | `status` |
 //! | structs of arguments and results, texts | `structs`, `texts` |
 //! | robots, worlds and their shapes | `robot`, `world`, `shapes` |
-//! | checkers: options, and the joints of their states | `checker`, `checker_options`, `joint_space` |
+//! | checkers and their options; rows of positions | `checker`, `checker_options`; `rows` |
 //! | memory of a thread's queries | `workspace` |
 //! | queries on states, motions, paths, ways out of a collision | `state_queries`, `motion_queries`, `planning`, `recovery` |
 //! | options and verdicts of motion checks | `motion_options` |
@@ -26,12 +26,12 @@ pub mod arguments;
 pub mod certificate;
 pub mod checker;
 pub mod checker_options;
-mod joint_space;
 pub mod motion_options;
 pub mod motion_queries;
 pub mod planning;
 pub mod recovery;
 pub mod robot;
+mod rows;
 pub mod shapes;
 pub mod state_queries;
 pub mod status;

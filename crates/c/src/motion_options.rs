@@ -5,10 +5,10 @@ use std::ptr;
 use std::time::{Duration, Instant};
 
 use clearance::{MotionOptions, MotionOrder, MotionSegment, MotionVerdict, UndecidedReason};
+use clearance_bindings::JointSpace;
 
 use crate::arguments::Arguments;
 use crate::checker::clearance_checker;
-use crate::joint_space::JointSpace;
 use crate::status::{Failure, Outcome};
 use crate::structs::{clearance_pair, xyz};
 

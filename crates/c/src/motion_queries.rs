@@ -5,18 +5,19 @@ use std::ptr;
 
 use clearance::motion::ContinuousDirection;
 use clearance::{Certificate, MotionSegment, MotionVerdict, Trajectory, TrajectoryPoint};
+use clearance_bindings::JointSpace;
 
 use crate::arguments::Arguments;
 use crate::certificate::clearance_certificate;
 use crate::checker::clearance_checker;
-use crate::joint_space::JointSpace;
 use crate::motion_options::{
     ReadOptions, VerdictDetails, clearance_motion_options, clearance_reason, clearance_verdict,
 };
+use crate::rows;
 use crate::state_queries::read_rows;
 use crate::status::{Failure, Outcome, clearance_status};
 use crate::structs::{clearance_edge, clearance_edges, clearance_pair};
-use crate::thread_pools::pool;
+use crate::thread_pools::batch_pool;
 use crate::workspace::{clearance_workspace, query};
 
 /// Whether a straight motion is proven free, at every point: false for a contact, or if undecided. `clearance_checker_check_motion` has
@@ -59,7 +60,7 @@ pub extern "C" fn clearance_checker_are_motions_free(
         if read.threads == 1 {
             on.are_motions_free_with(&segments, &read.options, &mut memory.workspace, &mut free);
         } else {
-            free = pool(read.threads)?.install(|| on.are_motions_free(&segments, &read.options));
+            free = batch_pool(read.threads)?.install(|| on.are_motions_free(&segments, &read.options));
         }
         let free: Vec<u8> = free.into_iter().map(u8::from).collect();
         arguments.write_array(are_free, free.len(), &free, "are_free")
@@ -85,7 +86,7 @@ pub fn edge_ends(
     edge: clearance_edge,
 ) -> Outcome<[clearance::Configuration; 2]> {
     let end = |row: *const f64, name: &'static str| {
-        space.read(arguments.array(row, edge.n, name)?, &|| name.to_owned())
+        rows::read(space, arguments.array(row, edge.n, name)?, &|| name.to_owned())
     };
     Ok([end(edge.from, "from")?, end(edge.to, "to")?])
 }

@@ -7,10 +7,11 @@ use std::sync::Arc;
 
 use clearance::geometry::math::Pose;
 use clearance::robot::{Configuration, LinkPoses, MeshFiles, RobotModel, RobotText};
+use clearance_bindings::JointSpace;
 use clearance_files::input_files::{self, DESCRIPTION_LIMIT};
 
 use crate::arguments::Arguments;
-use crate::joint_space::JointSpace;
+use crate::rows;
 use crate::status::{Failure, Outcome, call, call_for, clearance_status};
 use crate::structs::{clearance_named_value, clearance_pose, clearance_state, named_values, texts};
 use crate::texts::{Names, c_text};
@@ -70,7 +71,7 @@ fn names(texts: &[String]) -> Names {
 impl clearance_robot {
     fn configuration(&self, arguments: Arguments<'_>, state: clearance_state) -> Outcome<Configuration> {
         let row = arguments.array(state.positions, state.n, "state")?;
-        self.space.read(row, &|| "state".to_owned())
+        rows::read(&self.space, row, &|| "state".to_owned())
     }
 }
 

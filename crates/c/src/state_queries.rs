@@ -7,9 +7,10 @@ use clearance::{CollisionReport, PairDistance, Question};
 
 use crate::arguments::Arguments;
 use crate::checker::clearance_checker;
+use crate::rows;
 use crate::status::{Failure, Outcome, clearance_status};
 use crate::structs::{clearance_pair, clearance_state, clearance_states, xyz};
-use crate::thread_pools::pool;
+use crate::thread_pools::batch_pool;
 use crate::workspace::{Memory, clearance_workspace, query, query_state};
 
 /// Arrays of results, as C reads them.
@@ -56,7 +57,7 @@ pub extern "C" fn clearance_checker_are_free(
         if threads == 1 {
             checker.checker.are_free_with(&states, &mut memory.workspace, &mut free);
         } else {
-            free = pool(threads)?.install(|| checker.checker.are_free(&states));
+            free = batch_pool(threads)?.install(|| checker.checker.are_free(&states));
         }
         let free: Vec<u8> = free.into_iter().map(u8::from).collect();
         arguments.write_array(are_free, free.len(), &free, "are_free")
@@ -80,7 +81,7 @@ pub fn read_rows(
     name: &str,
 ) -> Outcome<Vec<Configuration>> {
     let all = arguments.array(positions, count.saturating_mul(n), name)?;
-    let row = |i: usize| checker.space.read(&all[i * n..(i + 1) * n], &|| format!("{name}: row {i}"));
+    let row = |i: usize| rows::read(&checker.space, &all[i * n..(i + 1) * n], &|| format!("{name}: row {i}"));
     (0..count).map(row).collect()
 }
 

@@ -6,10 +6,11 @@ use std::sync::atomic::{AtomicU8, Ordering};
 
 use clearance::Workspace;
 use clearance::robot::Configuration;
+use clearance_bindings::JointSpace;
 
 use crate::arguments::Arguments;
 use crate::checker::clearance_checker;
-use crate::joint_space::JointSpace;
+use crate::rows;
 use crate::state_queries::StateResults;
 use crate::status::{Failure, Outcome, call, clearance_status};
 use crate::structs::clearance_state;
@@ -67,7 +68,7 @@ impl Memory {
             self.space = Arc::clone(&checker.space);
             self.q.clone_from(checker.space.rest());
         }
-        checker.space.read_into(row, name, &mut self.row, &mut self.q)
+        rows::read_into(&checker.space, row, name, &mut self.row, &mut self.q)
     }
 }
 

@@ -1,11 +1,13 @@
 //! Conversion of NumPy arrays and whatever NumPy makes arrays of.
 
+use std::collections::HashSet;
+
 use numpy::{
     PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods,
 };
 use pyo3::exceptions::{PyMemoryError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyList, PyTuple};
+use pyo3::types::{PyFloat, PyList, PyTuple};
 
 /// Numbers of an argument: C-contiguous float64, of any shape.
 pub struct Numbers<'py> {
@@ -25,7 +27,7 @@ impl<'py> Numbers<'py> {
         }
         let numpy = value.py().import("numpy")?;
         let masked = numpy.getattr("ma")?.getattr("MaskedArray")?;
-        if is_masked(value, &masked, DEEPEST)? {
+        if is_masked(value, &masked, &mut HashSet::new())? {
             return Err(PyTypeError::new_err(format!(
                 "{what} is or contains a masked array, whose masked entries have no value: give their values with {what}.filled(...), or \
                  leave out their rows with numpy.ma.compress_rows({what})"
@@ -75,24 +77,29 @@ impl<'py> Numbers<'py> {
     }
 }
 
-/// Largest number of dimensions of an array in NumPy. A list may contain itself.
-const DEEPEST: usize = 64;
-
-/// True for a masked array, and for lists that contain one at most `depth` levels below.
-fn is_masked(value: &Bound<'_, PyAny>, masked: &Bound<'_, PyAny>, depth: usize) -> PyResult<bool> {
-    let any = |items: &mut dyn Iterator<Item = Bound<'_, PyAny>>| {
-        for item in items {
-            if is_masked(&item, masked, depth - 1)? {
-                return Ok(true);
-            }
-        }
-        Ok(false)
-    };
-    match (value.cast::<PyList>(), value.cast::<PyTuple>()) {
-        (Ok(list), _) if depth > 0 => any(&mut list.iter()),
-        (_, Ok(tuple)) if depth > 0 => any(&mut tuple.iter()),
-        _ => value.is_instance(masked),
+/// True for a masked array, and for lists that contain one. `seen` has the lists that were looked at: a list may contain itself.
+fn is_masked(
+    value: &Bound<'_, PyAny>,
+    masked: &Bound<'_, PyAny>,
+    seen: &mut HashSet<usize>,
+) -> PyResult<bool> {
+    if value.is_instance(masked)? {
+        return Ok(true);
     }
+    let items: Vec<Bound<'_, PyAny>> = match (value.cast::<PyList>(), value.cast::<PyTuple>()) {
+        (Ok(list), _) => list.iter().collect(),
+        (_, Ok(tuple)) => tuple.iter().collect(),
+        _ => return Ok(false),
+    };
+    if !seen.insert(value.as_ptr() as usize) {
+        return Ok(false);
+    }
+    for item in items {
+        if !item.is_exact_instance_of::<PyFloat>() && is_masked(&item, masked, seen)? {
+            return Ok(true);
+        }
+    }
+    Ok(false)
 }
 
 /// Rows of joint positions: an argument of shape (..., n) with n positions each.

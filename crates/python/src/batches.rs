@@ -5,6 +5,8 @@ use std::sync::{Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use clearance::MotionOptions;
+use clearance_bindings::{default_threads, pool};
+use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use rayon::prelude::*;
 
@@ -12,7 +14,6 @@ use crate::arrays::{Rows, Table};
 use crate::checker::CheckerCore;
 use crate::error::error;
 use crate::memory::filled;
-use crate::thread_pools::{default_threads, pool};
 use crate::workspaces::{QueryMemory, with_memory};
 
 /// Interval at which the waiting thread looks for signals.
@@ -43,7 +44,9 @@ pub fn run<T: Send>(
     on_stop: impl Fn() + Send,
     work: impl FnOnce(&Stop) -> T + Send,
 ) -> PyResult<T> {
-    let pool = pool(threads)?;
+    let threads = threads.unwrap_or_else(default_threads);
+    let pool =
+        pool(threads).map_err(|e| PyRuntimeError::new_err(format!("no pool of {threads} threads: {e}")))?;
     let stop = Stop::default();
     let end = End::default();
     let mut result = None;

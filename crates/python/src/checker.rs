@@ -16,7 +16,6 @@ use crate::arrays::{Rows, array};
 use crate::batches::run;
 use crate::edge_queries::{self, EdgeArguments};
 use crate::error::{error, warn};
-use crate::joint_space::JointSpace;
 use crate::memory::collected;
 use crate::motion_options::MotionSettings;
 use crate::motion_queries;
@@ -31,6 +30,7 @@ use crate::state_queries::{self, single};
 use crate::trajectory_arrays::TrajectoryArrays;
 use crate::world::World;
 use crate::world_state::SceneState;
+use clearance_bindings::JointSpace;
 
 /// What queries use; threads share it.
 #[derive(Debug)]
@@ -87,7 +87,8 @@ impl Checker {
     ) -> PyResult<Self> {
         let model = Arc::clone(&robot.get().model);
         let named: Vec<(String, f64)> = fixed.iter().map(|(name, value)| (name.clone(), *value)).collect();
-        let space = Arc::new(JointSpace::of_group(Arc::clone(&model), group.as_deref(), &named)?);
+        let space =
+            Arc::new(JointSpace::of_group(Arc::clone(&model), group.as_deref(), &named).map_err(error)?);
         let matrix = settings.matrix(&model, &scene);
         let of_scene = settings.settings.clone().with_scene(&scene);
         // on threads of this process, which the library's own pool may not have after a fork

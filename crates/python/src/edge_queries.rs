@@ -4,6 +4,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use clearance::checker::Watch;
 use clearance::{MotionOptions, MotionReport, MotionSegment, MotionVerdict, Workspace};
+use clearance_bindings::default_threads;
 use pyo3::prelude::*;
 use rayon::prelude::*;
 
@@ -15,7 +16,6 @@ use crate::memory::{collected, filled};
 use crate::motion_options::{MotionSettings, is_over};
 use crate::motion_queries::{reason_code, verdict_code};
 use crate::results::result;
-use crate::thread_pools::default_threads;
 use crate::workspaces::{QueryMemory, with_memory};
 
 /// Largest number of edges that a thread takes at a time.

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `Robot`, and the sources that it is pickled with | `robot`, `robot_sources` |
 //! | `World`, its shapes and its pickle | `world`, `shapes`, `world_state` |
-//! | `Checker`: its settings, and the joints of its states | `checker`, `settings`, `joint_space` |
+//! | `Checker` and its settings | `checker`, `settings` |
 //! | queries on states | `state_queries` |
 //! | batches of edges; single motions and trajectories | `edge_queries`; `motion_queries`, `motion_options`, `trajectory_arrays` |
 //! | ways out of a collision | `recovery` |
@@ -13,7 +13,7 @@
 //! | arrays and poses | `arrays`, `poses` |
 //! | values of options, whose errors name the option | `options` |
 //! | versions of pickles | `pickles` |
-//! | many states on many threads, ended by Ctrl-C | `batches`, `thread_pools`, `workspaces`, `memory` |
+//! | many states on many threads, ended by Ctrl-C | `batches`, `workspaces`, `memory` |
 //! | result classes, which are Python dataclasses in `clearance/_results.py` | `results` |
 //! | the command `clearance` | `command` |
 
@@ -29,7 +29,6 @@ mod checker;
 mod command;
 mod edge_queries;
 mod error;
-mod joint_space;
 mod memory;
 mod motion_options;
 mod motion_queries;
@@ -44,7 +43,6 @@ mod robot_sources;
 mod settings;
 mod shapes;
 mod state_queries;
-mod thread_pools;
 mod trajectory_arrays;
 mod verification;
 mod workspaces;

@@ -15,12 +15,12 @@ use crate::batches::{run, run_briefly};
 use crate::certificate::Certificate;
 use crate::checker::CheckerCore;
 use crate::error::error;
-use crate::joint_space::JointSpace;
 use crate::motion_options::{MotionSettings, is_over};
 use crate::results::{names, xyz};
 use crate::state_queries::single;
 use crate::trajectory_arrays::TrajectoryArrays;
 use crate::workspaces::with_memory;
+use clearance_bindings::JointSpace;
 
 /// Code of a verdict: `Verdict` of `clearance._results`.
 pub fn verdict_code(verdict: &MotionVerdict) -> i8 {

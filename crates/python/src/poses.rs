@@ -98,13 +98,16 @@ pub fn exact(pose: &Pose) -> [f64; 7] {
     [t.x, t.y, t.z, q.x, q.y, q.z, q.w]
 }
 
+/// Rounding error allowed in the length of a quaternion or normal that was of length 1.
+pub const EXACT_SLACK: f64 = 1e-9;
+
 /// The pose that [`exact`] was made of; other numbers are rejected.
 pub fn from_exact(numbers: [f64; 7]) -> PyResult<Pose> {
     let [x, y, z, i, j, k, w] = numbers;
     let quaternion = nalgebra::Quaternion::new(w, i, j, k);
     let is_near = [x, y, z].iter().all(|c| c.abs() <= LARGEST_COORDINATE);
     // NaN is no rotation either
-    if !(is_near && (quaternion.norm() - 1.0).abs() <= SLACK) {
+    if !(is_near && (quaternion.norm() - 1.0).abs() <= EXACT_SLACK) {
         return Err(PyValueError::new_err(format!("{numbers:?} is no pose x y z, quaternion x y z w")));
     }
     Ok(Pose::from_parts(Translation3::new(x, y, z), Rotation::new_unchecked(quaternion)))

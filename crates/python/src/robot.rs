@@ -13,10 +13,10 @@ use pyo3::types::{PyBytes, PyDict, PyTuple};
 
 use crate::arrays::{Rows, array};
 use crate::error::{error, warn};
-use crate::joint_space::JointSpace;
 use crate::memory::collected;
 use crate::robot_sources::{MeshBytes, RobotSources, Text};
 use crate::{options, pickles, poses};
+use clearance_bindings::JointSpace;
 
 /// A robot: links and joints from URDF, groups and allowed collisions from SRDF, with the meshes. Immutable.
 ///

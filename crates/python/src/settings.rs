@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use clearance::robot::RobotModel;
 use clearance::scene::{AllowedCollisionMatrix, MeshModel, Scene, Settings};
+use clearance_bindings::PairSelection;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -13,16 +14,12 @@ use crate::error::error;
 const KEYWORDS: &str = "padding, link_padding, link_scale, object_padding, object_scale, pad_self, check_self, check_world, mesh_model, \
                         allowed_collisions, checked_collisions";
 
-type Pairs = Vec<(String, String)>;
-
 /// Settings of the library, and changes of the pairs that are checked.
 #[derive(Clone, Debug, Default)]
 pub struct CheckSettings {
     pub settings: Settings,
-    /// Pairs that may touch, besides those of the scene or the SRDF.
-    allowed: Pairs,
-    /// Pairs that are checked, whatever the scene or the SRDF say.
-    checked: Pairs,
+    /// Pairs that may touch, and that are checked, besides those of the scene or the SRDF.
+    pairs: PairSelection,
 }
 
 impl CheckSettings {
@@ -57,8 +54,8 @@ impl CheckSettings {
                     }
                 }
             }
-            "allowed_collisions" => self.allowed = read(keyword, value, "a list of pairs of names")?,
-            "checked_collisions" => self.checked = read(keyword, value, "a list of pairs of names")?,
+            "allowed_collisions" => self.pairs.allowed = read(keyword, value, "a list of pairs of names")?,
+            "checked_collisions" => self.pairs.checked = read(keyword, value, "a list of pairs of names")?,
             _ => {
                 let text = format!("there is no setting '{keyword}'; there are {KEYWORDS}");
                 return Err(PyTypeError::new_err(text));
@@ -97,43 +94,19 @@ impl CheckSettings {
             keywords.set_item(name, value)?;
         }
         keywords.set_item("mesh_model", mesh_model)?;
-        keywords.set_item("allowed_collisions", &self.allowed)?;
-        keywords.set_item("checked_collisions", &self.checked)?;
+        keywords.set_item("allowed_collisions", &self.pairs.allowed)?;
+        keywords.set_item("checked_collisions", &self.pairs.checked)?;
         Ok(keywords)
     }
 
     /// Rejects names of the pairs and objects that neither the robot nor the scene has.
     pub fn check_names(&self, robot: &RobotModel, scene: &Scene) -> PyResult<()> {
-        let is_object =
-            |name: &str| scene.world.id(name).is_some() || scene.world.attached_by_name(name).is_some();
-        let is_known = |name: &str| robot.link_by_name(name).is_some() || is_object(name);
-        for (keyword, pairs) in [("allowed_collisions", &self.allowed), ("checked_collisions", &self.checked)]
-        {
-            if let Some(name) = pairs.iter().flat_map(|(a, b)| [a, b]).find(|name| !is_known(name)) {
-                return Err(error(format!("{keyword}: there is no link or object '{name}'")));
-            }
-        }
-        let Settings { object_padding, object_scale, .. } = &self.settings;
-        for (keyword, values) in [("object_padding", object_padding), ("object_scale", object_scale)] {
-            if let Some(name) = values.keys().find(|name| !is_object(name)) {
-                return Err(error(format!("{keyword}: there is no object '{name}'")));
-            }
-        }
-        Ok(())
+        self.pairs.check_names(&self.settings, robot, scene).map_err(error)
     }
 
     /// The matrix that selects the pairs; none if this is up to the SRDF.
     pub fn matrix(&self, robot: &RobotModel, scene: &Scene) -> Option<AllowedCollisionMatrix> {
-        if self.allowed.is_empty() && self.checked.is_empty() {
-            return scene.matrix.clone();
-        }
-        let mut matrix = scene.matrix.clone().unwrap_or_else(|| AllowedCollisionMatrix::of_robot(robot));
-        for (pairs, allowed) in [(&self.allowed, true), (&self.checked, false)] {
-            for (a, b) in pairs {
-                matrix.set(a, b, allowed);
-            }
-        }
-        Some(matrix)
+        self.pairs.matrix(robot, scene)
     }
 }
 

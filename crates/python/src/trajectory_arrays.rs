@@ -7,8 +7,8 @@ use pyo3::prelude::*;
 
 use crate::arrays::{Numbers, Rows, wrong_shape};
 use crate::error::error;
-use crate::joint_space::JointSpace;
 use crate::memory::filled;
+use clearance_bindings::JointSpace;
 
 /// Points of a trajectory, as arguments.
 pub struct TrajectoryArrays<'a, 'py> {

@@ -12,7 +12,6 @@ use pyo3::types::{PyDict, PyTuple};
 use crate::arrays::Rows;
 use crate::certificate::Certificate;
 use crate::error::error;
-use crate::joint_space::JointSpace;
 use crate::motion_queries::tube_of;
 use crate::options;
 use crate::results::result;
@@ -20,6 +19,7 @@ use crate::robot::Robot;
 use crate::settings::CheckSettings;
 use crate::trajectory_arrays::TrajectoryArrays;
 use crate::world::World;
+use clearance_bindings::JointSpace;
 
 /// Verifies that a certificate proves a motion of this robot in this world free, with code that is independent of the checker.
 ///

@@ -12,7 +12,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::error::error;
-use crate::poses::{exact, from_exact};
+use crate::poses::{EXACT_SLACK, exact, from_exact};
 use crate::shapes::primitive;
 
 /// Kind, numbers, and the bytes of what may be large.
@@ -141,7 +141,14 @@ fn shape((kind, numbers, first, second): ShapeState<'_>) -> PyResult<Shape> {
         ("plane", &[x, y, z, offset]) => {
             // for the check only: it would round the normal again
             Plane::from_coefficients([x, y, z, offset]).map_err(error)?;
-            let normal = UnitVector::new_unchecked(Vector::new(x, y, z));
+            let normal = Vector::new(x, y, z);
+            if (normal.norm() - 1.0).abs() > EXACT_SLACK {
+                return Err(error(format!(
+                    "the normal of a plane has length {}, but must have 1",
+                    normal.norm()
+                )));
+            }
+            let normal = UnitVector::new_unchecked(normal);
             Ok(Shape::Plane(Plane { normal, offset }))
         }
         ("mesh", []) => {

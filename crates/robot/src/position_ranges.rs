@@ -6,6 +6,10 @@ use clearance_geometry::math::Extremes;
 
 use super::RobotModel;
 
+/// Rounding error allowed in bounds that follow from mimic joints, relative to the numbers used: limits of a leader and its followers
+/// that are meant to agree must not exclude each other's last digit.
+const ROUNDING: f64 = 1e-12;
+
 impl RobotModel {
     /// By position, the values (rad, m) with which its joint and all joints that mimic it are within their limits: lower and upper
     /// bound, infinite where there is none. The lower bound exceeds the upper one if these limits contradict each other.
@@ -19,18 +23,22 @@ impl RobotModel {
             let Some(limits) = joint.limits.filter(|_| joint.kind.position_suffixes().len() == 1) else {
                 continue;
             };
-            let (leader, [a, b]) = match joint.mimic {
+            let (leader, [least, largest]) = match joint.mimic {
                 None => (id, [limits.lower, limits.upper]),
                 Some(mimic) if mimic.multiplier == 0.0 => continue,
                 Some(mimic) => {
                     let of_leader = |limit: f64| (limit - mimic.offset) / mimic.multiplier;
-                    (mimic.joint, [of_leader(limits.lower), of_leader(limits.upper)])
+                    let [a, b] = [of_leader(limits.lower), of_leader(limits.upper)];
+                    let rounding =
+                        |bound: f64| ROUNDING * (bound.abs() + (mimic.offset / mimic.multiplier).abs());
+                    let [low, high] = [a.lesser(b), a.greater(b)];
+                    (mimic.joint, [low - rounding(low), high + rounding(high)])
                 }
             };
             let Some(position) = self.first_position(leader) else { continue };
             let [low, high] = &mut ranges[position];
-            *low = low.greater(a.lesser(b));
-            *high = high.lesser(a.greater(b));
+            *low = low.greater(least);
+            *high = high.lesser(largest);
         }
         ranges
     }
@@ -88,7 +96,7 @@ mod tests {
             let robot = gripper(follower, mimic);
             let ranges = robot.position_ranges();
             let error = (0..2).map(|i| (ranges[0][i] - expected[i]).abs()).fold(0.0, f64::greater);
-            assert!(error < 1e-15, "{follower} {mimic}: {:?}", ranges[0]);
+            assert!(error < 1e-12, "{follower} {mimic}: {:?}", ranges[0]);
             assert_eq!(ranges[1], [f64::NEG_INFINITY, f64::INFINITY]);
             assert_eq!(robot.sampling_ranges()[1], [-PI, PI]);
             let mut random = fastrand::Rng::with_seed(5);
@@ -105,9 +113,22 @@ mod tests {
     }
 
     #[test]
+    fn limits_that_agree_keep_their_last_digit() {
+        for (multiplier, upper) in [("0.1", "0.008"), ("-0.7", "0.056"), ("3", "0.24"), ("0.3", "0.024")] {
+            let limits = match multiplier.starts_with('-') {
+                true => format!("lower='-{upper}' upper='0'"),
+                false => format!("lower='0' upper='{upper}'"),
+            };
+            let robot = gripper(&limits, &format!("multiplier='{multiplier}'"));
+            assert_eq!(robot.position_ranges()[0][1], 0.08, "{multiplier}");
+        }
+    }
+
+    #[test]
     fn contradictory_limits_are_an_empty_range_and_still_have_samples() {
         let robot = gripper("lower='0.5' upper='1'", "");
-        assert_eq!(robot.position_ranges()[0], [0.5, 0.08]);
-        assert_eq!(robot.sampling_ranges()[0], [0.08, 0.5]);
+        let [low, high] = robot.position_ranges()[0];
+        assert!((low - 0.5).abs() < 1e-11 && high == 0.08);
+        assert_eq!(robot.sampling_ranges()[0], [high, low]);
     }
 }

@@ -6,8 +6,9 @@
 //! elements that can contain the nearest points.
 //!
 //! This changes no exact result: the distance found depends neither on the search limit, as long as the limit is not
-//! smaller, nor on the order in which elements are visited. (The common point of touching bodies does depend on them;
-//! for reports it comes from a separate search.)
+//! smaller, nor on the order in which elements are visited. (The common point of touching bodies does depend on them.
+//! In reports without a tolerance it comes from a separate search; within a tolerance, it is of the elements that touched in
+//! an earlier state, as long as they do.)
 
 mod tolerance;
 

@@ -41,6 +41,9 @@ const MOST_HITS: usize = 6;
 /// How often the distance of an exit is bisected.
 const BISECTIONS: usize = 8;
 
+/// Budget of the proof that a state which was found is reached, if the search has a deadline: some 10 ms, by which it may end later.
+const BUDGET: u64 = 5000;
+
 /// Number of states that are checked together.
 const AT_ONCE: usize = 8;
 
@@ -271,7 +274,9 @@ impl<'s> FreeStateSearch<'s> {
         let first = u32::try_from(free.iter().position(|free| *free)?).ok()?;
         let exit = space.between(at(first), end);
         let segment = MotionSegment::straight(self.checker.robot(), &exit, &found.state);
-        let report = self.checker.check_motion_with(&segment, &MotionOptions::default(), self.workspace);
+        let budget = if self.options.deadline.is_some() { BUDGET } else { MotionOptions::default().budget };
+        let options = MotionOptions { budget, ..MotionOptions::default() };
+        let report = self.checker.check_motion_with(&segment, &options, self.workspace);
         let is_proven = report.verdict == MotionVerdict::Free;
         is_proven.then(|| FreeState {
             state: found.state.clone(),

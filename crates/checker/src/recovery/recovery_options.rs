@@ -18,7 +18,7 @@ pub struct RecoveryOptions {
     pub clearance: f64,
     /// The search ends after about this number of checked states.
     pub most_checks: u64,
-    /// Time at which the search ends.
+    /// Time at which the search ends. The motion to a state that was found is still checked, which takes some 10 ms.
     pub deadline: Option<Instant>,
 }
 

@@ -1,4 +1,4 @@
-"""Planners of OMPL with proven edges: what they need, made of a checker. Needs the Python package ``ompl`` (``pip install "ompl>=2"``).
+"""Adapters between OMPL and a checker: state spaces, validators with proven motions, certificates. Needs ``pip install "ompl>=2"``.
 
     import clearance as cl
     from clearance import ompl as proven
@@ -51,8 +51,8 @@ LAST_VALID = (1.0, 0.999, 0.99, 0.9, 0.5)
 def state_space(checker: Checker, bounds: Optional[Mapping[str, Tuple[float, float]]] = None) -> ob.StateSpace:
     """A state space of the joints of a checker, with their limits (rad, m).
 
-    Joints with limits are dimensions of a `RealVectorStateSpace`, by name. A continuous joint is an `SO2StateSpace` of its name, which
-    interpolates the short way. With both, the result is a `CompoundStateSpace`, with weights of 1. `bounds` (lower, upper) replace the
+    Joints with limits are dimensions of a `RealVectorStateSpace`, by name. A continuous joint, or the angle of a planar one, is an
+    `SO2StateSpace` of its name, which interpolates the short way. With both, the result is a `CompoundStateSpace`, with weights of 1. `bounds` (lower, upper) replace the
     limits of joints by name. They are required for joints without limits: prismatic ones, the position of planar ones, and continuous
     ones that others mimic, since a full turn moves those elsewhere. Floating joints are rejected.
     """
@@ -69,9 +69,14 @@ def state_space(checker: Checker, bounds: Optional[Mapping[str, Tuple[float, flo
             angles[-1].setName(name)
             continue
         lower, upper = given.get(name, (lower, upper))
+        if lower > upper:
+            raise Error(f"joint position '{name}' has the contradictory limits {lower} to {upper}, perhaps of joints that mimic it")
         if not (math.isfinite(lower) and math.isfinite(upper) and lower <= upper):
             raise Error(f"joint position '{name}' has limits {lower} to {upper}: give finite ones, as bounds={{'{name}': (lower, upper)}}")
         vector.addDimension(name, float(lower), float(upper))
+    if vector.getDimension() and all(low == high for low, high in zip(vector.getBounds().low, vector.getBounds().high)):
+        names = ", ".join(vector.getDimensionName(i) for i in range(vector.getDimension()))
+        raise Error(f"no room to move: the limits of {names} are single positions; make the checker for a group without them")
     if not angles:
         return vector
     compound = ob.CompoundStateSpace()
@@ -111,8 +116,8 @@ class JointMapping:
         for _, column in self._angles:
             if names[column] not in turning:
                 raise Error(
-                    f"the state space has joint position '{names[column]}' as an SO2StateSpace, but only continuous joints that no other "
-                    "joint mimics may turn through half a turn: use a dimension of a RealVectorStateSpace"
+                    f"the state space has joint position '{names[column]}' as an SO2StateSpace, but only continuous joints and angles of "
+                    "planar ones that no other joint mimics may turn through half a turn: use a dimension of a RealVectorStateSpace"
                 )
         self._turning = np.array([column for _, column in self._angles], dtype=int)
         # the most frequent space: one vector, in order
@@ -153,14 +158,22 @@ class JointMapping:
         q1, q2 = self.positions(s1), self.positions(s2)
         return q1, self._unrolled(q1, q2)
 
+    def set_between(self, state: ob.State, ends: Tuple[ob.State, ob.State], fraction: float) -> None:
+        """Sets a state to that at a fraction of the motion between two others: to these themselves at 0 and 1."""
+        if fraction in (0.0, 1.0):
+            self._space.copyState(state, ends[int(fraction)])
+            return
+        q1, q2 = self.motion(*ends)
+        self.set(state, q1 + fraction * (q2 - q1))
+
     def path(self, path: og.PathGeometric) -> np.ndarray:
         """The states of a path, shape (k, n), such that straight motions between them are those that the space interpolates."""
-        states = [self.positions(state) for state in path.getStates()]
-        for i in range(1, len(states)):
-            # each motion is that from the state itself, moved by whole turns
-            before = self.positions(path.getState(i - 1))
-            states[i] = states[i - 1] + (self._unrolled(before, states[i]) - before) if len(self._turning) else states[i]
-        return np.array(states).reshape(len(states), self._count)
+        states = np.array([self.positions(state) for state in path.getStates()]).reshape(-1, self._count)
+        # each motion is that from the state itself, moved by whole turns
+        steps = np.diff(states[:, self._turning], axis=0)
+        turns = np.where(np.abs(steps) > math.pi, -np.sign(steps), 0.0).cumsum(axis=0)
+        states[1:, self._turning] += FULL_TURN * turns
+        return states
 
     def _unrolled(self, q1: np.ndarray, q2: np.ndarray) -> np.ndarray:
         """As `SO2StateSpace` interpolates: the other way round if the difference is above half a turn."""
@@ -212,6 +225,7 @@ class MotionValidator(ob.MotionValidator):
         self._valid = self._invalid = 0
         # wrong options are an error now, not in the planner
         here = checker.configuration()
+        checker.check_motion(here, here, **options)
         checker.are_edges_free(here, here, **options)
 
     def checkMotion(self, s1: ob.State, s2: ob.State, last_valid: Optional[ob.State] = None):
@@ -229,11 +243,9 @@ class MotionValidator(ob.MotionValidator):
         """
         q1, q2 = self._joints.motion(s1, s2)
         report = self._checker.check_motion(q1, q2, **self._options)
-        fraction = 1.0
-        if not self._counted(report.free):
-            fraction = self._last_valid(q1, q2, report.t[0])
+        fraction = 1.0 if self._counted(report.free) else self._last_valid(q1, q2, report.t[0])
         if last_valid is not None:
-            self._joints.set(last_valid, q1 + fraction * (q2 - q1))
+            self._joints.set_between(last_valid, (s1, s2), fraction)
         return report.free, fraction
 
     def _last_valid(self, q1: np.ndarray, q2: np.ndarray, proven: float) -> float:

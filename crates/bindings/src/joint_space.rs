@@ -2,10 +2,7 @@
 
 use std::sync::Arc;
 
-use clearance::robot::{Configuration, ConfigurationError, JointId, RobotModel};
-use pyo3::prelude::*;
-
-use crate::error::error;
+use clearance::robot::{Configuration, ConfigurationError, JointId, RobotModel, UnknownGroup};
 
 /// Converts positions in the order of a group to configurations of the whole robot.
 #[derive(Debug)]
@@ -18,55 +15,97 @@ pub struct JointSpace {
     names: Vec<String>,
 }
 
+/// Reason why there are no such states.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum JointSpaceError {
+    /// The robot has no such group.
+    #[error(transparent)]
+    UnknownGroup(#[from] UnknownGroup),
+    /// The group has no joint that moves by itself.
+    #[error("group '{0}' has no joint that moves by itself")]
+    EmptyGroup(String),
+    /// A fixed joint is one of those that states give.
+    #[error("fixed: joint '{joint}' is one of {states}, whose positions each query gives")]
+    FixedInStates {
+        /// Name of the joint.
+        joint: String,
+        /// The states or the group.
+        states: String,
+    },
+    /// A fixed joint follows one of those that states give.
+    #[error(
+        "fixed: joint '{joint}' mimics joint '{leader}', whose position each query gives: leave '{joint}' out of fixed"
+    )]
+    FixedFollows {
+        /// Name of the joint.
+        joint: String,
+        /// Name of the joint that it mimics.
+        leader: String,
+    },
+    /// The fixed positions are not valid.
+    #[error("fixed: {0}")]
+    Fixed(ConfigurationError),
+}
+
 impl JointSpace {
     /// All positions of the robot.
+    #[must_use]
     pub fn whole(robot: Arc<RobotModel>) -> Self {
         let (rest, names) = (robot.default_configuration(), robot.position_names().to_vec());
         Self { robot, rest, columns: None, names }
     }
 
     /// The positions of a group of the SRDF, in the order of the group; `fixed` are values of other joints by name.
-    pub fn of_group(robot: Arc<RobotModel>, group: Option<&str>, fixed: &[(String, f64)]) -> PyResult<Self> {
+    ///
+    /// # Errors
+    /// If there is no such group, if none of its joints moves by itself, or if the fixed joints do not fit.
+    pub fn of_group(
+        robot: Arc<RobotModel>,
+        group: Option<&str>,
+        fixed: &[(String, f64)],
+    ) -> Result<Self, JointSpaceError> {
         let columns = group.map(|name| positions_of_group(&robot, name)).transpose()?;
-        let names = match &columns {
+        let names: Vec<String> = match &columns {
             Some(columns) => columns.iter().map(|&i| robot.position_names()[i].clone()).collect(),
             None => robot.position_names().to_vec(),
         };
-        if let Some((name, _)) = fixed.iter().find(|(name, _)| names.contains(name)) {
-            let of = group.map_or_else(|| "the states".to_owned(), |group| format!("group '{group}'"));
-            return Err(error(format!(
-                "fixed: joint '{name}' is one of {of}, whose positions each query gives"
-            )));
+        if let Some((joint, _)) = fixed.iter().find(|(joint, _)| names.contains(joint)) {
+            let states = group.map_or_else(|| "the states".to_owned(), |group| format!("group '{group}'"));
+            return Err(JointSpaceError::FixedInStates { joint: joint.clone(), states });
         }
-        for (name, _) in fixed {
-            let leader = leader_of(&robot, name).filter(|leader| names.contains(leader));
-            if let Some(leader) = leader {
-                return Err(error(format!(
-                    "fixed: joint '{name}' mimics joint '{leader}', whose position each query gives: leave '{name}' out of fixed"
-                )));
+        for (joint, _) in fixed {
+            if let Some(leader) = leader_of(&robot, joint).filter(|leader| names.contains(leader)) {
+                return Err(JointSpaceError::FixedFollows { joint: joint.clone(), leader });
             }
         }
-        let given = fixed.iter().map(|(name, value)| (name.as_str(), *value));
-        let rest = robot.configuration_from_names(given).map_err(|e| error(format!("fixed: {e}")))?;
+        let given = fixed.iter().map(|(joint, value)| (joint.as_str(), *value));
+        let rest = robot.configuration_from_names(given).map_err(JointSpaceError::Fixed)?;
         Ok(Self { robot, rest, columns, names })
     }
 
     /// Names of the columns.
+    #[must_use]
     pub fn names(&self) -> &[String] {
         &self.names
     }
 
     /// The robot.
+    #[must_use]
     pub fn robot(&self) -> &Arc<RobotModel> {
         &self.robot
     }
 
     /// Positions of the joints outside of the group; columns have their defaults.
+    #[must_use]
     pub fn rest(&self) -> &Configuration {
         &self.rest
     }
 
-    /// Validates a row and writes the configuration of the whole robot; `scratch` is memory that is reused.
+    /// Validates a row, which has a position for each column, and writes the configuration of the whole robot; `scratch` is memory that
+    /// is reused.
+    ///
+    /// # Errors
+    /// If the positions are not valid.
     pub fn read_into(
         &self,
         row: &[f64],
@@ -82,7 +121,10 @@ impl JointSpace {
         self.robot.configuration_into(scratch, q)
     }
 
-    /// The configuration of the whole robot for a row.
+    /// The configuration of the whole robot for a row, which has a position for each column.
+    ///
+    /// # Errors
+    /// If the positions are not valid.
     pub fn read(&self, row: &[f64]) -> Result<Configuration, ConfigurationError> {
         let mut q = self.rest.clone();
         self.read_into(row, &mut Vec::new(), &mut q)?;
@@ -90,7 +132,8 @@ impl JointSpace {
     }
 
     /// The columns of values that the whole robot has, such as a row of derivatives.
-    pub fn select(&self, whole: &[f64]) -> Vec<f64> {
+    #[must_use]
+    pub fn select<T: Copy>(&self, whole: &[T]) -> Vec<T> {
         match &self.columns {
             Some(columns) => columns.iter().map(|&position| whole[position]).collect(),
             None => whole.to_vec(),
@@ -98,6 +141,7 @@ impl JointSpace {
     }
 
     /// Values for the whole robot: those of the columns, and 0 for the others.
+    #[must_use]
     pub fn expand(&self, values: &[f64]) -> Vec<f64> {
         let Some(columns) = &self.columns else { return values.to_vec() };
         let mut whole = vec![0.0; self.rest.positions().len()];
@@ -108,11 +152,13 @@ impl JointSpace {
     }
 
     /// True if the columns are those of a group.
+    #[must_use]
     pub fn is_group(&self) -> bool {
         self.columns.is_some()
     }
 
     /// The joints that the columns move.
+    #[must_use]
     pub fn joints(&self) -> Vec<JointId> {
         let owns_column = |joint: &JointId| {
             let first = self.robot.first_position(*joint);
@@ -124,23 +170,17 @@ impl JointSpace {
 
 /// The joint that a mimic joint follows.
 fn leader_of(robot: &RobotModel, name: &str) -> Option<String> {
-    let mut joint = robot.joint(robot.joint_by_name(name)?);
-    joint.mimic.as_ref()?;
-    while let Some(mimic) = &joint.mimic {
-        joint = robot.joint(mimic.joint);
-    }
-    Some(joint.name.clone())
+    let mimic = robot.joint(robot.joint_by_name(name)?).mimic?;
+    Some(robot.joint(mimic.joint).name.clone())
 }
 
 /// The positions of a group; its mimic joints have none.
-fn positions_of_group(robot: &RobotModel, name: &str) -> PyResult<Vec<usize>> {
+fn positions_of_group(robot: &RobotModel, name: &str) -> Result<Vec<usize>, JointSpaceError> {
     let groups = robot.srdf().map_or(&[][..], |srdf| &srdf.groups);
-    let Some(group) = groups.iter().find(|group| group.name == name) else {
-        let known: Vec<String> = groups.iter().map(|group| format!("'{}'", group.name)).collect();
-        let known =
-            if known.is_empty() { "it has none".to_owned() } else { format!("it has {}", known.join(", ")) };
-        return Err(error(format!("the robot has no group '{name}': {known}")));
-    };
+    let group = groups.iter().find(|group| group.name == name).ok_or_else(|| UnknownGroup {
+        name: name.to_owned(),
+        known: groups.iter().map(|group| group.name.clone()).collect(),
+    })?;
     let positions = group.joints.iter().flat_map(|&joint| {
         let count = robot.joint(joint).kind.position_suffixes().len();
         let first = robot.first_position(joint).filter(|_| robot.joint(joint).mimic.is_none());
@@ -148,7 +188,7 @@ fn positions_of_group(robot: &RobotModel, name: &str) -> PyResult<Vec<usize>> {
     });
     let positions: Vec<usize> = positions.collect();
     if positions.is_empty() {
-        return Err(error(format!("group '{name}' has no joint that moves by itself")));
+        return Err(JointSpaceError::EmptyGroup(name.to_owned()));
     }
     Ok(positions)
 }

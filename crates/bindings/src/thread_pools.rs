@@ -3,13 +3,12 @@
 use std::num::NonZero;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use pyo3::exceptions::PyRuntimeError;
-use pyo3::prelude::*;
-use rayon::{ThreadPool, ThreadPoolBuilder};
+use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 
-/// Pools that are kept; the threads of the least recently used one end.
+/// Number of pools that are kept; the threads of the least recently used one end.
 const MOST_POOLS: usize = 8;
 
+#[derive(Debug)]
 struct Pool {
     process: u32,
     threads: usize,
@@ -20,13 +19,16 @@ struct Pool {
 static POOLS: Mutex<Vec<Pool>> = Mutex::new(Vec::new());
 
 /// The number of cores that the process may use.
+#[must_use]
 pub fn default_threads() -> usize {
     std::thread::available_parallelism().map_or(1, NonZero::get)
 }
 
-/// The pool of this process with so many threads; `None` is one for each core that the process may use.
-pub fn pool(threads: Option<usize>) -> PyResult<Arc<ThreadPool>> {
-    let threads = threads.unwrap_or_else(default_threads);
+/// The pool of this process with so many threads.
+///
+/// # Errors
+/// If the system gives no threads.
+pub fn pool(threads: usize) -> Result<Arc<ThreadPool>, ThreadPoolBuildError> {
     let process = std::process::id();
     let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some(known) = pools.iter().position(|pool| pool.process == process && pool.threads == threads) {
@@ -35,8 +37,7 @@ pub fn pool(threads: Option<usize>) -> PyResult<Arc<ThreadPool>> {
     }
     let made =
         ThreadPoolBuilder::new().num_threads(threads).thread_name(|i| format!("clearance-{i}")).build();
-    let pool =
-        Arc::new(made.map_err(|e| PyRuntimeError::new_err(format!("no pool of {threads} threads: {e}")))?);
+    let pool = Arc::new(made?);
     // pools of the parent process have no threads here: the end of one would wait for them forever
     let (own, parents): (Vec<_>, Vec<_>) = pools.drain(..).partition(|pool| pool.process == process);
     std::mem::forget(parents);

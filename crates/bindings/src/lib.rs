@@ -1,0 +1,17 @@
+//! What the bindings for Python and C share: the conversions that do not depend on the language.
+//!
+//! | content | file |
+//! |---|---|
+//! | joints of a checker's states: all of the robot, or those of a group | `joint_space` |
+//! | pairs that are allowed to collide, or checked all the same | `pair_selection` |
+//! | threads of batches | `thread_pools` |
+
+#![deny(missing_docs)]
+
+mod joint_space;
+mod pair_selection;
+mod thread_pools;
+
+pub use joint_space::{JointSpace, JointSpaceError};
+pub use pair_selection::{PairSelection, UnknownName};
+pub use thread_pools::{default_threads, pool};
