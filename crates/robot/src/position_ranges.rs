@@ -115,9 +115,10 @@ mod tests {
     #[test]
     fn limits_that_agree_keep_their_last_digit() {
         for (multiplier, upper) in [("0.1", "0.008"), ("-0.7", "0.056"), ("3", "0.24"), ("0.3", "0.024")] {
-            let limits = match multiplier.starts_with('-') {
-                true => format!("lower='-{upper}' upper='0'"),
-                false => format!("lower='0' upper='{upper}'"),
+            let limits = if multiplier.starts_with('-') {
+                format!("lower='-{upper}' upper='0'")
+            } else {
+                format!("lower='0' upper='{upper}'")
             };
             let robot = gripper(&limits, &format!("multiplier='{multiplier}'"));
             assert_eq!(robot.position_ranges()[0][1], 0.08, "{multiplier}");
