@@ -17,8 +17,8 @@ const CRATES: [(&str, &[&str]); 14] = [
     ("ros", &["geometry", "files", "proximity", "robot", "scene", "motion", "checker", "monitor"]),
     // above the root package, which it uses like any other program
     ("bindings", &[]),
-    ("python", &["files", "bindings"]),
-    ("c", &["files", "bindings"]),
+    ("python", &["bindings", "files"]),
+    ("c", &["bindings", "files"]),
 ];
 
 /// Modules that share a crate, and those of them that each may use.
