@@ -1,5 +1,8 @@
 // OMPL with proven motions: names of joints, the short way of continuous joints, last valid states, planning, certificates.
 
+// OMPL needs Eigen: included first here, which must not change the classes of clearance
+#include <Eigen/Geometry>
+
 #include <clearance/ompl.hpp>
 
 #include <ompl/base/spaces/DiscreteStateSpace.h>
@@ -13,6 +16,7 @@
 #include <iostream>
 #include <string>
 #include <thread>
+#include <type_traits>
 
 #include "checks.h"
 
@@ -27,6 +31,11 @@ const char *const TURNER = R"(<robot name='turner'><link name='base'/><link name
   <joint name='slide' type='prismatic'><parent link='base'/><child link='cart'/><axis xyz='1 0 0'/>
     <limit lower='-1' upper='1' effort='1' velocity='1'/></joint>
   <joint name='turn' type='continuous'><parent link='cart'/><child link='arm'/><axis xyz='0 0 1'/></joint></robot>)";
+
+// without CLEARANCE_WITH_EIGEN, vectors are accepted, and nothing else
+static_assert(std::is_constructible_v<clearance::Positions, Eigen::VectorXd>);
+static_assert(!std::is_constructible_v<clearance::Pose, Eigen::Isometry3d>);
+static_assert(!std::is_constructible_v<clearance::States, Eigen::MatrixXd>);
 
 template <typename Call>
 std::string error_of(Call call) {
