@@ -2,6 +2,7 @@
 
 #include <clearance.hpp>
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <numeric>
@@ -21,13 +22,15 @@ int main() try {
               near.self.distance, near.self.pair->first.c_str(), near.self.pair->second.c_str(), near.world.distance,
               near.world.pair->first.c_str(), near.world.pair->second.c_str());
 
-  // random states of the arm, row by row
+  // random states of the arm, row by row: of each state of the robot, the joints of the checker
   std::uint64_t seed = 1;
   const auto whole = robot.random_states(seed, 10000);
+  const auto names = robot.joint_names(), of_arm = checker.joint_names();
   std::vector<double> rows;
-  for (std::size_t i = 0; i < 10000; ++i) {
-    const double *row = whole.data() + i * robot.size();
-    rows.insert(rows.end(), row, row + checker.size());
+  for (auto row = whole.begin(); row != whole.end(); row += robot.size()) {
+    for (const auto &name : of_arm) {
+      rows.push_back(row[std::find(names.begin(), names.end(), name) - names.begin()]);
+    }
   }
   const auto free = checker.are_free(clearance::States(rows, checker.size()), workspace);  // all cores
   std::printf("%d of %zu random states are free\n", std::accumulate(free.begin(), free.end(), 0), free.size());

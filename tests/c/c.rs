@@ -82,6 +82,7 @@ fn c_and_cpp_interface() {
     }
     run_all(&installed, &programs);
     installed.examples(folders.is_some());
+    installed.absolute_folders_are_rejected();
     announce("C and C++ interface: all programs passed");
 }
 
@@ -147,6 +148,28 @@ fn root() -> &'static Path {
 /// Past the capture of the test harness, which shows only what failed tests print.
 fn announce(text: &str) {
     let _ = writeln!(std::io::stderr(), "{text}");
+}
+
+/// A path whose proof is not complete in time is found without certificate; every other missing certificate is an error.
+#[test]
+fn a_path_without_the_requested_certificate_has_a_reason() {
+    use clearance::{MotionOptions, MotionSegment, Trajectory};
+    use clearance_c::planning::certified;
+    let (checker, robot) = rust_results::checker();
+    let start = robot.configuration_from_names([("joint2", 0.1), ("joint4", -1.6)]).expect("a state");
+    let end = robot.configuration_from_names([("joint2", 0.2), ("joint4", -1.7)]).expect("a state");
+    let path = Trajectory::of_segments(vec![MotionSegment::straight(&robot, &start, &end)]).expect("a path");
+    let proof_with =
+        |options: MotionOptions| checker.certify_trajectory(&path, &options, &mut checker.workspace());
+    let in_time = certified(Some(proof_with(MotionOptions::default()))).expect("the path is free");
+    assert!(in_time.0 == c"found" && in_time.1.is_some());
+    let over = MotionOptions { deadline: Some(std::time::Instant::now()), ..MotionOptions::default() };
+    let late = certified(Some(proof_with(over))).expect("a path");
+    assert!(late.0 == c"found_without_certificate" && late.1.is_none());
+    let used_up = MotionOptions { budget: 1, ..MotionOptions::default() };
+    let why = certified(Some(proof_with(used_up))).expect_err("there is no certificate").to_string();
+    assert!(why.contains("no certificate of it") && why.contains("Budget"), "{why}");
+    assert_eq!(certified(None).expect("no proof was asked for").0, c"found");
 }
 
 /// No panic leaves a function that C calls.

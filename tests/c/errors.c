@@ -1,6 +1,7 @@
 /* Errors of the C interface: the status, and a text that names the element. */
 
 #include <clearance.h>
+#include <float.h>
 #include <stdlib.h>
 
 #include "checks.h"
@@ -26,7 +27,7 @@ static void check_robots(void) {
   CHECK_FAILS(clearance_robot_from_urdf("no/such.urdf", NULL, NULL, 0, &none), REJECTED, "no/such.urdf");
   CHECK_FAILS(clearance_robot_from_urdf(URDF, "no/such.srdf", NULL, 0, &none), REJECTED, "no/such.srdf");
   CHECK_FAILS(clearance_robot_from_urdf("<robot name='r'><link name='l'/><link name='l'/></robot>", NULL, NULL, 0, &none), REJECTED, "'l'");
-  CHECK_FAILS(clearance_robot_from_urdf("caf\xe9.urdf", NULL, NULL, 0, &none), ARGUMENT, "urdf is no UTF-8");
+  CHECK_FAILS(clearance_robot_from_urdf("caf\xe9.urdf", NULL, NULL, 0, &none), ARGUMENT, "urdf is not UTF-8");
   CHECK(none == NULL);
   CHECK_OK(clearance_robot_from_urdf("<robot name='r'><link name='l'/></robot>", NULL, NULL, 0, &none));
   CHECK(none != NULL && clearance_robot_joint_count(none) == 0);
@@ -44,6 +45,12 @@ static void check_robots(void) {
   uint64_t seed = 1;
   CHECK_FAILS(clearance_robot_random_states(robot, &seed, 1, q, 7), ARGUMENT, "n is 7, but the robot has 8");
   CHECK_FAILS(clearance_robot_random_states(robot, NULL, 1, q, 8), ARGUMENT, "seed is null");
+  CHECK_FAILS(clearance_robot_random_states(robot, &seed, 1, NULL, 8), ARGUMENT, "positions is null");
+  CHECK_FAILS(clearance_robot_random_states(robot, &seed, SIZE_MAX, q, 8), ARGUMENT, "positions can not have");
+  CHECK(seed == 1);
+  const char *const lost = "<robot name='r'><link name='l'><collision><geometry><mesh filename='package://none/m.stl'/></geometry></collision></link></robot>";
+  CHECK_FAILS(clearance_robot_from_urdf(lost, NULL, NULL, 0, &none), REJECTED, "package_paths of clearance_robot_from_urdf");
+  CHECK(strstr(clearance_last_error(), "--") == NULL);
   clearance_pose pose;
   const clearance_state state = {q, 8}, short_state = {q, 3};
   memset(q, 0, sizeof q);
@@ -71,10 +78,13 @@ static void check_worlds(void) {
   CHECK_FAILS(clearance_world_add_box(world, "b", flat, NULL), REJECTED, "obstacle 'b'");
   CHECK_FAILS(clearance_world_add_box(world, "table", size, NULL), REJECTED, "'table'");
   CHECK_FAILS(clearance_world_add_box(world, "b", size, &tilted), REJECTED, "length 0.5");
+  CHECK_FAILS(clearance_world_add_box(world, "b", size, &tilted), REJECTED, "obstacle 'b'");
+  CHECK_FAILS(clearance_world_move(world, "table", &nowhere), REJECTED, "obstacle 'table'");
   CHECK_FAILS(clearance_world_add_box(world, "b", size, &nowhere), REJECTED, "position");
   CHECK_FAILS(clearance_world_add_sphere(world, "s", NAN, NULL), REJECTED, "obstacle 's'");
   CHECK_FAILS(clearance_world_add_mesh(world, "m", mesh, NULL), REJECTED, "obstacle 'm'");
   CHECK_FAILS(clearance_world_add_mesh_file(world, "m", "no/mesh.stl", NULL, NULL), REJECTED, "no/mesh.stl");
+  CHECK(strstr(clearance_last_error(), "--package-path") == NULL);
   CHECK_FAILS(clearance_world_add_mesh_file(world, "m", "urdf/demo_arm/meshes/hand.stl", scale, NULL), REJECTED, "obstacle 'm'");
   CHECK_FAILS(clearance_world_add_points(world, "p", points, 0.1, NULL), REJECTED, "point 1");
   CHECK_FAILS(clearance_world_add_points(world, "p", no_points, 0.1, NULL), REJECTED, "there are no points");
@@ -82,6 +92,90 @@ static void check_worlds(void) {
   CHECK_FAILS(clearance_world_add_points(world, "p", huge, 0.1, NULL), ARGUMENT, "points.xyz can not have");
   CHECK_FAILS(clearance_world_move(world, "chair", NULL), REJECTED, "'chair'");
   CHECK_FAILS(clearance_world_remove(world, "chair"), REJECTED, "'chair'");
+}
+
+/* Names of a world are valid until it changes, and are arguments of the call that changes it. */
+static void check_names_of_worlds(void) {
+  clearance_world *own = NULL;
+  const double size[3] = {0.1, 0.1, 0.1};
+  const clearance_pose pose = {{1, 0, 0}, {0, 0, 0, 1}};
+  CHECK_OK(clearance_world_new(&own));
+  CHECK_OK(clearance_world_add_box(own, "a name that is longer than a small string", size, NULL));
+  CHECK_OK(clearance_world_add_box(own, "another name that is longer than a small string", size, NULL));
+  const char *first = clearance_world_obstacle_name(own, 0);
+  CHECK_FAILS(clearance_world_add_sphere(own, "ball", -1.0, NULL), REJECTED, "'ball'");
+  CHECK_FAILS(clearance_world_add_box(own, first, size, NULL), REJECTED, "a name that is longer");
+  CHECK_FAILS(clearance_world_remove(own, "chair"), REJECTED, "'chair'");
+  CHECK(first == clearance_world_obstacle_name(own, 0));
+  CHECK_TEXT(first, "longer than a small string");
+  CHECK_OK(clearance_world_move(own, first, &pose));
+  for (size_t count = 2; count > 0; --count) {
+    CHECK(clearance_world_obstacle_count(own) == count);
+    CHECK_OK(clearance_world_remove(own, clearance_world_obstacle_name(own, 0)));
+  }
+  CHECK(clearance_world_obstacle_count(own) == 0 && clearance_world_obstacle_name(own, 0) == NULL);
+  clearance_world_free(own);
+}
+
+/* A checker without a pair of bodies calls every state free: it has a warning. */
+static void check_warnings_of_checkers(void) {
+  clearance_checker *nothing = NULL, *something = NULL, *again = NULL;
+  clearance_world *empty = NULL;
+  clearance_checker_options options = clearance_checker_options_default();
+  options.check_self = 0;
+  CHECK_OK(clearance_world_new(&empty));
+  CHECK_OK(clearance_checker_new(robot, empty, &options, &nothing));
+  CHECK(clearance_checker_pair_count(nothing) == 0 && clearance_checker_warning_count(nothing) == 1);
+  CHECK_TEXT(clearance_checker_warning(nothing, 0), "no pair of bodies to check");
+  CHECK(clearance_checker_warning(nothing, 1) == NULL);
+  CHECK_OK(clearance_checker_with_world(nothing, world, &something));
+  CHECK(clearance_checker_pair_count(something) > 0 && clearance_checker_warning_count(something) == 0);
+  CHECK_OK(clearance_checker_with_world(something, empty, &again));
+  CHECK(clearance_checker_warning_count(again) == 1 && clearance_checker_warning_count(checker) == 0);
+  CHECK(clearance_checker_warning_count(NULL) == 0);
+  clearance_checker_free(nothing);
+  clearance_checker_free(something);
+  clearance_checker_free(again);
+
+  /* a state without positions has no length that limits the number of states */
+  clearance_robot *fixed = NULL;
+  clearance_checker *lifeless = NULL;
+  uint8_t free[1] = {0};
+  uint64_t seed = 1;
+  const clearance_states states = {NULL, SIZE_MAX, 0}, one = {NULL, 1, 0};
+  const clearance_edges edges = {NULL, NULL, SIZE_MAX, 0};
+  CHECK_OK(clearance_robot_from_urdf("<robot name='r'><link name='l'/></robot>", NULL, NULL, 0, &fixed));
+  CHECK_OK(clearance_checker_new(fixed, NULL, NULL, &lifeless));
+  CHECK_FAILS(clearance_checker_are_free(lifeless, workspace, states, 1, free), ARGUMENT, "are_free can not have");
+  CHECK_FAILS(clearance_checker_are_motions_free(lifeless, workspace, edges, NULL, free), ARGUMENT, "are_free can not have");
+  CHECK_OK(clearance_robot_random_states(fixed, &seed, SIZE_MAX, NULL, 0));
+  CHECK_OK(clearance_checker_are_free(lifeless, workspace, one, 1, free));
+  CHECK(free[0] == 1);
+  clearance_checker_free(lifeless);
+  clearance_robot_free(fixed);
+  clearance_world_free(empty);
+}
+
+static void check_repeated_names(void) {
+  clearance_checker *none = NULL;
+  const clearance_named_value links[2] = {{"hand", 0.2}, {"hand", 0.1}}, tables[2] = {{"table", 0.9}, {"table", 1.0}};
+  clearance_checker_options options = clearance_checker_options_default();
+  options.link_padding = links;
+  options.link_padding_count = 2;
+  CHECK_FAILS(clearance_checker_new(robot, world, &options, &none), REJECTED, "link_padding: 'hand' is given twice");
+  options = clearance_checker_options_default();
+  options.link_scale = links;
+  options.link_scale_count = 2;
+  CHECK_FAILS(clearance_checker_new(robot, world, &options, &none), REJECTED, "link_scale: 'hand' is given twice");
+  options = clearance_checker_options_default();
+  options.object_padding = tables;
+  options.object_padding_count = 2;
+  CHECK_FAILS(clearance_checker_new(robot, world, &options, &none), REJECTED, "object_padding: 'table' is given twice");
+  options = clearance_checker_options_default();
+  options.object_scale = tables;
+  options.object_scale_count = 2;
+  CHECK_FAILS(clearance_checker_new(robot, world, &options, &none), REJECTED, "object_scale: 'table' is given twice");
+  CHECK(none == NULL);
 }
 
 static void check_options(void) {
@@ -143,10 +237,11 @@ static void check_states(void) {
   for (size_t i = 0; i < 3; ++i) {
     memcpy(rows + i * N, i == 2 ? bad : HOME, sizeof HOME);
   }
-  const clearance_states states = {rows, 3, N}, wrong = {rows, 3, 6}, huge = {rows, SIZE_MAX, N};
+  const clearance_states states = {rows, 3, N}, wrong = {rows, 3, 6}, huge = {rows, SIZE_MAX / 16, N}, endless = {rows, SIZE_MAX, N};
   CHECK_FAILS(clearance_checker_are_free(checker, workspace, states, 1, free), REJECTED, "states: row 2: joint 'joint4'");
   CHECK_FAILS(clearance_checker_are_free(checker, workspace, wrong, 1, free), ARGUMENT, "states: row 0 has 6 positions");
   CHECK_FAILS(clearance_checker_are_free(checker, workspace, huge, 1, free), ARGUMENT, "states can not have");
+  CHECK_FAILS(clearance_checker_are_free(checker, workspace, endless, 1, free), ARGUMENT, "are_free can not have");
   const clearance_states sound = {rows, 2, N}, none = {NULL, 0, N};
   CHECK_FAILS(clearance_checker_are_free(checker, workspace, sound, 5000, free), ARGUMENT, "threads is 5000");
   CHECK_FAILS(clearance_checker_are_free(checker, workspace, sound, 1, NULL), ARGUMENT, "are_free is null");
@@ -167,6 +262,15 @@ static void check_motions(void) {
   options = clearance_motion_options_default();
   options.timeout = NAN;
   CHECK_FAILS(clearance_checker_check_motion(checker, workspace, edge, &options, &report), REJECTED, "timeout is NaN");
+  options.timeout = -1.0;
+  CHECK_FAILS(clearance_checker_check_motion(checker, workspace, edge, &options, &report), REJECTED, "timeout is -1");
+  /* beyond every clock: no deadline */
+  options.timeout = DBL_MAX;
+  CHECK_OK(clearance_checker_check_motion(checker, workspace, edge, &options, &report));
+  CHECK(report.verdict == CLEARANCE_VERDICT_FREE);
+  options = clearance_motion_options_default();
+  options.tolerance = INFINITY;
+  CHECK_FAILS(clearance_checker_check_motion(checker, workspace, edge, &options, &report), REJECTED, "tolerance is inf, but must be finite");
   options = clearance_motion_options_default();
   const double tube[3] = {0.1, 0.1, -0.1};
   options.tube = tube;
@@ -181,6 +285,14 @@ static void check_motions(void) {
   const double times[2] = {1.0, 1.0};
   clearance_trajectory trajectory = {points, 2, N, times, NULL, NULL, 0};
   CHECK_FAILS(clearance_checker_check_trajectory(checker, workspace, &trajectory, NULL, &report), REJECTED, "trajectory.times[1] is 1 s");
+  const double in_order[2] = {0.0, 1.0}, rates[2 * N] = {0};
+  trajectory.times = in_order;
+  trajectory.accelerations = rates;
+  CHECK_FAILS(clearance_checker_check_trajectory(checker, workspace, &trajectory, NULL, &report), REJECTED, "trajectory.accelerations");
+  trajectory.velocities = rates;
+  CHECK_OK(clearance_checker_check_trajectory(checker, workspace, &trajectory, NULL, &report));
+  trajectory.velocities = NULL;
+  trajectory.accelerations = NULL;
   trajectory.times = NULL;
   trajectory.count = 1;
   CHECK_FAILS(clearance_checker_check_trajectory(checker, workspace, &trajectory, NULL, &report), REJECTED, "trajectory");
@@ -211,7 +323,10 @@ int main(void) {
   CHECK_OK(clearance_workspace_new(checker, &workspace));
   check_robots();
   check_worlds();
+  check_names_of_worlds();
   check_options();
+  check_repeated_names();
+  check_warnings_of_checkers();
   check_states();
   check_motions();
   CHECK_FAILS(clearance_workspace_new(NULL, &workspace), ARGUMENT, "checker is null");

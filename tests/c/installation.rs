@@ -32,6 +32,18 @@ impl Installation {
         Self { folder, include, library }
     }
 
+    /// A folder that is not in the prefix can not be moved with it.
+    pub fn absolute_folders_are_rejected(&self) {
+        for folder in ["CMAKE_INSTALL_LIBDIR", "CMAKE_INSTALL_INCLUDEDIR"] {
+            let mut configure = Command::new("cmake");
+            configure.arg("-S").arg(root().join("crates/c")).arg("-B").arg(self.folder().join(folder));
+            configure.arg(format!("-DCLEARANCE_BUILT={}", self.prefix().display()));
+            let output = configure.arg(format!("-D{folder}=/opt/lib")).output().expect("cmake starts");
+            let text = String::from_utf8_lossy(&output.stderr);
+            assert!(!output.status.success() && text.contains(&format!("{folder} is '/opt/lib'")), "{text}");
+        }
+    }
+
     /// The temporary folder.
     pub fn folder(&self) -> &Path {
         self.folder.path()

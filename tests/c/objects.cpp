@@ -1,14 +1,17 @@
 // The C++ interface: objects, errors, certificates, Eigen.
 
 #if __has_include(<Eigen/Core>)
-#include <Eigen/Dense>
+#define CLEARANCE_WITH_EIGEN
 #endif
 
 #include <clearance.hpp>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <limits>
 #include <string>
 #include <type_traits>
 
@@ -69,7 +72,7 @@ void check_errors(Scene &scene) {
   CHECK_THROWS(scene.checker.is_free(std::vector<double>(6), scene.workspace), "6 positions, but must have 7");
   CHECK_THROWS(scene.checker.is_free(std::vector<double>(7, NAN), scene.workspace), "'joint1' has position NaN");
   CHECK_THROWS(scene.checker.check_motion(scene.near, std::vector<double>(6), scene.workspace), "7 and 6");
-  CHECK_THROWS(clearance::States(std::vector<double>(8), 7), "no multiple");
+  CHECK_THROWS(clearance::States(std::vector<double>(8), 7), "8, is not a multiple of n, 7");
   CHECK_THROWS(clearance::Certificate::from_json("{\"format\": \"other\"}"), "certificate");
   clearance::Trajectory trajectory;
   trajectory.positions = std::vector<double>(8);
@@ -80,6 +83,25 @@ void check_errors(Scene &scene) {
   CHECK_THROWS(world.add_sphere("s", -1.0), "obstacle 's'");
   CHECK_THROWS(world.remove("s"), "'s'");
   CHECK(world.obstacle_names().empty());
+}
+
+// What is left of an object after a move has errors, not a null pointer.
+void check_moved(const Scene &scene) {
+  clearance::Robot robot = scene.robot;
+  const clearance::Robot other = std::move(robot);
+  CHECK_THROWS(robot.name(), "the robot was moved from");
+  CHECK_THROWS(robot.root_link(), "the robot was moved from");
+  CHECK_THROWS(robot.joint_names(), "the robot was moved from");
+  CHECK_THROWS(robot.groups(), "the robot was moved from");
+  CHECK_THROWS(robot.size(), "the robot was moved from");
+  clearance::World world;
+  const clearance::World taken = std::move(world);
+  CHECK_THROWS(world.obstacle_names(), "the world was moved from");
+  clearance::Checker checker = scene.checker;
+  const clearance::Checker kept = std::move(checker);
+  CHECK_THROWS(checker.joint_names(), "the checker was moved from");
+  CHECK(kept.warnings().empty() && other.name() == "demo_arm" && taken.obstacle_names().empty());
+  CHECK(clearance::Checker(clearance::Robot::from_urdf("<robot name='r'><link name='l'/></robot>")).warnings().size() == 1);
 }
 
 // A triangle and a line, which no mesh has.
@@ -95,6 +117,8 @@ void check_warnings() {
 }
 
 void check_worlds(Scene &scene) {
+  CHECK_THROWS(scene.checker.are_motions_free(clearance::States(std::vector<double>(14), 7), clearance::States(std::vector<double>(14), 14), scene.workspace),
+               "from has 2 states of 7 positions, but to has 1 states of 14 positions");
   clearance::World world;
   world.add_box("box", {0.1, 0.1, 0.1}, clearance::Pose(3.0, 0.0, 0.0));
   world.add_sphere("sphere", 0.1, clearance::Pose(3.0, 0.0, 0.0));
@@ -146,6 +170,11 @@ void check_certificates(Scene &scene) {
   expected.motion->positions.insert(expected.motion->positions.end(), scene.far.begin(), scene.far.end());
   const auto valid = read.verify(scene.robot, scene.world, expected);
   CHECK(valid && valid.reason.empty() && valid.segments == 1 && valid.pairs == 76 && valid.proofs > 0);
+  for (const double tolerance : {std::nan(""), -1.0, std::numeric_limits<double>::infinity()}) {
+    clearance::Expectation wrong = expected;
+    wrong.tolerance = tolerance;
+    CHECK_THROWS(read.verify(scene.robot, scene.world, wrong), "expectation.tolerance is");
+  }
   expected.motion->positions[8] += 0.01;
   const auto other_motion = read.verify(scene.robot, scene.world, expected);
   CHECK(!other_motion && !other_motion.reason.empty());
@@ -165,6 +194,15 @@ void check_certificates(Scene &scene) {
   limits.certificate = true;
   const auto plan = scene.checker.plan(scene.near, scene.far, scene.workspace, limits);
   CHECK(plan.is_found && plan.certificate && plan.certificate->verify(scene.robot, scene.world));
+  // at every timeout, a path has its certificate or the reason why not
+  const auto start = scene.checker.state({{"joint1", -0.8}, {"joint2", 0.5}, {"joint4", -1.6}, {"joint6", 1.8}});
+  const auto goal = scene.checker.state({{"joint1", 0.8}, {"joint2", 0.5}, {"joint4", -1.6}, {"joint6", 1.8}});
+  for (int i = 0; i < 60; ++i) {
+    limits.timeout = 0.001 * i;
+    const auto timed = scene.checker.plan(start, goal, scene.workspace, limits);
+    CHECK(timed.certificate.has_value() == (timed.reason == "found"));
+    CHECK(timed.is_found == (timed.reason == "found" || timed.reason == "found_without_certificate"));
+  }
   const auto found = scene.checker.find_free_state(scene.table, scene.workspace);
   CHECK(found.is_found && scene.checker.is_free(found.positions, scene.workspace));
 }
@@ -179,6 +217,24 @@ void check_eigen(Scene &scene) {
   rows.row(0) = q;
   rows.row(1) = Eigen::Map<const Eigen::VectorXd>(scene.table.data(), 7);
   CHECK_THROWS(scene.checker.is_free(rows.row(0), scene.workspace), "not contiguous");
+  // the rows of a matrix have gaps, whatever the class of the expression
+  Eigen::MatrixXd many = Eigen::MatrixXd::Zero(8, 7);
+  many.row(3) = q;
+  CHECK_THROWS(scene.checker.is_free(many.block(3, 0, 1, 7), scene.workspace), "not contiguous");
+  CHECK_THROWS(scene.checker.is_free(many.block<1, 7>(3, 0), scene.workspace), "not contiguous");
+  CHECK_THROWS(scene.checker.is_free(many.middleRows(3, 1), scene.workspace), "not contiguous");
+  CHECK_THROWS(scene.checker.is_free(many.topRows(1), scene.workspace), "not contiguous");
+  CHECK_THROWS(clearance::Positions(many.block(0, 0, 2, 2)), "a matrix of 2 x 2");
+  CHECK_THROWS(clearance::Positions(many.topRows(2)), "a matrix of 2 x 7");
+  const clearance::States::Rows by_rows = many;
+  CHECK_THROWS(scene.checker.is_free(by_rows.block(0, 3, 7, 1), scene.workspace), "not contiguous");
+  CHECK_THROWS(scene.checker.is_free(by_rows.middleCols(3, 1), scene.workspace), "not contiguous");
+  const Eigen::MatrixXd by_columns = many.transpose();
+  for (const clearance::Positions &same : {clearance::Positions(by_rows.block(3, 0, 1, 7)), clearance::Positions(by_rows.middleRows(3, 1)),
+                                           clearance::Positions(by_columns.block(0, 3, 7, 1)), clearance::Positions(by_columns.col(3)),
+                                           clearance::Positions(by_columns.middleCols(3, 1)), clearance::Positions(by_rows.row(3))}) {
+    CHECK(same.size() == 7 && std::equal(same.data(), same.data() + 7, scene.near.begin()));
+  }
   const auto free = scene.checker.are_free(rows, scene.workspace);
   CHECK(free.size() == 2 && free[0] == 1 && free[1] == 0);
   const auto near = scene.checker.clearance(q, scene.workspace, 0.15);
@@ -199,6 +255,7 @@ int main() {
     Scene scene;
     check_robots(scene);
     check_errors(scene);
+    check_moved(scene);
     check_warnings();
     check_worlds(scene);
     check_certificates(scene);

@@ -1,7 +1,11 @@
 // OMPL with proven motions: names of joints, the short way of continuous joints, last valid states, planning, certificates.
 
+// OMPL needs Eigen: included first here, which must not change the classes of clearance
+#include <Eigen/Geometry>
+
 #include <clearance/ompl.hpp>
 
+#include <ompl/base/spaces/DiscreteStateSpace.h>
 #include <ompl/base/spaces/SE2StateSpace.h>
 #include <ompl/geometric/SimpleSetup.h>
 #include <ompl/geometric/planners/rrt/RRTConnect.h>
@@ -12,6 +16,7 @@
 #include <iostream>
 #include <string>
 #include <thread>
+#include <type_traits>
 
 #include "checks.h"
 
@@ -26,6 +31,11 @@ const char *const TURNER = R"(<robot name='turner'><link name='base'/><link name
   <joint name='slide' type='prismatic'><parent link='base'/><child link='cart'/><axis xyz='1 0 0'/>
     <limit lower='-1' upper='1' effort='1' velocity='1'/></joint>
   <joint name='turn' type='continuous'><parent link='cart'/><child link='arm'/><axis xyz='0 0 1'/></joint></robot>)";
+
+// without CLEARANCE_WITH_EIGEN, vectors are accepted, and nothing else
+static_assert(std::is_constructible_v<clearance::Positions, Eigen::VectorXd>);
+static_assert(!std::is_constructible_v<clearance::Pose, Eigen::Isometry3d>);
+static_assert(!std::is_constructible_v<clearance::States, Eigen::MatrixXd>);
 
 template <typename Call>
 std::string error_of(Call call) {
@@ -98,6 +108,26 @@ void check_names() {
   CHECK_TEXT(error_of([&] { clearance::OmplJoints(misnamed, checker); }).c_str(), "one value of its own");
 }
 
+// A part without joints would be ignored; half a turn is written within the bounds.
+void check_parts() {
+  const auto checker = turner(0.0);
+  const auto space = compound("turn", "slide");
+  const auto part = std::make_shared<ob::DiscreteStateSpace>(0, 3);
+  part->setName("gear");
+  space->as<ob::CompoundStateSpace>()->addSubspace(part, 1.0);
+  CHECK_TEXT(error_of([&] { clearance::OmplJoints(space, checker); }).c_str(), "'gear' is neither");
+  CHECK_TEXT(error_of([&] { clearance::OmplJoints(space, checker, clearance::OmplSpaces::straight); }).c_str(),
+             "'gear' has no joint of the checker");
+  const auto made = clearance::ompl_state_space(checker);
+  const clearance::OmplJoints joints(made, checker);
+  ob::ScopedState<> state(made);
+  for (const double angle : {M_PI, -M_PI, 3.0 * M_PI, -3.0 * M_PI, 7.0}) {
+    joints.write(std::vector<double>{0.0, angle}, state.get());
+    CHECK(made->satisfiesBounds(state.get()));
+    CHECK_NEAR(std::cos(state["turn"]), std::cos(angle), 1e-12);
+  }
+}
+
 // A space that interpolates along circles: straight lines are not what it moves along.
 class Bent : public ob::RealVectorStateSpace {
  public:
@@ -111,9 +141,34 @@ class Bent : public ob::RealVectorStateSpace {
 };
 
 void check_bent_space() {
-  CHECK_TEXT(error_of([] { clearance::OmplJoints(std::make_shared<Bent>(), turner(0.0)); }).c_str(), "along straight lines");
+  constexpr auto promised = clearance::OmplSpaces::straight;
+  CHECK_TEXT(error_of([] { clearance::OmplJoints(std::make_shared<Bent>(), turner(0.0)); }).c_str(), "promise it with OmplSpaces::straight");
+  CHECK_TEXT(error_of([] { clearance::OmplJoints(std::make_shared<Bent>(), turner(0.0), promised); }).c_str(),
+             "does not interpolate along straight lines");
+  // without bounds, when all states that a test could draw are the same
+  const auto point = std::make_shared<Bent>();
+  point->setBounds(0.0, 0.0);
+  CHECK_TEXT(error_of([&] { information(point, turner(0.0)); }).c_str(), "may not interpolate along straight lines");
+  // a class of its own that is straight
+  class Named : public ob::RealVectorStateSpace {
+   public:
+    Named() : ob::RealVectorStateSpace(2) { setBounds(-1.0, 1.0); }
+  };
+  const auto named = std::make_shared<Named>();
+  CHECK(!error_of([&] { clearance::OmplJoints(named, turner(0.0)); }).empty());
+  CHECK(error_of([&] { clearance::OmplJoints(named, turner(0.0), promised); }).empty());
+  const auto si = std::make_shared<ob::SpaceInformation>(named);
+  clearance::use_in_ompl(si, turner(0.0), {}, promised);
+  ob::RealVectorBounds bounds(2);
+  bounds.setLow(-1.0);
+  bounds.setHigh(1.0);
+  bounds.setHigh(1, INFINITY);
+  named->setBounds(bounds);
+  CHECK_TEXT(error_of([&] { clearance::OmplJoints(named, turner(0.0), promised); }).c_str(), "dimension 1 of the state space");
   const auto straight = std::make_shared<ob::RealVectorStateSpace>(2);
   straight->setBounds(-1.0, 1.0);
+  CHECK(error_of([&] { clearance::OmplJoints(straight, turner(0.0)); }).empty());
+  straight->setBounds(0.0, 0.0);
   CHECK(error_of([&] { clearance::OmplJoints(straight, turner(0.0)); }).empty());
 }
 
@@ -161,7 +216,13 @@ void check_short_way() {
   outside["slide"] = 1.5;
   CHECK(!met->isValid(outside.get()) && !met->checkMotion(start.get(), outside.get()));
   CHECK(!met->checkMotion(start.get(), outside.get(), last_valid) && last_valid.second == 0.0 && last["turn"] == 2.0);
-  CHECK(met->getMotionValidator()->getInvalidMotionCount() == 6 && met->getMotionValidator()->getValidMotionCount() == 2);
+  // values that are not finite are within the bounds of OMPL, but not free
+  ob::ScopedState<> lost = turned(met, 1.0);
+  lost["slide"] = NAN;
+  CHECK(!met->isValid(lost.get()) && !met->checkMotion(start.get(), lost.get()) && !met->checkMotion(lost.get(), start.get()));
+  CHECK(!met->checkMotion(start.get(), lost.get(), last_valid) && last_valid.second == 0.0 && last["turn"] == 2.0);
+  CHECK(!met->checkMotion(outside.get(), start.get()));
+  CHECK(met->getMotionValidator()->getInvalidMotionCount() == 10 && met->getMotionValidator()->getValidMotionCount() == 2);
 }
 
 void check_clearance() {
@@ -172,7 +233,13 @@ void check_clearance() {
   CHECK_NEAR(si->getStateValidityChecker()->clearance(turned(si, 0.0).get()), -0.11, 1e-3);
 }
 
-// Planners may ask from several threads.
+// Distances are cut at the largest one.
+void check_specs() {
+  const auto si = information(compound("turn", "slide"), turner(0.0));
+  CHECK(si->getStateValidityChecker()->getSpecs().clearanceComputationType == ob::StateValidityCheckerSpecs::BOUNDED_APPROXIMATE);
+}
+
+// Planners may check from several threads.
 void check_threads() {
   const auto si = information(compound("turn", "slide"), turner(0.0));
   std::vector<int> wrong(4, 1);
@@ -191,6 +258,22 @@ void check_threads() {
     thread.join();
   }
   CHECK(wrong == std::vector<int>(4, 0));
+
+  // every motion is counted
+  constexpr unsigned int MOTIONS = 20000;
+  threads.clear();
+  for (int i = 0; i < 2; ++i) {
+    threads.emplace_back([&] {
+      const auto from = turned(si, 2.0), to = turned(si, 2.1);
+      for (unsigned int k = 0; k < MOTIONS; ++k) {
+        si->checkMotion(from.get(), to.get());
+      }
+    });
+  }
+  for (std::thread &thread : threads) {
+    thread.join();
+  }
+  CHECK(si->getMotionValidator()->getValidMotionCount() == 2 * MOTIONS);
 }
 
 // RRTConnect on the demo arm; its path is proven, and the proof verified.
@@ -241,6 +324,51 @@ void check_path_over_half_turn() {
   CHECK(clearance::certify(path, checker, workspace).is_free());
 }
 
+// The proven motion is the one that the space interpolates, also for differences of exactly half a turn and after whole turns.
+void check_path_of(const std::vector<double> &angles) {
+  const auto checker = turner(0.0);
+  const auto si = information(compound("turn", "slide"), checker);
+  const auto &space = si->getStateSpace();
+  og::PathGeometric path(si);
+  for (const double angle : angles) {
+    path.append(turned(si, angle).get());
+  }
+  const std::vector<double> rows = clearance::trajectory_of(path, checker).positions;
+  bool is_free = true;
+  ob::ScopedState<> between(space);
+  for (std::size_t i = 0; i + 1 < angles.size(); ++i) {
+    for (int k = 0; k <= 64; ++k) {
+      const double t = k / 64.0, proven = rows[2 * i + 1] + t * (rows[2 * i + 3] - rows[2 * i + 1]);
+      space->interpolate(path.getState(i), path.getState(i + 1), t, between.get());
+      CHECK_NEAR(std::cos(between["turn"]), std::cos(proven), 1e-12);
+      CHECK_NEAR(std::sin(between["turn"]), std::sin(proven), 1e-12);
+      is_free = is_free && si->isValid(between.get());
+    }
+  }
+  clearance::Workspace workspace(checker);
+  const bool is_proven = clearance::certify(path, checker, workspace).is_free();
+  CHECK(is_free || !is_proven);
+}
+
+void check_half_turns() {
+  const double half = M_PI / 2;
+  check_path_of({half, -M_PI, -half, half});
+  check_path_of({half, -M_PI, 0.0, half});
+  check_path_of({-half, half, -M_PI, 0.0, -M_PI, -half, half});
+  for (const double d : {0.25, 0.5, 0.75, 1.0, 1.25}) {
+    check_path_of({half + d, -M_PI + d / 2, -M_PI + d, d, d + 0.1});
+  }
+  // half a turn is out of the bounds of an SO2StateSpace
+  const auto checker = turner(0.0);
+  const auto si = information(compound("turn", "slide"), checker);
+  og::PathGeometric path(si);
+  for (const double angle : {half, M_PI, -half, half}) {
+    path.append(turned(si, angle).get());
+  }
+  CHECK(!si->satisfiesBounds(path.getState(1)));
+  CHECK_TEXT(error_of([&] { clearance::trajectory_of(path, checker); }).c_str(), "state 1 of the path is not within the bounds");
+}
+
 }  // namespace
 
 int main() {
@@ -249,8 +377,11 @@ int main() {
   try {
     check_names();
     check_bent_space();
+    check_parts();
     check_short_way();
+    check_half_turns();
     check_clearance();
+    check_specs();
     check_threads();
     check_planning();
     check_path_over_half_turn();

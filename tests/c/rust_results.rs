@@ -40,7 +40,8 @@ pub fn text() -> String {
     text
 }
 
-fn checker() -> (CollisionChecker, Arc<RobotModel>) {
+/// The demo arm in its world, with a padding of 1 cm.
+pub fn checker() -> (CollisionChecker, Arc<RobotModel>) {
     let file = |name: &str| root().join(name);
     let (urdf, srdf) = (file("urdf/demo_arm/demo_arm.urdf"), file("urdf/demo_arm/demo_arm.srdf"));
     let robot = RobotModel::load(&urdf, Some(&srdf), &[]).expect("the robot is sound");

@@ -73,7 +73,7 @@ typedef enum {
 typedef struct clearance_certificate clearance_certificate;
 
 // Checks states and motions of a robot in a world. Immutable: any number of threads may use it, each with its own
-// `clearance_workspace`. Queries take no lock.
+// `clearance_workspace`. Queries on one state or motion take no lock.
 //
 // States have all positions of the robot, or with `clearance_checker_options.group` those of the group, in the order of
 // `clearance_checker_joint_name`. Joint limits are not checked.
@@ -110,7 +110,7 @@ typedef struct {
   double value;
 } clearance_named_value;
 
-// A state: `n` joint positions (rad, m), in the order of `clearance_checker_joint_name`, or where a robot is asked,
+// A state: `n` joint positions (rad, m), in the order of `clearance_checker_joint_name`, or for functions of a robot in that of
 // `clearance_robot_joint_name`.
 typedef struct {
   // The positions.
@@ -165,7 +165,7 @@ typedef struct {
   size_t fixed_count;
   // Safety distance (m) of all links against obstacles.
   double padding;
-  // Safety distances (m) of individual links, instead of `padding`.
+  // Safety distances (m) of individual links, each once, instead of `padding`.
   const clearance_named_value *link_padding;
   // Number of link paddings.
   size_t link_padding_count;
@@ -173,7 +173,8 @@ typedef struct {
   const clearance_named_value *link_scale;
   // Number of link scales.
   size_t link_scale_count;
-  // Safety distances (m) of individual objects, in addition to that of the links.
+  // Safety distances (m) of individual objects, in addition to that of the links. Objects that the world of
+  // `clearance_checker_with_world` does not have lose theirs, also in checkers that are made from that one.
   const clearance_named_value *object_padding;
   // Number of object paddings.
   size_t object_padding_count;
@@ -408,7 +409,7 @@ typedef struct {
   const double *times;
   // count x n velocities (rad/s, m/s), or null.
   const double *velocities;
-  // count x n accelerations (rad/s², m/s²), or null.
+  // count x n accelerations (rad/s², m/s²), or null; they need velocities.
   const double *accelerations;
   // If not 0, continuous joints go the shortest way.
   int shortest;
@@ -448,7 +449,7 @@ typedef struct {
 typedef struct {
   // Seed of the random states. Default 1.
   uint64_t seed;
-  // Time (s) after which the search ends. Default infinity.
+  // Time (s) after which the search ends, and the proof of its path. Default infinity.
   double timeout;
   // Number of edges after which the search ends. Default 200 000.
   uint64_t max_edges;
@@ -464,7 +465,7 @@ typedef struct {
 typedef struct {
   // True if there is a path. Nothing is proven if none is found.
   bool is_found;
-  // `found`, `start_not_free`, `goal_not_free`, `most_edges` or `deadline`.
+  // `found`, `found_without_certificate`, `start_not_free`, `goal_not_free`, `most_edges` or `deadline`.
   const char *reason;
   // count x n positions (rad, m), from the start to the goal, row by row. The edges between them are proven free.
   const double *states;
@@ -476,8 +477,8 @@ typedef struct {
   double length;
   // Number of edges that were checked.
   uint64_t edges;
-  // The proof of all edges, if it was asked for and there is a path; otherwise null. The caller frees it with
-  // `clearance_certificate_free`.
+  // The proof of all edges, if it was asked for and there is a path; otherwise null. It is also null if the time was over before the
+  // proof was complete: then the reason is `found_without_certificate`. The caller frees it with `clearance_certificate_free`.
   clearance_certificate *certificate;
 } clearance_plan;
 
@@ -737,7 +738,8 @@ clearance_checker_options clearance_checker_options_default(void);
 
 // Makes a checker. A null `world` is empty, null `options` are the defaults. Takes the time to build hierarchies of all meshes.
 //
-// Rejected: an unknown group, unknown names of links and objects, paddings and scales out of their range.
+// Rejected: an unknown group, unknown names of links and objects, names that are given twice, paddings and scales out of their range. A
+// checker that has no pair of bodies to check has a warning (`clearance_checker_warning`).
 clearance_status clearance_checker_new(const clearance_robot *robot,
                                        const clearance_world *world,
                                        const clearance_checker_options *options,
@@ -768,6 +770,12 @@ void clearance_checker_free(clearance_checker *checker);
 
 // Makes a copy of the checker's world.
 clearance_status clearance_checker_world(const clearance_checker *checker, clearance_world **world);
+
+// Number of warnings about the checker, such as one that has no pair of bodies to check. Those of the robot and of the world are separate.
+size_t clearance_checker_warning_count(const clearance_checker *checker);
+
+// Text of a warning, valid as long as the checker; null beyond the last.
+const char *clearance_checker_warning(const clearance_checker *checker, size_t index);
 
 // Number of positions of a state.
 size_t clearance_checker_joint_count(const clearance_checker *checker);
@@ -829,7 +837,7 @@ clearance_status clearance_checker_are_free(const clearance_checker *checker,
                                             size_t threads,
                                             uint8_t *are_free);
 
-// Searches the least distances within the robot, and between robot and world, up to `max_distance` (m).
+// Searches for the least distances within the robot, and between robot and world, up to `max_distance` (m).
 //
 // Rejected: positions that are not finite, and a negative `max_distance`.
 clearance_status clearance_checker_distance(const clearance_checker *checker,
@@ -932,10 +940,11 @@ clearance_status clearance_verify(const clearance_certificate *certificate,
 // The default limits.
 clearance_plan_options clearance_plan_options_default(void);
 
-// Searches a path of straight edges from `ends.from` to `ends.to` whose edges are proven free. Null `options` are the defaults.
+// Searches for a path of straight edges from `ends.from` to `ends.to` whose edges are proven free. Null `options` are the defaults.
 //
 // RRT-Connect with shortcuts. Only the joints of the checker's states move, within their limits. Without a timeout, the same seed gives
-// the same path. Rejected: a start or goal beyond joint limits, planar and floating joints.
+// the same path. Rejected: a start or goal beyond joint limits, planar and floating joints, and a path without the certificate that was
+// asked for, unless the time was over.
 clearance_status clearance_checker_plan(const clearance_checker *checker,
                                         clearance_workspace *workspace,
                                         clearance_edge ends,
@@ -945,7 +954,7 @@ clearance_status clearance_checker_plan(const clearance_checker *checker,
 // The default limits.
 clearance_recovery_options clearance_recovery_options_default(void);
 
-// Searches a free state near `state`. Only the joints of the checker's states move, without the locked ones. Null `options` are the
+// Searches for a free state near `state`. Only the joints of the checker's states move, without the locked ones. Null `options` are the
 // defaults. Nothing proves that no free state is nearer.
 //
 // Rejected: unknown joints, and lengths that are negative or not finite.

@@ -8,8 +8,8 @@
 // Threads: Robot, Checker and Certificate are immutable; copies share their content, and any number of threads may use them. Each thread
 // needs a Workspace of its own. While a thread changes a World, no other thread may use it.
 //
-// Eigen: vectors are accepted wherever Positions are. If Eigen was included before this header, or CLEARANCE_WITH_EIGEN is defined, there
-// are conversions of poses and matrices, too.
+// Eigen: vectors are accepted wherever Positions are. If CLEARANCE_WITH_EIGEN is defined, there are conversions of poses and matrices,
+// too: define it for all files of a program, for example in the build system.
 
 #ifndef CLEARANCE_HPP
 #define CLEARANCE_HPP
@@ -30,11 +30,6 @@
 #include <utility>
 #include <vector>
 
-#if defined(EIGEN_CORE_H) || defined(EIGEN_CORE_MODULE_H)
-#ifndef CLEARANCE_WITH_EIGEN
-#define CLEARANCE_WITH_EIGEN
-#endif
-#endif
 #ifdef CLEARANCE_WITH_EIGEN
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -112,20 +107,46 @@ inline std::vector<clearance_pair> pairs(const std::vector<Pair> &names) {
 
 inline std::array<double, 3> xyz(const double (&values)[3]) { return {values[0], values[1], values[2]}; }
 
-// Distance of neighbouring elements of an Eigen vector; 1 for other containers.
+// True for the matrices, blocks and maps of Eigen, whose elements may have gaps between them.
+template <typename Container, typename = void>
+struct HasStrides : std::false_type {};
 template <typename Container>
-auto inner_stride(const Container &container, int) -> decltype(static_cast<std::ptrdiff_t>(container.innerStride())) {
-  return static_cast<std::ptrdiff_t>(container.innerStride());
+struct HasStrides<Container, std::void_t<decltype(std::declval<const Container &>().rows()), decltype(std::declval<const Container &>().cols()),
+                                         decltype(std::declval<const Container &>().innerStride()),
+                                         decltype(std::declval<const Container &>().outerStride()), decltype(Container::IsRowMajor)>>
+    : std::true_type {};
+
+// Rejects matrices that are neither one row nor one column, and rows and columns with gaps between their elements.
+template <typename Container>
+void check_contiguous(const Container &values) {
+  if constexpr (HasStrides<Container>::value) {
+    if (values.size() <= 1) {
+      return;
+    }
+    if (values.rows() != 1 && values.cols() != 1) {
+      throw Error(CLEARANCE_STATUS_ARGUMENT, "the positions are a matrix of " + std::to_string(values.rows()) + " x " +
+                                                 std::to_string(values.cols()) + ": give one row or column");
+    }
+    const bool is_along_inner = (values.rows() == 1) == static_cast<bool>(Container::IsRowMajor);
+    if ((is_along_inner ? values.innerStride() : values.outerStride()) != 1) {
+      throw Error(CLEARANCE_STATUS_ARGUMENT, "the positions are not contiguous: copy the row or column into a vector");
+    }
+  }
 }
-template <typename Container>
-std::ptrdiff_t inner_stride(const Container &, long) {
-  return 1;
+
+// The handle of an object that was not moved from.
+template <typename Handle>
+Handle *valid(Handle *handle, const char *what) {
+  if (handle == nullptr) {
+    throw Error(CLEARANCE_STATUS_ARGUMENT, std::string("the ") + what + " was moved from: use the object that it was moved to");
+  }
+  return handle;
 }
 
 }  // namespace detail
 
 // Joint positions (rad, m) of one state, or other numbers: refers to contiguous doubles of the caller, such as a std::vector<double>, a
-// std::array, a std::span or an Eigen vector.
+// std::array, a std::span or an Eigen vector. Throws Error for Eigen matrices, and for rows and columns with gaps between the elements.
 class Positions {
  public:
   Positions(const double *data, std::size_t size) : data_(data), size_(size) {}
@@ -133,9 +154,7 @@ class Positions {
   template <typename Container,
             typename = std::enable_if_t<std::is_convertible_v<decltype(std::declval<const Container &>().data()), const double *>>>
   Positions(const Container &values) : data_(values.data()), size_(static_cast<std::size_t>(values.size())) {
-    if (size_ > 1 && detail::inner_stride(values, 0) != 1) {
-      throw Error(CLEARANCE_STATUS_ARGUMENT, "the positions are not contiguous: copy the row or column into a vector");
-    }
+    detail::check_contiguous(values);
   }
 
   const double *data() const noexcept { return data_; }
@@ -155,14 +174,14 @@ class States {
   // All rows one after the other; n positions each.
   States(const std::vector<double> &values, std::size_t n) : States(values.data(), n == 0 ? 0 : values.size() / n, n) {
     if (n == 0 || values.size() % n != 0) {
-      throw Error(CLEARANCE_STATUS_ARGUMENT, "the number of positions is no multiple of n");
+      throw Error(CLEARANCE_STATUS_ARGUMENT, "the number of positions, " + std::to_string(values.size()) + ", is not a multiple of n, " + std::to_string(n));
     }
   }
 
 #ifdef CLEARANCE_WITH_EIGEN
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-  // A matrix with a row for each state, used as it is.
+  // A matrix with a row for each state, which is not copied.
   States(const Rows &rows)
       : States(rows.data(), static_cast<std::size_t>(rows.rows()), static_cast<std::size_t>(rows.cols())) {}
 
@@ -233,29 +252,29 @@ class Robot {
     }));
   }
 
-  std::string name() const { return clearance_robot_name(handle()); }
-  std::string root_link() const { return clearance_robot_root_link(handle()); }
+  std::string name() const { return clearance_robot_name(valid()); }
+  std::string root_link() const { return clearance_robot_root_link(valid()); }
 
   // Names of the positions of a state of the whole robot, in order.
   std::vector<std::string> joint_names() const {
-    return names(clearance_robot_joint_count(handle()), clearance_robot_joint_name);
+    return names(clearance_robot_joint_count(valid()), clearance_robot_joint_name);
   }
   // Names of the links, in the order of the URDF.
   std::vector<std::string> link_names() const {
-    return names(clearance_robot_link_count(handle()), clearance_robot_link_name);
+    return names(clearance_robot_link_count(valid()), clearance_robot_link_name);
   }
   // Texts about unusual content that was accepted.
   std::vector<std::string> warnings() const {
-    return names(clearance_robot_warning_count(handle()), clearance_robot_warning);
+    return names(clearance_robot_warning_count(valid()), clearance_robot_warning);
   }
   // Names of the group states of the SRDF, as GROUP/STATE.
   std::vector<std::string> group_states() const {
-    return names(clearance_robot_group_state_count(handle()), clearance_robot_group_state_name);
+    return names(clearance_robot_group_state_count(valid()), clearance_robot_group_state_name);
   }
   // The groups of the SRDF: the names of the positions of each.
   std::map<std::string, std::vector<std::string>> groups() const {
     std::map<std::string, std::vector<std::string>> groups;
-    for (std::size_t i = 0; i < clearance_robot_group_count(handle()); ++i) {
+    for (std::size_t i = 0; i < clearance_robot_group_count(valid()); ++i) {
       auto &joints = groups[clearance_robot_group_name(handle(), i)];
       for (std::size_t k = 0; k < clearance_robot_group_joint_count(handle(), i); ++k) {
         joints.emplace_back(clearance_robot_group_joint_name(handle(), i, k));
@@ -295,7 +314,7 @@ class Robot {
 
   // The poses of all links in the frame of the root link, in the order of link_names, for a state of the whole robot.
   std::vector<Pose> forward_kinematics(Positions q) const {
-    std::vector<clearance_pose> poses(clearance_robot_link_count(handle()));
+    std::vector<clearance_pose> poses(clearance_robot_link_count(valid()));
     detail::check(clearance_robot_forward_kinematics(handle(), q.state(), poses.data(), poses.size()));
     std::vector<Pose> result;
     for (const clearance_pose &pose : poses) {
@@ -312,12 +331,14 @@ class Robot {
   }
 
   // Number of positions of a state of the whole robot.
-  std::size_t size() const { return clearance_robot_joint_count(handle()); }
+  std::size_t size() const { return clearance_robot_joint_count(valid()); }
 
   const clearance_robot *handle() const noexcept { return handle_.get(); }
 
  private:
   explicit Robot(clearance_robot *handle) : handle_(handle, clearance_robot_free) {}
+
+  const clearance_robot *valid() const { return detail::valid(handle(), "robot"); }
 
   std::vector<std::string> names(std::size_t count, const char *(*get)(const clearance_robot *, std::size_t)) const {
     std::vector<std::string> texts;
@@ -401,7 +422,7 @@ class World {
 
   std::vector<std::string> obstacle_names() const {
     std::vector<std::string> names;
-    for (std::size_t i = 0; i < clearance_world_obstacle_count(handle()); ++i) {
+    for (std::size_t i = 0; i < clearance_world_obstacle_count(valid()); ++i) {
       names.emplace_back(clearance_world_obstacle_name(handle(), i));
     }
     return names;
@@ -409,7 +430,7 @@ class World {
   // Texts about unusual content of a file that was accepted.
   std::vector<std::string> warnings() const {
     std::vector<std::string> texts;
-    for (std::size_t i = 0; i < clearance_world_warning_count(handle()); ++i) {
+    for (std::size_t i = 0; i < clearance_world_warning_count(valid()); ++i) {
       texts.emplace_back(clearance_world_warning(handle(), i));
     }
     return texts;
@@ -421,6 +442,8 @@ class World {
  private:
   friend class Checker;
   explicit World(clearance_world *handle) : handle_(handle) {}
+
+  const clearance_world *valid() const { return detail::valid(handle(), "world"); }
 
   struct Free {
     void operator()(clearance_world *world) const { clearance_world_free(world); }
@@ -527,7 +550,7 @@ struct Trajectory {
   std::vector<double> times;
   // As the positions (rad/s, m/s), or empty.
   std::vector<double> velocities;
-  // As the positions (rad/s², m/s²), or empty.
+  // As the positions (rad/s², m/s²), or empty; they need velocities.
   std::vector<double> accelerations;
   // Continuous joints go the shortest way.
   bool shortest = false;
@@ -585,9 +608,9 @@ class Certificate {
   }
 
   // One line of JSON, as `clearance motion --certificate` writes it.
-  std::string to_json() const { return detail::text(clearance_certificate_to_json(handle())); }
-  std::size_t segment_count() const { return clearance_certificate_segment_count(handle()); }
-  std::size_t pair_count() const { return clearance_certificate_pair_count(handle()); }
+  std::string to_json() const { return detail::text(clearance_certificate_to_json(valid())); }
+  std::size_t segment_count() const { return clearance_certificate_segment_count(valid()); }
+  std::size_t pair_count() const { return clearance_certificate_pair_count(valid()); }
 
   // Verifies with code that is independent of the checker that this proves a motion of the robot in the world free.
   Verification verify(const Robot &robot, const World &world, const Expectation &expected = {}) const {
@@ -610,6 +633,8 @@ class Certificate {
   const clearance_certificate *handle() const noexcept { return handle_.get(); }
 
  private:
+  const clearance_certificate *valid() const { return detail::valid(handle(), "certificate"); }
+
   std::shared_ptr<clearance_certificate> handle_;
 };
 
@@ -716,7 +741,8 @@ struct PlanOptions {
 // Result of a search for a path; nothing is proven if none is found.
 struct Plan {
   bool is_found = false;
-  // found, start_not_free, goal_not_free, most_edges or deadline.
+  // found, found_without_certificate (the time was over before the proof was complete), start_not_free, goal_not_free, most_edges or
+  // deadline.
   std::string reason;
   // From the start to the goal; the edges between them are proven free.
   std::vector<std::vector<double>> states;
@@ -775,7 +801,8 @@ class Checker {
 
   Workspace workspace() const { return Workspace(*this); }
 
-  // The same checker in another world. What did not change is shared.
+  // The same checker in another world. Hierarchies of links and of obstacles that do not change are shared. Paddings and scales of objects
+  // that the world does not have are dropped.
   Checker with_world(const World &world) const {
     return Checker(detail::make<clearance_checker>(
         [&](clearance_checker **made) { return clearance_checker_with_world(handle(), world.handle(), made); }));
@@ -806,7 +833,7 @@ class Checker {
   }
 
   // Number of positions of a state.
-  std::size_t size() const { return clearance_checker_joint_count(handle()); }
+  std::size_t size() const { return clearance_checker_joint_count(valid()); }
   std::vector<std::string> joint_names() const {
     std::vector<std::string> names;
     for (std::size_t i = 0; i < size(); ++i) {
@@ -815,7 +842,7 @@ class Checker {
     return names;
   }
   // True if a whole turn of a position changes nothing: a continuous joint.
-  bool is_continuous(std::size_t joint) const { return clearance_checker_joint_is_continuous(handle(), joint); }
+  bool is_continuous(std::size_t joint) const { return clearance_checker_joint_is_continuous(valid(), joint); }
   // Lower and upper limits (rad, m) of the positions; infinite without limit.
   std::pair<std::vector<double>, std::vector<double>> limits() const {
     std::vector<double> lower(size()), upper(size());
@@ -838,11 +865,20 @@ class Checker {
   // The pairs of bodies that are checked.
   std::vector<Pair> pairs() const {
     std::vector<Pair> pairs;
-    for (std::size_t i = 0; i < clearance_checker_pair_count(handle()); ++i) {
+    for (std::size_t i = 0; i < clearance_checker_pair_count(valid()); ++i) {
       const clearance_pair pair = clearance_checker_pair(handle(), i);
       pairs.emplace_back(pair.a, pair.b);
     }
     return pairs;
+  }
+
+  // Texts about the checker, such as that it has no pair of bodies to check. Those of the robot and of the world are separate.
+  std::vector<std::string> warnings() const {
+    std::vector<std::string> texts;
+    for (std::size_t i = 0; i < clearance_checker_warning_count(valid()); ++i) {
+      texts.emplace_back(clearance_checker_warning(handle(), i));
+    }
+    return texts;
   }
 
   // True is proven: every pair is apart, by more than the padding.
@@ -899,7 +935,7 @@ class Checker {
   std::vector<std::uint8_t> are_motions_free(const States &from, const States &to, Workspace &workspace,
                                              const MotionOptions &options = {}) const {
     if (from.count() != to.count() || from.n() != to.n()) {
-      throw Error(CLEARANCE_STATUS_ARGUMENT, "from and to need the same number of states");
+      throw Error(CLEARANCE_STATUS_ARGUMENT, "from has " + shape(from) + ", but to has " + shape(to) + ": they must be the same");
     }
     const clearance_motion_options c_options = options.c_options();
     const clearance_edges edges = {from.data(), to.data(), from.count(), from.n()};
@@ -927,7 +963,7 @@ class Checker {
     return motion_report(found);
   }
 
-  // Searches a path of straight edges that are proven free, within the joint limits.
+  // Searches for a path of straight edges that are proven free, within the joint limits.
   Plan plan(Positions start, Positions goal, Workspace &workspace, const PlanOptions &options = {}) const {
     const clearance_plan_options c_options = {options.seed,  options.timeout,   options.max_edges,
                                               options.range, options.shortcuts, options.certificate ? 1 : 0};
@@ -939,7 +975,7 @@ class Checker {
     }
     return plan;
   }
-  // Searches a free state near q.
+  // Searches for a free state near q.
   FreeState find_free_state(Positions q, Workspace &workspace, const RecoveryOptions &options = {}) const {
     const auto locked = detail::pointers(options.locked);
     const clearance_recovery_options c_options = {options.max_distance, options.clearance, options.max_checks,
@@ -960,6 +996,8 @@ class Checker {
  private:
   explicit Checker(clearance_checker *handle) : handle_(handle, clearance_checker_free) {}
 
+  const clearance_checker *valid() const { return detail::valid(handle(), "checker"); }
+
   static clearance_checker *made(const Robot &robot, const clearance_world *world, const CheckerOptions &options) {
     const detail::COptions c_options(options);
     return detail::make<clearance_checker>([&](clearance_checker **checker) {
@@ -974,6 +1012,10 @@ class Checker {
     const clearance_grasp grasp = {name.c_str(), link_name.c_str(), pose, q.state(), links.data(), links.size()};
     return Checker(detail::make<clearance_checker>(
         [&](clearance_checker **made) { return clearance_checker_attach(handle(), &grasp, made); }));
+  }
+
+  static std::string shape(const States &states) {
+    return std::to_string(states.count()) + " states of " + std::to_string(states.n()) + " positions";
   }
 
   static clearance_edge edge(Positions from, Positions to) {

@@ -72,7 +72,8 @@ impl<'c> Arguments<'c> {
         }
         // SAFETY: the header requires texts to end with NUL and to stay unchanged during the call.
         let text = unsafe { CStr::from_ptr(pointer) };
-        let text = text.to_str().map_err(|_| Failure::argument(format!("{name} is no UTF-8: convert it")))?;
+        let text =
+            text.to_str().map_err(|_| Failure::argument(format!("{name} is not UTF-8: convert it")))?;
         Ok(Some(text))
     }
 
@@ -93,6 +94,11 @@ impl<'c> Arguments<'c> {
         // SAFETY: it is neither null nor misaligned; the header requires room for one element.
         unsafe { out.write(value) };
         Ok(())
+    }
+
+    /// Rejects a place that can not have `count` results, before they are computed.
+    pub fn check_room<T>(self, out: *mut T, count: usize, name: &str) -> Outcome {
+        if count == 0 { Ok(()) } else { check_array(out, count, name) }
     }
 
     /// Writes an array of results, for which the caller has room for `count`.
@@ -139,7 +145,7 @@ fn check_alignment<T>(pointer: *const T, name: &str) -> Outcome {
     if pointer.is_aligned() {
         Ok(())
     } else {
-        Err(Failure::argument(format!("{name} is no valid pointer: it is not aligned")))
+        Err(Failure::argument(format!("{name} is not a valid pointer: it is not aligned")))
     }
 }
 

@@ -164,6 +164,13 @@ impl clearance_expectation {
             None => Ok(motion),
         };
         let motion = motion.map(with_tube).transpose().map_err(Failure::rejected)?;
+        let is_tolerance = self.tolerance >= 0.0 && self.tolerance.is_finite();
+        if !is_tolerance {
+            return Err(Failure::rejected(format!(
+                "expectation.tolerance is {}, but must be finite and more than zero metres, or 0 for any",
+                self.tolerance
+            )));
+        }
         let tolerance = (self.tolerance != 0.0).then_some(self.tolerance);
         Ok(ExpectedMotion { motion, any_obstacle_motion: false, tube, tolerance })
     }

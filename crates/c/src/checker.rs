@@ -22,7 +22,7 @@ use crate::texts::{Names, c_text};
 use crate::world::clearance_world;
 
 /// Checks states and motions of a robot in a world. Immutable: any number of threads may use it, each with its own
-/// `clearance_workspace`. Queries take no lock.
+/// `clearance_workspace`. Queries on one state or motion take no lock.
 ///
 /// States have all positions of the robot, or with `clearance_checker_options.group` those of the group, in the order of
 /// `clearance_checker_joint_name`. Joint limits are not checked.
@@ -35,7 +35,12 @@ pub struct clearance_checker {
     joints: Names,
     bodies: HashMap<BodyId, CString>,
     pairs: Vec<(BodyId, BodyId)>,
+    warnings: Names,
 }
+
+/// Warning of a checker that checks nothing.
+const NO_PAIRS: &str = "the checker has no pair of bodies to check, so that every state counts as free: the robot or the world has no \
+                        collision geometry, or the options allow all pairs";
 
 impl clearance_checker {
     fn new(
@@ -48,8 +53,9 @@ impl clearance_checker {
         let bodies = body_names(&checker, &scene);
         let list = checker.pairs();
         let world = list.world_pairs().map(|(part, obstacle)| (part, BodyId::Obstacle(obstacle)));
-        let pairs = list.self_pairs().iter().copied().chain(world).collect();
-        Self { checker, space, scene, settings, joints, bodies, pairs }
+        let pairs: Vec<_> = list.self_pairs().iter().copied().chain(world).collect();
+        let warnings = Names::new(pairs.is_empty().then_some(NO_PAIRS));
+        Self { checker, space, scene, settings, joints, bodies, pairs, warnings }
     }
 
     /// The same checker in another scene; hierarchies that do not change are shared.
@@ -92,7 +98,8 @@ fn body_names(checker: &CollisionChecker, scene: &Scene) -> HashMap<BodyId, CStr
 
 /// Makes a checker. A null `world` is empty, null `options` are the defaults. Takes the time to build hierarchies of all meshes.
 ///
-/// Rejected: an unknown group, unknown names of links and objects, paddings and scales out of their range.
+/// Rejected: an unknown group, unknown names of links and objects, names that are given twice, paddings and scales out of their range. A
+/// checker that has no pair of bodies to check has a warning (`clearance_checker_warning`).
 #[unsafe(no_mangle)]
 pub extern "C" fn clearance_checker_new(
     robot: *const clearance_robot,
@@ -230,6 +237,21 @@ pub extern "C" fn clearance_checker_world(
         let scene = arguments.object(checker, "checker")?.scene.clone();
         arguments.write_handle(world, clearance_world::of_scene(scene), "world")
     })
+}
+
+/// Number of warnings about the checker, such as one that has no pair of bodies to check. Those of the robot and of the world are separate.
+#[unsafe(no_mangle)]
+pub extern "C" fn clearance_checker_warning_count(checker: *const clearance_checker) -> usize {
+    call_for(0, |arguments| Ok(arguments.object(checker, "checker")?.warnings.len()))
+}
+
+/// Text of a warning, valid as long as the checker; null beyond the last.
+#[unsafe(no_mangle)]
+pub extern "C" fn clearance_checker_warning(
+    checker: *const clearance_checker,
+    index: usize,
+) -> *const c_char {
+    call_for(ptr::null(), |arguments| Ok(arguments.object(checker, "checker")?.warnings.get(index)))
 }
 
 /// Number of positions of a state.

@@ -25,7 +25,7 @@ pub struct clearance_checker_options {
     pub fixed_count: usize,
     /// Safety distance (m) of all links against obstacles.
     pub padding: f64,
-    /// Safety distances (m) of individual links, instead of `padding`.
+    /// Safety distances (m) of individual links, each once, instead of `padding`.
     pub link_padding: *const clearance_named_value,
     /// Number of link paddings.
     pub link_padding_count: usize,
@@ -33,7 +33,8 @@ pub struct clearance_checker_options {
     pub link_scale: *const clearance_named_value,
     /// Number of link scales.
     pub link_scale_count: usize,
-    /// Safety distances (m) of individual objects, in addition to that of the links.
+    /// Safety distances (m) of individual objects, in addition to that of the links. Objects that the world of
+    /// `clearance_checker_with_world` does not have lose theirs, also in checkers that are made from that one.
     pub object_padding: *const clearance_named_value,
     /// Number of object paddings.
     pub object_padding_count: usize,
@@ -106,7 +107,13 @@ impl CheckSettings {
     pub fn read(arguments: Arguments<'_>, options: *const clearance_checker_options) -> Outcome<Self> {
         let given = arguments.object_or_none(options, "options")?.copied().unwrap_or_default();
         let by_name = |values, count, what: &str| -> Outcome<HashMap<String, f64>> {
-            Ok(named_values(arguments, values, count, what)?.into_iter().collect())
+            let mut read = HashMap::new();
+            for (name, value) in named_values(arguments, values, count, what)? {
+                if read.insert(name.clone(), value).is_some() {
+                    return Err(Failure::rejected(format!("{what}: '{name}' is given twice: give it once")));
+                }
+            }
+            Ok(read)
         };
         let settings = Settings {
             padding: given.padding,

@@ -80,7 +80,7 @@ impl ReadOptions {
         let clearance_motion_options { tolerance, timeout, budget, tube, tube_count, .. } = given;
         if !(tolerance > 0.0 && tolerance.is_finite()) {
             return Err(Failure::rejected(format!(
-                "tolerance is {tolerance}, but must be more than zero metres"
+                "tolerance is {tolerance}, but must be finite and more than zero metres"
             )));
         }
         let order = if given.any_contact == 0 { MotionOrder::Earliest } else { MotionOrder::Any };
@@ -126,11 +126,15 @@ pub fn deadline(timeout: f64) -> Outcome<Option<Instant>> {
     if timeout == f64::INFINITY {
         return Ok(None);
     }
-    let span = Duration::try_from_secs_f64(timeout);
-    let span = span.map_err(|_| {
-        Failure::rejected(format!("timeout is {timeout}, but must be zero or more seconds, or infinity"))
-    })?;
-    Ok(Instant::now().checked_add(span))
+    let is_span = timeout >= 0.0;
+    if !is_span {
+        return Err(Failure::rejected(format!(
+            "timeout is {timeout}, but must be zero or more seconds, or infinity"
+        )));
+    }
+    // a time that the clock does not reach is no deadline
+    let span = Duration::try_from_secs_f64(timeout).ok();
+    Ok(span.and_then(|span| Instant::now().checked_add(span)))
 }
 
 /// Verdict on a motion.

@@ -54,6 +54,7 @@ pub extern "C" fn clearance_checker_are_motions_free(
 ) -> clearance_status {
     query(checker, workspace, |arguments, checker, memory| {
         let read = ReadOptions::new(arguments, options, &checker.space)?;
+        arguments.check_room(are_free, edges.count, "are_free")?;
         let segments = segments(arguments, checker, edges, &read)?;
         let mut free = vec![false; segments.len()];
         let on = &checker.checker;
@@ -201,7 +202,7 @@ pub struct clearance_trajectory {
     pub times: *const f64,
     /// count x n velocities (rad/s, m/s), or null.
     pub velocities: *const f64,
-    /// count x n accelerations (rad/s², m/s²), or null.
+    /// count x n accelerations (rad/s², m/s²), or null; they need velocities.
     pub accelerations: *const f64,
     /// If not 0, continuous joints go the shortest way.
     pub shortest: c_int,
@@ -225,6 +226,11 @@ impl clearance_trajectory {
             let values = arguments.array(values, self.count.saturating_mul(n), name)?;
             Ok(values.chunks_exact(n.max(1)).map(<[f64]>::to_vec).collect::<Vec<_>>())
         };
+        if self.velocities.is_null() && !self.accelerations.is_null() {
+            return Err(Failure::rejected(
+                "trajectory.accelerations are given without trajectory.velocities: give both, or only velocities, or none of them",
+            ));
+        }
         arguments.array(self.positions, self.count.saturating_mul(n), "trajectory.positions")?;
         let positions = rows(self.positions, "trajectory.positions")?;
         let mut velocities = rows(self.velocities, "trajectory.velocities")?.into_iter();

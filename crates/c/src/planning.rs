@@ -3,11 +3,10 @@
 use std::ffi::{CStr, c_char, c_int};
 use std::ptr;
 
-use clearance::MotionOptions;
 use clearance::planner::{self, NoPlan, Path, Plan, PlanOptions};
 use clearance::robot::JointGroup;
+use clearance::{Certificate, MotionOptions, MotionVerdict, TrajectoryReport, UndecidedReason, Workspace};
 
-use crate::arguments::Arguments;
 use crate::certificate::clearance_certificate;
 use crate::checker::clearance_checker;
 use crate::motion_options::deadline;
@@ -22,7 +21,7 @@ use crate::workspace::{Memory, clearance_workspace, query};
 pub struct clearance_plan_options {
     /// Seed of the random states. Default 1.
     pub seed: u64,
-    /// Time (s) after which the search ends. Default infinity.
+    /// Time (s) after which the search ends, and the proof of its path. Default infinity.
     pub timeout: f64,
     /// Number of edges after which the search ends. Default 200 000.
     pub max_edges: u64,
@@ -54,7 +53,7 @@ pub extern "C" fn clearance_plan_options_default() -> clearance_plan_options {
 pub struct clearance_plan {
     /// True if there is a path. Nothing is proven if none is found.
     pub is_found: bool,
-    /// `found`, `start_not_free`, `goal_not_free`, `most_edges` or `deadline`.
+    /// `found`, `found_without_certificate`, `start_not_free`, `goal_not_free`, `most_edges` or `deadline`.
     pub reason: *const c_char,
     /// count x n positions (rad, m), from the start to the goal, row by row. The edges between them are proven free.
     pub states: *const f64,
@@ -66,15 +65,16 @@ pub struct clearance_plan {
     pub length: f64,
     /// Number of edges that were checked.
     pub edges: u64,
-    /// The proof of all edges, if it was asked for and there is a path; otherwise null. The caller frees it with
-    /// `clearance_certificate_free`.
+    /// The proof of all edges, if it was asked for and there is a path; otherwise null. It is also null if the time was over before the
+    /// proof was complete: then the reason is `found_without_certificate`. The caller frees it with `clearance_certificate_free`.
     pub certificate: *mut clearance_certificate,
 }
 
-/// Searches a path of straight edges from `ends.from` to `ends.to` whose edges are proven free. Null `options` are the defaults.
+/// Searches for a path of straight edges from `ends.from` to `ends.to` whose edges are proven free. Null `options` are the defaults.
 ///
 /// RRT-Connect with shortcuts. Only the joints of the checker's states move, within their limits. Without a timeout, the same seed gives
-/// the same path. Rejected: a start or goal beyond joint limits, planar and floating joints.
+/// the same path. Rejected: a start or goal beyond joint limits, planar and floating joints, and a path without the certificate that was
+/// asked for, unless the time was over.
 #[unsafe(no_mangle)]
 pub extern "C" fn clearance_checker_plan(
     checker: *const clearance_checker,
@@ -93,15 +93,44 @@ pub extern "C" fn clearance_checker_plan(
         match found.map_err(Failure::rejected)? {
             Plan::NotFound(none) => arguments.write(plan, not_found(checker, &none), "plan"),
             Plan::Found(path) => {
-                arguments.write(plan, found_path(checker, &path, memory), "plan")?;
-                if given.certificate == 0 {
-                    return Ok(());
-                }
+                let is_proven = given.certificate != 0;
+                let proof = is_proven.then(|| prove(checker, &path, &options, workspace));
+                let (reason, certificate) = certified(proof)?;
+                let found = clearance_plan { reason: reason.as_ptr(), ..found_path(checker, &path, memory) };
+                arguments.write(plan, found, "plan")?;
+                let Some(certificate) = certificate else { return Ok(()) };
                 let plan = arguments.object_mut(plan, "plan")?;
-                write_certificate(arguments, checker, &path, memory, &raw mut plan.certificate)
+                let certificate = clearance_certificate::new(certificate);
+                arguments.write_handle(&raw mut plan.certificate, certificate, "certificate")
             }
         }
     })
+}
+
+/// Report on the trajectory of a path, and its certificate.
+pub type Proof = (TrajectoryReport, Option<Certificate>);
+
+fn prove(checker: &clearance_checker, path: &Path, limits: &PlanOptions, workspace: &mut Workspace) -> Proof {
+    let options =
+        MotionOptions { tolerance: limits.tolerance, deadline: limits.deadline, ..MotionOptions::default() };
+    checker.checker.certify_trajectory(&path.trajectory(&checker.checker), &options, workspace)
+}
+
+/// Reason of a path that was found, and its certificate. A path without the certificate that was asked for is an error, unless the time
+/// was over.
+pub fn certified(proof: Option<Proof>) -> Outcome<(&'static CStr, Option<Certificate>)> {
+    let Some((report, certificate)) = proof else { return Ok((c"found", None)) };
+    match (report.verdict, certificate) {
+        (_, Some(certificate)) => Ok((c"found", Some(certificate))),
+        (MotionVerdict::Undecided { reason: UndecidedReason::Deadline, .. }, None) => {
+            Ok((c"found_without_certificate", None))
+        }
+        (verdict, None) => Err(Failure::rejected(format!(
+            "a path was found, but there is no certificate of it, since its edge {} is {verdict:?}: plan without certificate, and prove \
+             the path with clearance_checker_check_trajectory and a larger budget",
+            report.segment
+        ))),
+    }
 }
 
 fn plan_options(given: &clearance_plan_options) -> Outcome<PlanOptions> {
@@ -113,19 +142,6 @@ fn plan_options(given: &clearance_plan_options) -> Outcome<PlanOptions> {
         deadline: deadline(given.timeout)?,
         ..PlanOptions::default()
     })
-}
-
-fn write_certificate(
-    arguments: Arguments<'_>,
-    checker: &clearance_checker,
-    path: &Path,
-    memory: &mut Memory,
-    out: *mut *mut clearance_certificate,
-) -> Outcome {
-    match path.certificate(&checker.checker, &MotionOptions::default(), &mut memory.workspace) {
-        Some(proof) => arguments.write_handle(out, clearance_certificate::new(proof), "certificate"),
-        None => Ok(()),
-    }
 }
 
 fn found_path(checker: &clearance_checker, path: &Path, memory: &mut Memory) -> clearance_plan {

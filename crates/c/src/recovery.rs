@@ -72,7 +72,7 @@ pub struct clearance_free_state {
     pub checks: u64,
 }
 
-/// Searches a free state near `state`. Only the joints of the checker's states move, without the locked ones. Null `options` are the
+/// Searches for a free state near `state`. Only the joints of the checker's states move, without the locked ones. Null `options` are the
 /// defaults. Nothing proves that no free state is nearer.
 ///
 /// Rejected: unknown joints, and lengths that are negative or not finite.

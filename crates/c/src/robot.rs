@@ -1,6 +1,7 @@
 //! Robots.
 
 use std::ffi::{CString, c_char};
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use std::ptr;
 use std::sync::Arc;
@@ -14,7 +15,7 @@ use crate::arguments::Arguments;
 use crate::rows;
 use crate::status::{Failure, Outcome, call, call_for, clearance_status};
 use crate::structs::{clearance_named_value, clearance_pose, clearance_state, named_values, texts};
-use crate::texts::{Names, c_text};
+use crate::texts::{Names, c_text, with_package_paths};
 
 /// A robot: links and joints from URDF, groups and allowed collisions from SRDF, with the meshes. Immutable: any number of threads may
 /// use it.
@@ -86,6 +87,11 @@ pub fn link_pose(robot: &RobotModel, link: &str, q: &Configuration) -> Outcome<P
     Ok(*poses.pose(id))
 }
 
+/// A rejection, perhaps of a mesh that is not found.
+pub fn mesh_failure(why: impl Display) -> Failure {
+    Failure::rejected(with_package_paths(&why.to_string()))
+}
+
 /// A text of a robot's description, and its path if it is a file.
 struct Source {
     text: String,
@@ -124,7 +130,7 @@ fn load(urdf: &Source, srdf: Option<&Source>, package_paths: &[String]) -> Outco
         srdf: srdf.map(|srdf| srdf.text.as_str()),
         srdf_name: srdf.and_then(Source::name),
     };
-    let model = Arc::new(RobotModel::from_text(&text, &files).map_err(Failure::rejected)?);
+    let model = Arc::new(RobotModel::from_text(&text, &files).map_err(mesh_failure)?);
     let (space, texts) = (JointSpace::whole(Arc::clone(&model)), RobotTexts::new(&model));
     Ok(clearance_robot { model, files, space, texts })
 }
@@ -326,18 +332,22 @@ pub extern "C" fn clearance_robot_random_states(
 ) -> clearance_status {
     call(|arguments| {
         let robot = arguments.object(robot, "robot")?;
-        let seed = arguments.object_mut(seed, "seed")?;
+        let mut random = fastrand::Rng::with_seed(*arguments.object(seed, "seed")?);
         let columns = robot.space.names().len();
         if n != columns {
             return Err(Failure::argument(format!("n is {n}, but the robot has {columns} joint positions")));
         }
-        let mut random = fastrand::Rng::with_seed(*seed);
+        if n == 0 {
+            return Ok(());
+        }
+        let total = count.saturating_mul(n);
+        arguments.check_room(positions, total, "positions")?;
         let mut states = Vec::new();
         for _ in 0..count {
             states.extend_from_slice(robot.model.random_configuration(&mut random).positions());
         }
-        *seed = random.get_seed();
-        arguments.write_array(positions, count.saturating_mul(n), &states, "positions")
+        arguments.write_array(positions, total, &states, "positions")?;
+        arguments.write(seed, random.get_seed(), "seed")
     })
 }
 

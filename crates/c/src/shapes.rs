@@ -55,6 +55,12 @@ pub fn mesh(arguments: Arguments<'_>, mesh: clearance_mesh) -> Outcome<Shape> {
 pub fn mesh_file(path: &Path, scale: [f64; 3]) -> Outcome<(Shape, Vec<String>)> {
     let absolute =
         std::path::absolute(path).map_err(|why| Failure::rejected(format!("{}: {why}", path.display())))?;
+    if !absolute.is_file() {
+        return Err(Failure::rejected(format!(
+            "there is no mesh file {}: give an absolute path, or one relative to the working directory",
+            absolute.display()
+        )));
+    }
     let folder = absolute.parent().unwrap_or(&absolute);
     // a mesh name in which nothing is taken for an escape
     let name = absolute.to_string_lossy().replace('%', "%25");

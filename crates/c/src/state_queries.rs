@@ -52,6 +52,7 @@ pub extern "C" fn clearance_checker_are_free(
     are_free: *mut u8,
 ) -> clearance_status {
     query(checker, workspace, |arguments, checker, memory| {
+        arguments.check_room(are_free, states.count, "are_free")?;
         let states = read_states(arguments, checker, states)?;
         let mut free = vec![false; states.len()];
         if threads == 1 {
@@ -118,7 +119,7 @@ pub struct clearance_distances {
     pub world_pair: clearance_pair_distance,
 }
 
-/// Searches the least distances within the robot, and between robot and world, up to `max_distance` (m).
+/// Searches for the least distances within the robot, and between robot and world, up to `max_distance` (m).
 ///
 /// Rejected: positions that are not finite, and a negative `max_distance`.
 #[unsafe(no_mangle)]

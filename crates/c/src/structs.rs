@@ -9,7 +9,7 @@ use clearance::geometry::math::{Point, Pose, pose_from_xyz_quaternion};
 use crate::arguments::Arguments;
 use crate::status::{Failure, Outcome};
 
-/// A state: `n` joint positions (rad, m), in the order of `clearance_checker_joint_name`, or where a robot is asked,
+/// A state: `n` joint positions (rad, m), in the order of `clearance_checker_joint_name`, or for functions of a robot in that of
 /// `clearance_robot_joint_name`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]

@@ -5,13 +5,14 @@ use std::path::Path;
 use std::ptr;
 use std::sync::OnceLock;
 
+use clearance::geometry::math::Pose;
 use clearance::geometry::{Primitive, PrimitiveError, Shape};
 use clearance::robot::{MeshFiles, RobotModel};
 use clearance::scene::{Obstacle, Scene, SceneLoader, WorldFileKind};
 use clearance_files::input_files::{self, WORLD_LIMIT};
 
 use crate::arguments::Arguments;
-use crate::robot::clearance_robot;
+use crate::robot::{clearance_robot, mesh_failure};
 use crate::shapes::{self, clearance_mesh, clearance_points};
 use crate::status::{Failure, Outcome, call, call_for, clearance_status};
 use crate::structs::clearance_pose;
@@ -46,16 +47,24 @@ impl clearance_world {
     }
 }
 
-/// Changes a world.
+/// Changes the obstacle `name` of a world; errors are about it.
 fn change(
     world: *mut clearance_world,
-    change: impl FnOnce(Arguments<'_>, &mut Scene) -> Outcome,
+    name: *const c_char,
+    change: impl FnOnce(Arguments<'_>, &mut Scene, &str) -> Outcome,
 ) -> clearance_status {
     call(|arguments| {
+        // a copy, because the caller may pass a name of this world's list
+        let name = arguments.text(name, "name")?.to_owned();
         let world = arguments.object_mut(world, "world")?;
+        change(arguments, &mut world.scene, &name)?;
         world.names = OnceLock::new();
-        change(arguments, &mut world.scene)
+        Ok(())
     })
+}
+
+fn read_pose(arguments: Arguments<'_>, pose: *const clearance_pose, name: &str) -> Outcome<Pose> {
+    clearance_pose::read(arguments, pose, "pose").map_err(|why| why.about(&format!("obstacle '{name}'")))
 }
 
 /// Adds an obstacle of one shape.
@@ -65,9 +74,8 @@ fn add(
     pose: *const clearance_pose,
     shape: impl FnOnce(Arguments<'_>) -> Outcome<Shape>,
 ) -> clearance_status {
-    change(world, |arguments, scene| {
-        let name = arguments.text(name, "name")?;
-        let pose = clearance_pose::read(arguments, pose, "pose")?;
+    change(world, name, |arguments, scene, name| {
+        let pose = read_pose(arguments, pose, name)?;
         let shape = shape(arguments).map_err(|why| why.about(&format!("obstacle '{name}'")))?;
         scene.world.add(Obstacle::of_shape(name, pose, shape)).map(|_| ()).map_err(Failure::rejected)
     })
@@ -137,7 +145,7 @@ fn read(
         return Err(Failure::rejected(format!("{}: a cloud needs a point_radius (m)", path.display())));
     }
     let files = files.clone().with_folder(path.parent().unwrap_or(Path::new(".")));
-    loader.read_file(&bytes, path, point_radius, robot, &files).map_err(Failure::rejected)?;
+    loader.read_file(&bytes, path, point_radius, robot, &files).map_err(mesh_failure)?;
     Ok(loader)
 }
 
@@ -296,9 +304,9 @@ pub extern "C" fn clearance_world_move(
     name: *const c_char,
     pose: *const clearance_pose,
 ) -> clearance_status {
-    change(world, |arguments, scene| {
-        let pose = clearance_pose::read(arguments, pose, "pose")?;
-        scene.world.move_to(arguments.text(name, "name")?, pose).map_err(Failure::rejected)
+    change(world, name, |arguments, scene, name| {
+        let pose = read_pose(arguments, pose, name)?;
+        scene.world.move_to(name, pose).map_err(Failure::rejected)
     })
 }
 
@@ -308,7 +316,5 @@ pub extern "C" fn clearance_world_remove(
     world: *mut clearance_world,
     name: *const c_char,
 ) -> clearance_status {
-    change(world, |arguments, scene| {
-        scene.world.remove(arguments.text(name, "name")?).map(|_| ()).map_err(Failure::rejected)
-    })
+    change(world, name, |_, scene, name| scene.world.remove(name).map(|_| ()).map_err(Failure::rejected))
 }

@@ -7,6 +7,9 @@
 // Values of a state space are joints by name: the dimension names of a RealVectorStateSpace, and the names of SO2StateSpaces, also inside
 // of CompoundStateSpaces. A RealVectorStateSpace without dimension names has the joints of the checker in their order.
 //
+// A proof is about straight lines, which RealVectorStateSpace, SO2StateSpace and CompoundStateSpaces of these move along. Other classes of
+// state spaces are rejected, unless the caller promises the same of them (OmplSpaces::straight).
+//
 // Threads: planners may check states and motions from any number of threads.
 
 #ifndef CLEARANCE_OMPL_HPP
@@ -29,18 +32,30 @@
 #include <mutex>
 #include <set>
 #include <string>
+#include <typeinfo>
 #include <utility>
 #include <vector>
 
 namespace clearance {
 
+// State spaces that are accepted.
+enum class OmplSpaces {
+  // Only RealVectorStateSpace, SO2StateSpace and CompoundStateSpace, not classes that are derived from them.
+  known,
+  // Any class. The caller promises that the space interpolates along straight lines between joint positions, on which values of
+  // SO2StateSpaces take the short way: otherwise, motions are called free that are not proven. A few motions between the bounds are
+  // tested, which must be set and finite; this finds mistakes, and proves nothing.
+  straight
+};
+
 // Where the positions of a checker are in the states of an OMPL space.
 //
-// Throws Error if a joint is missing, if the space has values that are no joints, if a joint with limits is in an SO2StateSpace, or if the
-// space does not interpolate along straight lines.
+// Throws Error if a joint is missing, if the space has values or parts that are not joints, if a joint with limits is in an SO2StateSpace,
+// or if the space may not interpolate along straight lines.
 class OmplJoints {
  public:
-  OmplJoints(const ::ompl::base::StateSpacePtr &space, const Checker &checker) : space_(space) {
+  OmplJoints(const ::ompl::base::StateSpacePtr &space, const Checker &checker, OmplSpaces spaces = OmplSpaces::known)
+      : space_(space) {
     space->computeLocations();
     const std::vector<std::string> names = checker.joint_names();
     if (!is_in_order(names.size())) {
@@ -49,7 +64,10 @@ class OmplJoints {
       }
       reject_other_values(names);
     }
-    check_interpolation();
+    check_parts(*space_, spaces);
+    if (spaces == OmplSpaces::straight) {
+      check_interpolation();
+    }
   }
 
   // Writes the joint positions (rad, m) of a state.
@@ -65,17 +83,35 @@ class OmplJoints {
                    std::vector<double> &to) const {
     read(s1, from);
     read(s2, to);
-    continue_from(from, to);
+    for (std::size_t i = 0; i < values_.size(); ++i) {
+      to[i] += TURN * turns_between(i, from[i], to[i]);
+    }
   }
 
-  // Adds whole turns to the circular joints of `to`, so that they are the short way from `from`, as in SO2StateSpace::interpolate.
-  void continue_from(const std::vector<double> &from, std::vector<double> &to) const {
-    for (std::size_t i = 0; i < values_.size(); ++i) {
-      const double difference = to[i] - from[i];
-      if (values_[i].is_circular && std::abs(difference) > 0.5 * TURN) {
-        to[i] -= TURN * std::round(difference / TURN);
+  // Writes the motion along states that the space interpolates, row by row: whole turns are added to circular joints.
+  //
+  // Throws Error for a state out of the bounds of the space, or with a value that is not finite.
+  void read_path(const std::vector<const ::ompl::base::State *> &states, std::vector<double> &rows) const {
+    std::vector<double> last, q, turns(values_.size(), 0.0);
+    rows.clear();
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      read(states[i], q);
+      if (!space_->satisfiesBounds(states[i]) || !is_finite(q)) {
+        throw Error(CLEARANCE_STATUS_REJECTED, "state " + std::to_string(i) + " of the path is not within the bounds of the state space '" +
+                                                   space_->getName() + "': call enforceBounds for it");
       }
+      for (std::size_t k = 0; k < q.size(); ++k) {
+        // from the values as they are in the states, as OMPL does: whole turns would round the difference
+        turns[k] += i == 0 ? 0.0 : turns_between(k, last[k], q[k]);
+        rows.push_back(q[k] + TURN * turns[k]);
+      }
+      last = q;
     }
+  }
+
+  // False for values that are NaN or infinite, which are within the bounds of some spaces of OMPL.
+  static bool is_finite(const std::vector<double> &q) {
+    return std::all_of(q.begin(), q.end(), [](double value) { return std::isfinite(value); });
   }
 
   // Writes joint positions (rad, m) into a state.
@@ -85,9 +121,13 @@ class OmplJoints {
                                                  std::to_string(q.size()) + " positions are given");
     }
     for (std::size_t i = 0; i < values_.size(); ++i) {
-      const double value = q.data()[i];
-      *space_->getValueAddressAtLocation(state, values_[i].location) =
-          values_[i].is_circular ? value - TURN * std::round(value / TURN) : value;
+      double value = q.data()[i];
+      if (values_[i].is_circular) {
+        value -= TURN * std::round(value / TURN);
+        // half a turn is out of the bounds of an SO2StateSpace, minus half a turn is not
+        value = value >= 0.5 * TURN ? value - TURN : value;
+      }
+      *space_->getValueAddressAtLocation(state, values_[i].location) = value;
     }
   }
 
@@ -98,6 +138,16 @@ class OmplJoints {
     ::ompl::base::StateSpace::ValueLocation location;
     bool is_circular;
   };
+
+  // Whole turns to add to `to`, so that a circular joint goes the short way from `from`, as in SO2StateSpace::interpolate: both are
+  // within half a turn, and a difference of exactly half a turn is as given.
+  double turns_between(std::size_t i, double from, double to) const {
+    const double difference = to - from;
+    if (!values_[i].is_circular || !(std::abs(difference) > 0.5 * TURN)) {
+      return 0.0;
+    }
+    return difference > 0.0 ? -1.0 : 1.0;
+  }
 
   // A space of real values without names: takes the joints in their order.
   bool is_in_order(std::size_t count) {
@@ -138,7 +188,7 @@ class OmplJoints {
     values_.push_back({found->second, is_circular});
   }
 
-  // Values that the checker does not know would be ignored.
+  // Values that are not joints of the checker would be ignored.
   void reject_other_values(const std::vector<std::string> &names) const {
     const std::size_t count = space_->getValueLocations().size();
     const ::ompl::base::ScopedState<> state(space_);
@@ -158,8 +208,52 @@ class OmplJoints {
                                                " joints, each of which needs one value of its own: " + list);
   }
 
-  // A proof is about straight lines: a space that interpolates in another way would move along another path than the proven one.
+  // Rejects parts that may interpolate along other paths than the proven ones, and parts without joints, which would be ignored.
+  void check_parts(const ::ompl::base::StateSpace &part, OmplSpaces spaces) const {
+    const bool is_known = typeid(part) == typeid(::ompl::base::CompoundStateSpace) ||
+                          typeid(part) == typeid(::ompl::base::RealVectorStateSpace) ||
+                          typeid(part) == typeid(::ompl::base::SO2StateSpace);
+    if (spaces == OmplSpaces::known && !is_known) {
+      throw Error(CLEARANCE_STATUS_REJECTED, "the state space '" + part.getName() +
+                                                 "' is neither a RealVectorStateSpace nor an SO2StateSpace nor a CompoundStateSpace of "
+                                                 "these, so that it may not interpolate along straight lines between joint positions, "
+                                                 "which alone are proven: use these, or promise it with OmplSpaces::straight");
+    }
+    if (part.isCompound()) {
+      const auto *compound = part.as<::ompl::base::CompoundStateSpace>();
+      for (unsigned int i = 0; i < compound->getSubspaceCount(); ++i) {
+        check_parts(*compound->getSubspace(i), spaces);
+      }
+      return;
+    }
+    const auto is_in_part = [&](const Value &value) { return value.location.stateLocation.space == &part; };
+    if (part.getDimension() > 0 && std::none_of(values_.begin(), values_.end(), is_in_part)) {
+      throw Error(CLEARANCE_STATUS_REJECTED,
+                  "the state space '" + part.getName() + "' has no joint of the checker: leave it out of the compound space");
+    }
+  }
+
+  // Without bounds there are no states between them to test.
+  void check_bounds() const {
+    for (const Value &value : values_) {
+      const auto *part = value.location.stateLocation.space;
+      if (part->getType() != ::ompl::base::STATE_SPACE_REAL_VECTOR) {
+        continue;
+      }
+      const auto &bounds = part->as<::ompl::base::RealVectorStateSpace>()->getBounds();
+      const std::size_t k = value.location.index;
+      if (!std::isfinite(bounds.high[k] - bounds.low[k])) {
+        const std::string &name = part->as<::ompl::base::RealVectorStateSpace>()->getDimensionName(static_cast<unsigned int>(k));
+        throw Error(CLEARANCE_STATUS_REJECTED, "dimension " + std::to_string(k) + (name.empty() ? "" : " ('" + name + "')") +
+                                                   " of the state space '" + part->getName() +
+                                                   "' has no finite bounds: call setBounds before this");
+      }
+    }
+  }
+
+  // Tests some motions of a space whose class is not known.
   void check_interpolation() const {
+    check_bounds();
     const auto sampler = space_->allocDefaultStateSampler();
     ::ompl::base::ScopedState<> a(space_), b(space_), middle(space_);
     std::vector<double> from, to, q;
@@ -173,9 +267,10 @@ class OmplJoints {
       for (std::size_t k = 0; k < from.size(); ++k) {
         expected[k] += PROBE * (to[k] - from[k]);
       }
-      continue_from(expected, q);
       for (std::size_t k = 0; k < q.size(); ++k) {
-        if (!(std::abs(q[k] - expected[k]) <= 1e-6 * (1.0 + std::abs(expected[k])))) {
+        const double difference = q[k] - expected[k];
+        const double turned = values_[k].is_circular ? difference - TURN * std::round(difference / TURN) : difference;
+        if (!(std::abs(turned) <= 1e-6 * (1.0 + std::abs(expected[k])))) {
           throw Error(CLEARANCE_STATUS_REJECTED, "the state space '" + space_->getName() +
                                                      "' does not interpolate along straight lines between joint positions, which alone "
                                                      "are proven");
@@ -193,7 +288,7 @@ class OmplJoints {
 
 namespace detail {
 
-// Workspaces for the threads of a planner, which OMPL does not tell apart.
+// Workspaces for the threads of a planner: one for each check that runs, since OMPL does not pass the thread.
 class OmplWorkspaces {
  public:
   struct Entry {
@@ -246,12 +341,13 @@ class OmplWorkspaces {
 class OmplStateValidityChecker : public ::ompl::base::StateValidityChecker {
  public:
   // Distances beyond max_clearance (m) count as max_clearance.
-  OmplStateValidityChecker(const ::ompl::base::SpaceInformationPtr &si, const Checker &checker, double max_clearance = 0.5)
+  OmplStateValidityChecker(const ::ompl::base::SpaceInformationPtr &si, const Checker &checker, double max_clearance = 0.5,
+                           OmplSpaces spaces = OmplSpaces::known)
       : ::ompl::base::StateValidityChecker(si),
         checker_(checker),
-        joints_(si->getStateSpace(), checker),
+        joints_(si->getStateSpace(), checker, spaces),
         max_clearance_(max_clearance) {
-    specs_.clearanceComputationType = ::ompl::base::StateValidityCheckerSpecs::EXACT;
+    specs_.clearanceComputationType = ::ompl::base::StateValidityCheckerSpecs::BOUNDED_APPROXIMATE;
   }
 
   using ::ompl::base::StateValidityChecker::clearance;
@@ -263,7 +359,7 @@ class OmplStateValidityChecker : public ::ompl::base::StateValidityChecker {
     }
     auto lease = workspaces_.lease(checker_);
     joints_.read(state, lease->from);
-    return checker_.is_free(lease->from, lease->workspace);
+    return OmplJoints::is_finite(lease->from) && checker_.is_free(lease->from, lease->workspace);
   }
 
   // Least distance of two bodies (m, padding subtracted), not of states; minus the penetration depth in a collision.
@@ -289,31 +385,30 @@ class OmplStateValidityChecker : public ::ompl::base::StateValidityChecker {
   mutable detail::OmplWorkspaces workspaces_;
 };
 
-// Validity of motions: proven free at every point, and to an end within the bounds of the space.
+// Validity of motions: proven free at every point, and between states within the bounds of the space.
 class OmplMotionValidator : public ::ompl::base::MotionValidator {
  public:
-  OmplMotionValidator(const ::ompl::base::SpaceInformationPtr &si, const Checker &checker, const MotionOptions &options = {})
-      : ::ompl::base::MotionValidator(si), checker_(checker), joints_(si->getStateSpace(), checker), options_(options) {
+  OmplMotionValidator(const ::ompl::base::SpaceInformationPtr &si, const Checker &checker, const MotionOptions &options = {},
+                      OmplSpaces spaces = OmplSpaces::known)
+      : ::ompl::base::MotionValidator(si), checker_(checker), joints_(si->getStateSpace(), checker, spaces), options_(options) {
     options_.certificate = false;
   }
 
   bool checkMotion(const ::ompl::base::State *s1, const ::ompl::base::State *s2) const override {
     bool is_free = false;
-    if (si_->satisfiesBounds(s2)) {
-      auto lease = workspaces_.lease(checker_);
-      joints_.read_motion(s1, s2, lease->from, lease->to);
+    auto lease = workspaces_.lease(checker_);
+    if (read(s1, s2, *lease)) {
       is_free = checker_.is_motion_free(lease->from, lease->to, lease->workspace, options_);
     }
     return counted(is_free);
   }
 
-  // The last valid state is the end of the part from s1 on that is proven free; its fraction is 0 if s2 is out of the bounds.
+  // The last valid state is the end of the part from s1 on that is proven free; its fraction is 0 if s1 or s2 is out of the bounds.
   bool checkMotion(const ::ompl::base::State *s1, const ::ompl::base::State *s2,
                    std::pair<::ompl::base::State *, double> &last_valid) const override {
     double fraction = 0.0;
     auto lease = workspaces_.lease(checker_);
-    if (si_->satisfiesBounds(s2)) {
-      joints_.read_motion(s1, s2, lease->from, lease->to);
+    if (read(s1, s2, *lease)) {
       const MotionReport report = checker_.check_motion(lease->from, lease->to, lease->workspace, options_);
       if (report.is_free()) {
         return counted(true);
@@ -329,7 +424,17 @@ class OmplMotionValidator : public ::ompl::base::MotionValidator {
   }
 
  private:
+  // Reads a motion; false if an end is out of the bounds, or not finite.
+  bool read(const ::ompl::base::State *s1, const ::ompl::base::State *s2, detail::OmplWorkspaces::Entry &entry) const {
+    if (!si_->satisfiesBounds(s1) || !si_->satisfiesBounds(s2)) {
+      return false;
+    }
+    joints_.read_motion(s1, s2, entry.from, entry.to);
+    return OmplJoints::is_finite(entry.from) && OmplJoints::is_finite(entry.to);
+  }
+
   bool counted(bool is_free) const {
+    const std::lock_guard<std::mutex> lock(count_mutex_);
     ++(is_free ? valid_ : invalid_);
     return is_free;
   }
@@ -353,12 +458,15 @@ class OmplMotionValidator : public ::ompl::base::MotionValidator {
   OmplJoints joints_;
   MotionOptions options_;
   mutable detail::OmplWorkspaces workspaces_;
+  mutable std::mutex count_mutex_;
 };
 
 // Uses a checker for states and motions. Call it before the setup of the planner.
-inline void use_in_ompl(const ::ompl::base::SpaceInformationPtr &si, const Checker &checker, const MotionOptions &options = {}) {
-  si->setStateValidityChecker(std::make_shared<OmplStateValidityChecker>(si, checker));
-  si->setMotionValidator(std::make_shared<OmplMotionValidator>(si, checker, options));
+inline void use_in_ompl(const ::ompl::base::SpaceInformationPtr &si, const Checker &checker, const MotionOptions &options = {},
+                        OmplSpaces spaces = OmplSpaces::known) {
+  const double max_clearance = 0.5;
+  si->setStateValidityChecker(std::make_shared<OmplStateValidityChecker>(si, checker, max_clearance, spaces));
+  si->setMotionValidator(std::make_shared<OmplMotionValidator>(si, checker, options, spaces));
 }
 
 // A state space of the joints of a checker, with their limits: SO2StateSpaces for continuous joints, real values for the others.
@@ -392,27 +500,26 @@ inline ::ompl::base::StateSpacePtr ompl_state_space(const Checker &checker) {
 }
 
 // The motion along a path, without times: for certify, and for the expectation of a verification.
-inline Trajectory trajectory_of(const ::ompl::geometric::PathGeometric &path, const Checker &checker) {
-  const OmplJoints joints(path.getSpaceInformation()->getStateSpace(), checker);
+//
+// Throws Error for states out of the bounds of the space.
+inline Trajectory trajectory_of(const ::ompl::geometric::PathGeometric &path, const Checker &checker,
+                                OmplSpaces spaces = OmplSpaces::known) {
+  const OmplJoints joints(path.getSpaceInformation()->getStateSpace(), checker, spaces);
+  std::vector<const ::ompl::base::State *> states;
+  for (std::size_t i = 0; i < path.getStateCount(); ++i) {
+    states.push_back(path.getState(static_cast<unsigned int>(i)));
+  }
   Trajectory trajectory;
   trajectory.n = checker.size();
-  std::vector<double> q, last;
-  for (std::size_t i = 0; i < path.getStateCount(); ++i) {
-    joints.read(path.getState(static_cast<unsigned int>(i)), q);
-    if (i > 0) {
-      joints.continue_from(last, q);
-    }
-    trajectory.positions.insert(trajectory.positions.end(), q.begin(), q.end());
-    last = q;
-  }
+  joints.read_path(states, trajectory.positions);
   return trajectory;
 }
 
 // Proves a path free: a report, with the certificate if it is free. Paths have at least two states.
 inline MotionReport certify(const ::ompl::geometric::PathGeometric &path, const Checker &checker, Workspace &workspace,
-                            MotionOptions options = {}) {
+                            MotionOptions options = {}, OmplSpaces spaces = OmplSpaces::known) {
   options.certificate = true;
-  return checker.check_trajectory(trajectory_of(path, checker), workspace, options);
+  return checker.check_trajectory(trajectory_of(path, checker, spaces), workspace, options);
 }
 
 }  // namespace clearance
