@@ -110,7 +110,7 @@ def test_spaces_have_names_and_limits(arm, spinner):
         (CART, None, "joint position 'p/x' has limits -inf to inf: give finite ones, as bounds="),
         (SPINNER, {"turn": (0, 1)}, "bounds: the checker has no joint position 'turn'; it has spin, lift"),
         (SPINNER, {"lift": (0, math.inf)}, "'lift' has limits 0 to inf"),
-        (SPINNER, {"lift": (1, 0)}, "'lift' has limits 1 to 0"),
+        (SPINNER, {"lift": (1, 0)}, "'lift' has the contradictory limits 1 to 0"),
         # a follower is not where it was after a full turn of its leader
         (SPINNER.replace("<limit", '<mimic joint="spin" multiplier="0.5"/><limit').replace('lower="-1"', 'lower="-inf"').replace(
             'type="prismatic"', 'type="continuous"'), None, "joint position 'spin' has limits -inf to inf"),
@@ -304,7 +304,8 @@ def test_the_last_valid_state_is_reached_by_a_proven_motion(arm, home, states):
         assert (valid, fraction) == validator.checkMotionWithLastValid(s1, s2, None) and valid == information.checkMotion(s1, s2)
         assert validator.checkMotion(s1, last) is True
         q1, q2 = joints.motion(s1, s2)
-        assert np.array_equal(joints.positions(last), q1 + fraction * (q2 - q1)) and (fraction == 1.0) == valid
+        reached = q2 if valid else q1 + fraction * (q2 - q1)
+        assert np.array_equal(joints.positions(last), reached) and (fraction == 1.0) == valid
         found += 0 < fraction < 1
         if not valid:
             contact = arm.check_motion(q1, q2)
