@@ -1,4 +1,4 @@
-//! What the bindings for Python and C share: the conversions that do not depend on the language.
+//! Conversions that the bindings for Python and C share, because they do not depend on the language.
 //!
 //! | content | file |
 //! |---|---|

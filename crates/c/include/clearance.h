@@ -415,7 +415,7 @@ typedef struct {
   int shortest;
 } clearance_trajectory;
 
-// What a certificate has to prove. Start with `clearance_expectation_default`.
+// Expected content of a certificate: options and motion. Start with `clearance_expectation_default`.
 typedef struct {
   // Options of the check: they must be the same. Null for the defaults.
   const clearance_checker_options *options;

@@ -584,7 +584,7 @@ struct Verification {
   explicit operator bool() const noexcept { return is_valid; }
 };
 
-// What a certificate has to prove: the options and tolerances of the check, and the motion.
+// Expected content of a certificate: the options and tolerances of the check, and the motion.
 struct Expectation {
   CheckerOptions options;
   // The motion; without it only the proof is checked. A straight motion is a path of two states without times.

@@ -74,7 +74,7 @@ pub extern "C" fn clearance_certificate_free(certificate: *mut clearance_certifi
     call(|arguments| arguments.release(certificate, "certificate"));
 }
 
-/// What a certificate has to prove. Start with `clearance_expectation_default`.
+/// Expected content of a certificate: options and motion. Start with `clearance_expectation_default`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct clearance_expectation {

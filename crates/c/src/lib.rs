@@ -41,7 +41,7 @@ mod thread_pools;
 pub mod workspace;
 pub mod world;
 
-/// What the header promises: threads may share these.
+/// Fails to compile for objects that threads can not share: the header promises that they may.
 const fn is_shareable<T: Send + Sync>() {}
 const _: () = is_shareable::<robot::clearance_robot>();
 const _: () = is_shareable::<world::clearance_world>();

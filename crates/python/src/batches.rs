@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use rayon::prelude::*;
 
 use crate::arrays::{Rows, Table};
-use crate::checker::CheckerCore;
+use crate::checker_core::CheckerCore;
 use crate::error::error;
 use crate::memory::filled;
 use crate::workspaces::{QueryMemory, with_memory};

@@ -2,18 +2,19 @@
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use clearance::robot::Configuration;
 use clearance::scene::{AttachedObject, BodyId, Scene};
 use clearance::{CollisionChecker, SettingsError};
+use clearance_bindings::JointSpace;
 use numpy::{PyArray1, PyArrayDyn};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use crate::arrays::{Rows, array};
 use crate::batches::run;
+use crate::checker_core::CheckerCore;
 use crate::edge_queries::{self, EdgeArguments};
 use crate::error::{error, warn};
 use crate::memory::collected;
@@ -30,23 +31,6 @@ use crate::state_queries::{self, single};
 use crate::trajectory_arrays::TrajectoryArrays;
 use crate::world::World;
 use crate::world_state::SceneState;
-use clearance_bindings::JointSpace;
-
-/// What queries use; threads share it.
-#[derive(Debug)]
-pub struct CheckerCore {
-    /// Unique in this process.
-    pub id: u64,
-    pub checker: CollisionChecker,
-    pub space: Arc<JointSpace>,
-}
-
-impl CheckerCore {
-    fn new(checker: CollisionChecker, space: Arc<JointSpace>) -> Arc<Self> {
-        static NEXT: AtomicU64 = AtomicU64::new(0);
-        Arc::new(Self { id: NEXT.fetch_add(1, Ordering::Relaxed), checker, space })
-    }
-}
 
 /// Checks states and motions of a robot in a world. Immutable: any number of threads may share it.
 ///

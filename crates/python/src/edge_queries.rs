@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use crate::arrays::{Pairing, Rows, Table, array};
 use crate::batches::{Stop, run, run_briefly};
-use crate::checker::CheckerCore;
+use crate::checker_core::CheckerCore;
 use crate::error::error;
 use crate::memory::{collected, filled};
 use crate::motion_options::{MotionSettings, is_over};

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `Robot`, and the sources that it is pickled with | `robot`, `robot_sources` |
 //! | `World`, its shapes and its pickle | `world`, `shapes`, `world_state` |
-//! | `Checker` and its settings | `checker`, `settings` |
+//! | `Checker` and its settings | `checker`, `checker_core`, `settings` |
 //! | queries on states | `state_queries` |
 //! | batches of edges; single motions and trajectories | `edge_queries`; `motion_queries`, `motion_options`, `trajectory_arrays` |
 //! | ways out of a collision | `recovery` |
@@ -26,6 +26,7 @@ mod arrays;
 mod batches;
 mod certificate;
 mod checker;
+mod checker_core;
 mod command;
 mod edge_queries;
 mod error;

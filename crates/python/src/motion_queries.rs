@@ -6,6 +6,7 @@ use clearance::checker::Watch;
 use clearance::proximity::Work;
 use clearance::scene::BodyId;
 use clearance::{MotionOptions, MotionReport, MotionSegment, MotionVerdict, UndecidedReason, Workspace};
+use clearance_bindings::JointSpace;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -13,14 +14,13 @@ use pyo3::types::PyDict;
 use crate::arrays::{Numbers, wrong_shape};
 use crate::batches::{run, run_briefly};
 use crate::certificate::Certificate;
-use crate::checker::CheckerCore;
+use crate::checker_core::CheckerCore;
 use crate::error::error;
 use crate::motion_options::{MotionSettings, is_over};
 use crate::results::{names, xyz};
 use crate::state_queries::single;
 use crate::trajectory_arrays::TrajectoryArrays;
 use crate::workspaces::with_memory;
-use clearance_bindings::JointSpace;
 
 /// Code of a verdict: `Verdict` of `clearance._results`.
 pub fn verdict_code(verdict: &MotionVerdict) -> i8 {

@@ -8,7 +8,7 @@ use crate::error::{Error, error};
 /// Version of the states of all classes.
 const VERSION: i64 = 1;
 
-/// What `__reduce__` returns: the function that makes the object again, and its arguments.
+/// Result of `__reduce__`: the function that makes the object again, and its arguments.
 pub fn reduced<'py>(
     py: Python<'py>,
     function: &str,

@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 
 use crate::arrays::array;
 use crate::batches::run;
-use crate::checker::CheckerCore;
+use crate::checker_core::CheckerCore;
 use crate::error::error;
 use crate::motion_queries::certificate_object;
 use crate::results::result;

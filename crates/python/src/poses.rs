@@ -12,7 +12,7 @@ use crate::arrays::{Numbers, wrong_shape};
 /// Largest deviation of a rotation matrix from an orthogonal one, and of a quaternion's length from 1.
 const SLACK: f64 = 1e-3;
 
-/// What a pose may be, for errors.
+/// Forms of a pose, for errors.
 const FORMS: &str =
     "must be (4, 4), a homogeneous matrix; or (3,), a position; or be a tuple (position, quaternion x y z w)";
 

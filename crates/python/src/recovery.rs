@@ -7,7 +7,7 @@ use clearance::robot::JointId;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
-use crate::checker::CheckerCore;
+use crate::checker_core::CheckerCore;
 use crate::error::error;
 use crate::results::{names, result};
 use crate::workspaces::with_memory;

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use clearance::geometry::math::Pose;
 use clearance::robot::{Configuration, GroupState, JointKind, LinkId, LinkPoses, Mimic, RobotModel};
+use clearance_bindings::JointSpace;
 use numpy::{PyArray1, PyArrayDyn, PyArrayMethods};
 use pyo3::exceptions::{PyMemoryError, PyTypeError};
 use pyo3::prelude::*;
@@ -16,7 +17,6 @@ use crate::error::{error, warn};
 use crate::memory::collected;
 use crate::robot_sources::{MeshBytes, RobotSources, Text};
 use crate::{options, pickles, poses};
-use clearance_bindings::JointSpace;
 
 /// A robot: links and joints from URDF, groups and allowed collisions from SRDF, with the meshes. Immutable.
 ///

@@ -13,7 +13,7 @@ use pyo3::types::{PyBool, PyList};
 
 use crate::arrays::{Rows, array};
 use crate::batches::evaluate;
-use crate::checker::CheckerCore;
+use crate::checker_core::CheckerCore;
 use crate::error::error;
 use crate::memory::collected;
 use crate::results::{names, result, xyz};

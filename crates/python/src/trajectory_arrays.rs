@@ -2,13 +2,13 @@
 
 use clearance::motion::ContinuousDirection;
 use clearance::{Trajectory, TrajectoryPoint};
+use clearance_bindings::JointSpace;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::arrays::{Numbers, Rows, wrong_shape};
 use crate::error::error;
 use crate::memory::filled;
-use clearance_bindings::JointSpace;
 
 /// Points of a trajectory, as arguments.
 pub struct TrajectoryArrays<'a, 'py> {

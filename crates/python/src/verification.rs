@@ -5,6 +5,7 @@ use std::sync::Arc;
 use clearance::motion::MotionSegment;
 use clearance::verifier::ExpectedMotion;
 use clearance::{Trajectory, Verifier};
+use clearance_bindings::JointSpace;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
@@ -19,7 +20,6 @@ use crate::robot::Robot;
 use crate::settings::CheckSettings;
 use crate::trajectory_arrays::TrajectoryArrays;
 use crate::world::World;
-use clearance_bindings::JointSpace;
 
 /// Verifies that a certificate proves a motion of this robot in this world free, with code that is independent of the checker.
 ///

@@ -6,7 +6,7 @@ use std::time::Duration;
 use clearance::Workspace;
 use clearance::robot::Configuration;
 
-use crate::checker::CheckerCore;
+use crate::checker_core::CheckerCore;
 
 /// Checkers whose memory a thread keeps; the least recently used is dropped.
 const MOST_CHECKERS: usize = 8;
