@@ -174,6 +174,11 @@ impl PairMemory {
         self.lower - of_a.lesser(of_b) - CONTACT_DISTANCE
     }
 
+    /// Whether elements are known that touched in the last state.
+    pub fn touched(&self) -> bool {
+        self.contact.is_some()
+    }
+
     /// Whether the nearest points were found.
     pub fn was_near(&self) -> bool {
         self.found.is_some()

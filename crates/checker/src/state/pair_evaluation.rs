@@ -116,6 +116,8 @@ impl PairEvaluation<'_> {
 
     /// Contact of the elements that touched in the last state.
     fn known_contact(&mut self, index: usize) -> Option<PairDistance> {
+        // the pair is placed only if needed
+        self.state.stream.as_mut()?.memory(index).as_ref().filter(|memory| memory.touched())?;
         let pair = &self.state.pair(index);
         let QueriedState { scratch, stream, .. } = &mut self.state;
         let found = RememberedPair { pair, memory: stream.as_mut()?.memory(index) }.still_touches(scratch)?;
