@@ -118,7 +118,7 @@ fn race(contestants: &mut [(&str, &mut dyn FnMut())]) -> Vec<f64> {
     times.into_iter().map(median).collect()
 }
 
-fn tell(robot: &str, question: &str, contestants: &mut [(&str, &mut dyn FnMut())]) {
+fn print_row(robot: &str, question: &str, contestants: &mut [(&str, &mut dyn FnMut())]) {
     let medians = race(contestants);
     let slow = medians[0];
     for ((name, _), time) in contestants.iter().zip(&medians) {
@@ -144,7 +144,7 @@ fn main() {
         let mut single = checker.workspace();
         let mut batch = checker.workspace();
         let mut free = vec![false; states.len()];
-        tell(
+        print_row(
             name,
             "free",
             &mut [
@@ -153,7 +153,7 @@ fn main() {
                 ("batch", &mut || checker.are_free_with(&states, &mut batch, black_box(&mut free))),
             ],
         );
-        tell(
+        print_row(
             name,
             "distance",
             &mut [

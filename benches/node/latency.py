@@ -118,21 +118,21 @@ def measure(robot, seconds, domain_id, limit, with_clients, published=ALL_PAIRS)
         reports.wait_for(lambda _: True, "the node")
         enter(Source(node.relative("joint_states"), RATE, robot.joints, domain_id))
         clients = enter(Clients(node.private("check_trajectory"), robot.joints, domain_id)) if with_clients else None
-        reports.wait_for(lambda told: told["joint states evaluated in this report"] > 0, "a joint state")
+        reports.wait_for(lambda reported: reported["joint states evaluated in this report"] > 0, "a joint state")
         for _ in range(WARM_UP):
             reports.wait_for(lambda _: True, "a report")
         before = Processors.now()
-        told = reports.during(seconds)
+        reported = reports.during(seconds)
         notes = [before.taken_since()] + ([f"clients: {clients.end()}"] if clients else [])
         note = "; ".join(notes)
-    return row(robot, told, limit, with_clients, note, published)
+    return row(robot, reported, limit, with_clients, note, published)
 
 
-def row(robot, told, limit, with_clients, note, published=ALL_PAIRS):
-    first, last = told[0], told[-1]
+def row(robot, reported, limit, with_clients, note, published=ALL_PAIRS):
+    first, last = reported[0], reported[-1]
     dropped = {name: round(last[name] - first[name]) for name in COUNTS}
     rate = came(first, last)
-    worst = max(report.numbers.get("latency: p99 (ms)", 0.0) for report in told[1:])
+    worst = max(report.numbers.get("latency: p99 (ms)", 0.0) for report in reported[1:])
     p99, median, longest = (last[f"latency since start: {part} (ms)"] for part in ("p99", "median", "max"))
     which = ", ".join(f"{count} {name}" for name, count in dropped.items() if count)
     details = f"{rate:.0f} joint states sent a second for {last.at - first.at:.0f} s, {last['pairs checked']:.0f} pairs, median {median:.3f} ms, "

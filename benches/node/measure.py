@@ -98,10 +98,10 @@ def facts(options):
     from latency import REALTIME
     from realtime import may_be_realtime
 
-    tell = lambda *command: subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False).stdout.strip()
+    send = lambda *command: subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False).stdout.strip()
     with open("/proc/cpuinfo") as cpus:
         names = [line.split(":")[1].strip() for line in cpus if line.startswith("model name")]
-    changed = " with changes" if tell("git", "status", "--porcelain", "--untracked-files=no") else ""
+    changed = " with changes" if send("git", "status", "--porcelain", "--untracked-files=no") else ""
     return {
         "date": datetime.now(UTC).strftime("%Y-%m-%d"),
         "machine": f"{names[0] if names else platform.machine()}, {os.cpu_count()} threads, Linux {platform.release()}",
@@ -117,11 +117,11 @@ def main():
     os.environ["CLEARANCE_BIN"] = str(options.binary.resolve())
     from rows import markdown
 
-    told = facts(options)  # before the tree changes
+    reported = facts(options)  # before the tree changes
     with tempfile.TemporaryDirectory(prefix="clearance-bench-") as logs:
         os.environ["ROS_LOG_DIR"] = logs
         rows = list(measured(options))
-    options.out.write_text(markdown(rows, told))
+    options.out.write_text(markdown(rows, reported))
     print(f"wrote {options.out}", file=sys.stderr)
     # how fast a machine is, a trial does not ask
     return int(any(not row.works if options.trial else row.reached is False for row in rows))

@@ -29,13 +29,13 @@ class Reports:
         return self._read(self._recorder.all())
 
     def _read(self, arrays):
-        told = []
+        reported = []
         for array in arrays:
             for status in array.status:
                 if status.name == self._name:
                     at = Time.from_msg(array.header.stamp).nanoseconds * 1e-9
-                    told.append(Told(at, dict(_numbers(status.values))))
-        return told
+                    reported.append(Told(at, dict(_numbers(status.values))))
+        return reported
 
     def wait_for(self, accept, what):
         """The first report that is accepted, of those that are published from now on."""
@@ -53,12 +53,12 @@ class Reports:
         end = time.monotonic() + seconds
         self._peer.wait_for(lambda: time.monotonic() > end, "the end", seconds + PATIENCE)
         self.wait_for(lambda _: True, "a report")
-        return [told for told in self.all() if told.at >= first.at]
+        return [reported for reported in self.all() if reported.at >= first.at]
 
 
 def came(first, last):
     """How many joint states a second were sent between two reports: those that were received, and those that got lost."""
-    sent = [told["joint states received"] + told["joint states lost"] for told in (first, last)]
+    sent = [reported["joint states received"] + reported["joint states lost"] for reported in (first, last)]
     return (sent[1] - sent[0]) / (last.at - first.at)
 
 

@@ -32,9 +32,9 @@ def first_answer(robot, number, peer):
     start = time.monotonic()
     with NodeProcess(*robot.arguments, domain_id=peer.domain_id, name=name) as node:
 
-        def answered():
+        def responded():
             assert node.exit_code is None, f"the node ended: {node.output()}"
             return any(state.status != CollisionState.UNKNOWN for state in states.all())
 
-        peer.wait_for(answered, "an answer", PATIENCE)
+        peer.wait_for(responded, "an answer", PATIENCE)
         return time.monotonic() - start

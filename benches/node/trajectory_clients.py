@@ -34,12 +34,12 @@ def main(service, count, joints):
     signal.signal(signal.SIGTERM, lambda *_: ended.append(True))
 
     def ask(client, request):
-        def answered(future):
-            answer = future.result()
-            verdicts[answer.reason_code or VERDICTS[answer.verdict]] += 1
+        def responded(future):
+            response = future.result()
+            verdicts[response.reason_code or VERDICTS[response.verdict]] += 1
             ask(client, request)
 
-        client.call_async(request).add_done_callback(answered)
+        client.call_async(request).add_done_callback(responded)
 
     clients = [node.create_client(CheckTrajectory, service, qos_profile=BURST) for _ in range(int(count))]
     deadline = time.monotonic() + PATIENCE
@@ -54,7 +54,7 @@ def main(service, count, joints):
     while not ended:
         rclpy.spin_once(node, timeout_sec=0.05)
     seconds = time.monotonic() - start
-    told = ", ".join(f"{number} {verdict}" for verdict, number in verdicts.items()) or "none"
+    reported = ", ".join(f"{number} {verdict}" for verdict, number in verdicts.items()) or "none"
     print(f"{verdicts.total() / seconds:.1f} answers a second ({told})", flush=True)
 
 

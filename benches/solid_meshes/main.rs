@@ -55,7 +55,7 @@ fn race(count: usize, passes: [&mut dyn FnMut(); 2]) -> [f64; 2] {
     best
 }
 
-fn tell(row: &str, [surface, solid]: [f64; 2]) {
+fn print_row(row: &str, [surface, solid]: [f64; 2]) {
     println!("| {row} | {surface:.3} | {solid:.3} | {:.3} |", solid / surface);
 }
 
@@ -89,7 +89,7 @@ impl Comparison {
     fn row(&self, name: &str, count: usize, pass: impl Fn(&CollisionChecker, &mut Workspace)) {
         let [mut a, mut b] = [&self.surface, &self.solid].map(CollisionChecker::workspace);
         let times = race(count, [&mut || pass(&self.surface, &mut a), &mut || pass(&self.solid, &mut b)]);
-        tell(&format!("{} | {name}", self.title), times);
+        print_row(&format!("{} | {name}", self.title), times);
     }
 
     fn states(&self) {

@@ -137,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn other_tables_are_told_what_is_wrong_in_one_line() {
+    fn errors_about_other_tables_take_one_line() {
         for (text, words) in [
             ("", &["empty", "header of joint names", "j1,j 2"][..]),
             (" \n\n", &["empty"]),

@@ -50,7 +50,7 @@ fn joints_beyond_their_limits_are_warned_of() {
 }
 
 #[test]
-fn files_of_another_kind_are_told_what_is_expected() {
+fn errors_about_files_of_another_kind_name_the_expected_one() {
     let given = |option: &str| check(&TWO_LINK, &[option, "Cargo.toml"]);
     assert_bad_input(&given("--states"), &["Cargo.toml", r#""states": [["#, "CSV"]);
     let world = check(&TWO_LINK, &["--state", "", "--world", "Cargo.toml"]);
@@ -448,7 +448,7 @@ world: {collision_objects: [{id: o, pose: {position: [2.8, 0, 0]}, primitives: [
 }
 
 #[test]
-fn bench_tells_what_checks_cost_and_compares_broad_phases() {
+fn bench_reports_costs_of_checks_and_compares_broad_phases() {
     let few = ["--states", "20", "--format", "json"];
     let bench = |arguments: &[&str]| json(&clearance(&[&["bench"], &ARM[..], &few, arguments].concat()));
     let answer = bench(&["--obstacles", "5,50"]);

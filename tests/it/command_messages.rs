@@ -106,7 +106,7 @@ fn an_empty_document_behind_a_world_or_trajectory_is_nothing() {
 }
 
 #[test]
-fn confused_files_are_told_apart() {
+fn confused_files_are_distinguished() {
     let files = Folder::new();
     let srdf = files.write(
         "r.srdf",

@@ -131,7 +131,7 @@ impl<'c> Streams<'c> {
 /// A stream within a tolerance tells bounds of the truth no farther apart than that, every pair within the limit, and contact
 /// exactly.
 #[test]
-fn tolerant_streams_tell_the_truth_for_less() {
+fn tolerant_streams_agree_within_tolerance_for_less_work() {
     let mut random = Random::new(74);
     let mut hits = 0;
     for checker in checkers() {

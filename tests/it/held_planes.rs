@@ -115,7 +115,7 @@ fn from_the_plane(checker: &CollisionChecker, q: &Configuration, displaced: &Pos
 }
 
 /// The checker's distances from the shield.
-fn told(checker: &CollisionChecker, q: &Configuration) -> HashMap<String, f64> {
+fn reported(checker: &CollisionChecker, q: &Configuration) -> HashMap<String, f64> {
     let question = Question::PairDistances { limit: f64::INFINITY };
     let report = checker.check(q, question, &mut checker.workspace());
     let held = |body: BodyId| matches!(body, BodyId::Attached(_));
@@ -147,7 +147,7 @@ fn what_a_held_plane_is_from_all_others_is_known() {
     for checker in checkers() {
         let states: Vec<_> = (0..200).map(|_| random_state(&checker, &mut random)).collect();
         for q in &states {
-            let (expected, told) = (from_the_plane(&checker, q, &Pose::identity()), told(&checker, q));
+            let (expected, told) = (from_the_plane(&checker, q, &Pose::identity()), reported(&checker, q));
             assert!(!told.is_empty());
             for (name, distance) in told {
                 assert!((distance - expected[&name]).abs() < 1e-9, "{name}: {distance}, {}", expected[&name]);
@@ -165,7 +165,7 @@ fn what_a_held_plane_is_from_all_others_is_known() {
 }
 
 #[test]
-fn streams_with_a_held_plane_tell_what_single_states_do() {
+fn streams_with_a_held_plane_agree_with_single_states() {
     let mut random = Random::new(7);
     for checker in checkers() {
         let states = crate::streams::walk(&checker, &mut random, 4, 40);
@@ -193,7 +193,7 @@ fn judge(checker: &CollisionChecker, segment: &MotionSegment) -> bool {
     let displaced = |t: f64| segment.obstacles().first().map_or(Pose::identity(), |m| m.displacement(t));
     let nearest = |t: f64| {
         let (q, all) = (segment.at(t), from_the_plane(checker, &segment.at(t), &displaced(t)));
-        let asked = told(checker, &q);
+        let asked = reported(checker, &q);
         let counts = |name: &String| checker.world().attached().is_empty() || asked.contains_key(name);
         all.iter().filter(|(name, _)| counts(name)).map(|(_, d)| *d).fold(f64::INFINITY, f64::min)
     };
@@ -284,7 +284,7 @@ fn a_held_plane_hides_nothing_else() {
     let (both, ball) = (checker_of(held), checker_of(only_ball));
     for _ in 0..200 {
         let q = random_state(&both, &mut random);
-        let (with_plane, without) = (told(&both, &q), told(&ball, &q));
+        let (with_plane, without) = (reported(&both, &q), reported(&ball, &q));
         for (name, distance) in without {
             assert!(with_plane[&name] <= distance, "{name}");
         }

@@ -52,7 +52,7 @@ impl Case {
     }
 
     /// Exit code 2, nothing on stdout, and one line that names all `words`.
-    fn refused(&self, command: &str, arguments: &[&str], words: &[&str]) {
+    fn assert_rejected(&self, command: &str, arguments: &[&str], words: &[&str]) {
         let output = self.run(command, arguments);
         let message = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
@@ -133,9 +133,9 @@ fn velocities_and_accelerations_of_a_mimic_joint_are_those_of_its_leader() {
         "t.yaml",
         &trajectory("arm, drive", &["positions: [0, 0], velocities: [0.5, 0.25]", "positions: [1, 2]"]),
     );
-    folder.refused("motion", &["--trajectory", "t.yaml"], &["point 0", "'arm'", "'drive'"]);
+    folder.assert_rejected("motion", &["--trajectory", "t.yaml"], &["point 0", "'arm'", "'drive'"]);
     moving("0.5, 0.25");
-    folder.refused(
+    folder.assert_rejected(
         "motion",
         &["--trajectory", "t.yaml"],
         &["point 0", "'arm'", "velocity 0.5", "'drive'", "0.25"],
@@ -143,29 +143,33 @@ fn velocities_and_accelerations_of_a_mimic_joint_are_those_of_its_leader() {
 }
 
 #[test]
-fn a_mimic_joint_that_is_not_where_its_leader_takes_it_is_refused() {
+fn a_mimic_joint_that_is_not_where_its_leader_takes_it_is_rejected() {
     let folder = Case::new();
     let both = ["'arm'", "'drive'", "0.5"];
-    folder.refused("check", &["--state", "arm=0.5 drive=0"], &both);
-    folder.refused("check", &["--state", "drive=0 arm=0.5"], &both);
-    folder.refused("check", &["--state", "still=0.5"], &["'still'", "0.5", "'drive'", "0.25"]);
+    folder.assert_rejected("check", &["--state", "arm=0.5 drive=0"], &both);
+    folder.assert_rejected("check", &["--state", "drive=0 arm=0.5"], &both);
+    folder.assert_rejected("check", &["--state", "still=0.5"], &["'still'", "0.5", "'drive'", "0.25"]);
     folder.write("s.csv", "arm,drive\n0.0,0\n0.5,0\n");
-    folder.refused("check", &["--states", "s.csv"], &["state 1", "'arm'", "'drive'", "0.5"]);
+    folder.assert_rejected("check", &["--states", "s.csv"], &["state 1", "'arm'", "'drive'", "0.5"]);
     folder.write("s.json", r#"{"joints": ["drive", "arm"], "states": [[0, 0.5]]}"#);
-    folder.refused("check", &["--states", "s.json"], &both);
-    folder.refused(
+    folder.assert_rejected("check", &["--states", "s.json"], &both);
+    folder.assert_rejected(
         "motion",
         &["--from", "drive=0", "--to", "drive=0 arm=0.5"],
         &["--to", "'arm'", "'drive'"],
     );
-    folder.refused("motion", &["--from", "still=0", "--to", "still=1"], &["--from", "'still'"]);
+    folder.assert_rejected("motion", &["--from", "still=0", "--to", "still=1"], &["--from", "'still'"]);
     folder.write("e.json", r#"{"joints": ["arm", "drive"], "edges": [[[0, 0], [0.5, 0]]]}"#);
-    folder.refused("motion", &["--edges", "e.json"], &["edge 0", "'arm'", "'drive'", "0.5"]);
+    folder.assert_rejected("motion", &["--edges", "e.json"], &["edge 0", "'arm'", "'drive'", "0.5"]);
     folder.write("t.yaml", &trajectory("drive, arm", &["positions: [0, 0]", "positions: [0, 0.5]"]));
-    folder.refused("motion", &["--trajectory", "t.yaml"], &["point 1", "'arm'", "'drive'", "0.5"]);
+    folder.assert_rejected("motion", &["--trajectory", "t.yaml"], &["point 1", "'arm'", "'drive'", "0.5"]);
     let state = "robot_state:\n  joint_state: {name: [arm, drive], position: [0.5, 0]}\n";
     folder.write("w.yaml", &format!("{state}{WORLD}"));
-    folder.refused("check", &["--state", ""], &["robot_state.joint_state", "'arm'", "'drive'", "0.5"]);
+    folder.assert_rejected(
+        "check",
+        &["--state", ""],
+        &["robot_state.joint_state", "'arm'", "'drive'", "0.5"],
+    );
 }
 
 #[test]
@@ -177,14 +181,14 @@ fn a_tolerance_of_a_mimic_joint_counts_for_its_leader() {
     assert_eq!([verdict("arm=0.14"), verdict("drive=0.28"), verdict("arm=0.1 drive=0.28")], ["free"; 3]);
     assert_ne!(verdict("arm=0.21"), "free");
     assert_ne!(verdict("arm=0.21 drive=0.1"), "free");
-    let refused = |tube: &str, words: &[&str]| {
-        folder.refused("motion", &[&way[..], &[tube]].concat(), &[&["--tube"], words].concat());
+    let assert_rejected = |tube: &str, words: &[&str]| {
+        folder.assert_rejected("motion", &[&way[..], &[tube]].concat(), &[&["--tube"], words].concat());
     };
-    refused("still=0.1", &["'still'"]);
-    refused("arm=-0.1", &["'arm'", "-0.1"]);
-    refused("arm=0.1 arm=0.1", &["'arm' is given twice"]);
-    refused("drive=0.1 drive=0.2", &["'drive' is given twice"]);
-    refused("finger=0.1", &["'finger'"]);
+    assert_rejected("still=0.1", &["'still'"]);
+    assert_rejected("arm=-0.1", &["'arm'", "-0.1"]);
+    assert_rejected("arm=0.1 arm=0.1", &["'arm' is given twice"]);
+    assert_rejected("drive=0.1 drive=0.2", &["'drive' is given twice"]);
+    assert_rejected("finger=0.1", &["'finger'"]);
 }
 
 /// `arm` moves half as much as `drive`: `drive` gets twice the number.
@@ -192,7 +196,11 @@ fn a_tolerance_of_a_mimic_joint_counts_for_its_leader() {
 fn one_tolerance_for_every_joint_is_one_for_mimic_joints_too() {
     let folder = Case::new();
     let way = ["--from", "drive=0", "--to", "drive=0.2", "--tube"];
-    folder.refused("motion", &[&way[..], &["0.1"]].concat(), &["--tube", "'still'", "multiplier 0", "drive"]);
+    folder.assert_rejected(
+        "motion",
+        &[&way[..], &["0.1"]].concat(),
+        &["--tube", "'still'", "multiplier 0", "drive"],
+    );
     folder.write("r.urdf", &ROBOT.replace("multiplier='0'", "multiplier='1'"));
     let verdict = |tube: &str| folder.result("motion", &[&way[..], &[tube]].concat())["verdict"].clone();
     assert_eq!([verdict("0.14"), verdict("0")], ["free"; 2]);
@@ -209,17 +217,17 @@ fn one_tolerance_for_every_joint_is_one_for_mimic_joints_too() {
 }
 
 #[test]
-fn joints_given_twice_are_refused_wherever_they_are_given() {
+fn joints_given_twice_are_rejected_wherever_they_are_given() {
     let folder = Case::new();
     let twice = ["'arm' is given twice"];
-    folder.refused("check", &["--state", "arm=0.1 arm=0.1"], &twice);
-    folder.refused("motion", &["--from", "", "--to", "arm=0.1 arm=0.2"], &twice);
+    folder.assert_rejected("check", &["--state", "arm=0.1 arm=0.1"], &twice);
+    folder.assert_rejected("motion", &["--from", "", "--to", "arm=0.1 arm=0.2"], &twice);
     folder.write("s.csv", "arm,arm\n0,0\n");
-    folder.refused("check", &["--states", "s.csv"], &twice);
+    folder.assert_rejected("check", &["--states", "s.csv"], &twice);
     folder.write("e.json", r#"{"joints": ["arm", "arm"], "edges": [[[0, 0], [0, 0]]]}"#);
-    folder.refused("motion", &["--edges", "e.json"], &twice);
+    folder.assert_rejected("motion", &["--edges", "e.json"], &twice);
     folder.write("t.yaml", &trajectory("arm, arm", &["positions: [0, 0]", "positions: [0, 0]"]));
-    folder.refused("motion", &["--trajectory", "t.yaml"], &twice);
+    folder.assert_rejected("motion", &["--trajectory", "t.yaml"], &twice);
 }
 
 /// `arm` may turn by 1 rad, `drive` by three times as much.

@@ -116,7 +116,7 @@ fn a_straight_way_is_the_unit_of_time() {
 }
 
 #[test]
-fn edges_are_cut_where_obstacles_turn_and_told_whole() {
+fn edges_are_cut_where_obstacles_turn_and_reported_whole() {
     let case = Case::new(
         "moving_obstacles:
 - name: ball
@@ -197,7 +197,7 @@ fn a_bar_that_turns_strikes_what_it_sweeps_over() {
 }
 
 #[test]
-fn broken_files_are_refused_by_name() {
+fn broken_files_are_rejected_by_name() {
     let cases: [(&str, &[&str]); 15] = [
         ("moving_obstacles: []", &["moving.yaml", "empty"]),
         ("obstacles: []", &["moving.yaml", "obstacles"]),

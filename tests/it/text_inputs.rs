@@ -26,7 +26,7 @@ fn stdout(output: &Output) -> String {
 }
 
 #[test]
-fn misspelt_names_are_told_on_stderr() {
+fn misspelt_names_are_reported_on_stderr() {
     let urdf = SLIDER.replace("<geometry>", r#"<orgin xyz="3 0 0"/><geometry>"#);
     let output = run(&urdf, ("x", ""), &["check", "--urdf", "r.urdf", "--state", "j=0"]);
     assert_eq!(output.status.code(), Some(0));
@@ -55,7 +55,7 @@ fn starts_that_are_not_first_points_are_no_proof() {
 }
 
 #[test]
-fn joints_that_other_documents_give_are_told() {
+fn joints_that_other_documents_give_are_reported() {
     let arguments = ["check", "--urdf", "r.urdf", "--states", "s.yaml"];
     let one = |joint: &str| format!("name: [{joint}]\nposition: [1.5]\n---\n");
     let output = run(SLIDER, ("s.yaml", &(one("j") + &one("k"))), &arguments);

@@ -201,7 +201,7 @@ fn obstacles_move_on_the_same_clock() {
 }
 
 #[test]
-fn trajectories_tell_segment_and_time() {
+fn trajectories_report_segment_and_time() {
     let robot = two_link();
     let checker = alone(&robot);
     let joints = ["joint1", "joint2"].map(str::to_owned);
@@ -247,7 +247,7 @@ fn who_runs_out_of_time_says_so() {
 }
 
 #[test]
-fn who_is_watched_tells_how_far_it_has_come_and_ends_when_told_to() {
+fn a_watched_search_reports_progress_and_stops_on_request() {
     let robot = two_link();
     let checker = alone(&robot);
     let ends = [0.0, 1.0, 2.0, PI, 2.0].map(|joint2| at(&robot, 0.0, joint2));
@@ -353,7 +353,7 @@ type Change = dyn Fn(&mut Certificate);
 
 /// A digest that fits makes no proof: what is claimed is looked at.
 #[test]
-fn altered_certificates_are_refused() {
+fn altered_certificates_are_rejected() {
     let robot = two_link();
     let (settings, world) = (Settings::default(), World::default());
     let checker = checker(&robot, &world, settings.clone());

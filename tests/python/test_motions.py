@@ -88,14 +88,14 @@ def test_certificates_are_verified(robot, world, arm, home, tmp_path):
     assert verified and verified.valid and verified.reason is None and verified.pairs == len(certificate.pairs) == 76
     assert cl.verify(certificate, robot, world, trajectory=(None, np.stack(edge)))
     # of another motion, robot, world or settings
-    for refused in (
+    for rejected in (
         cl.verify(certificate, robot, world, edge=edge[::-1]),
         cl.verify(certificate, robot, world, edge=edge, tube=0.01),
         cl.verify(certificate, robot, world, edge=edge, tolerance=1e-3),
         cl.verify(certificate, robot, edge=edge),
         cl.verify(certificate, robot, world, edge=edge, padding=0.01),
     ):
-        assert not refused and not refused.valid and refused.reason
+        assert not rejected and not rejected.valid and rejected.reason
     path = tmp_path / "proof.json"
     certificate.save(path)
     assert cl.Certificate.load(path) == certificate == cl.Certificate(certificate.to_json())

@@ -126,7 +126,7 @@ def test_unusual_input_warns():
     assert len(robot.warnings) == 1 and robot.group_states == {}
 
 
-def test_states_of_one_name_are_told_apart():
+def test_states_of_one_name_are_distinguished():
     urdf = """<robot name="r"><link name="a"/><link name="b"/><link name="c"/>
       <joint name="j" type="continuous"><parent link="a"/><child link="b"/></joint>
       <joint name="k" type="continuous"><parent link="a"/><child link="c"/></joint></robot>"""

@@ -48,7 +48,7 @@ class Cell:
     def parameters(self):
         return Parameters(self.peer, self.node)
 
-    def judged(self, **positions):
+    def evaluate(self, **positions):
         """The first state evaluated of these joint positions, which the driver reports from now on."""
         stamp = self.driver.report(**positions)
         return self.states.ever(two_link.judged_since(stamp), f"a state of {positions}")
@@ -56,7 +56,7 @@ class Cell:
     def moving(self, positions, velocities):
         """The first state evaluated of these joint positions and velocities, which the driver reports from now on."""
         self.driver.velocities = velocities
-        return self.judged(**positions)
+        return self.evaluate(**positions)
 
     def evaluated(self, positions, stamp=None):
         """The state evaluated of exactly this joint state. The driver falls silent, and this is its last one."""
@@ -67,13 +67,13 @@ class Cell:
             sent.append((stamp or self.peer.now(), monotonic()))
             self.driver.publish(positions, sent[-1][0])
 
-        def answered():
+        def responded():
             # what the node receives best effort may be lost on a busy machine
             if not sent or monotonic() > sent[-1][1] + PATIENCE:
                 publish()
             return next(filter(two_link.evaluated_of(sent[-1][0]), self.states.all()), None)
 
-        return self.peer.wait_for(answered, f"a state of {positions}")
+        return self.peer.wait_for(responded, f"a state of {positions}")
 
     def falls_silent(self):
         """The driver stops, and its last joint state is evaluated: gives that state."""

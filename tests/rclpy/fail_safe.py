@@ -44,14 +44,14 @@ class Line:
     status: str
     reason_code: str
     is_free: str
-    says: str
+    reports: str
 
     def holds(self, state):
         said = [state.reason] if self.status == "UNKNOWN" else state.warnings
         return (
             state.status in STATUS[self.status]
             and state.reason_code == self.reason_code
-            and any(self.says in text for text in said)
+            and any(self.reports in text for text in said)
         )
 
 
@@ -59,7 +59,7 @@ def table():
     section = (ROOT / PAGE).read_text().split(HEADING)[1].split("\n#")[0]
     rows = re.findall(r"^\|(.*)\|$", section, re.MULTILINE)
     cells = [[cell.strip() for cell in row.split("|")] for row in rows][2:]
-    return [Line(condition, status, code.strip("`"), free, says) for condition, status, code, free, says in cells]
+    return [Line(condition, status, code.strip("`"), free, reports) for condition, status, code, free, reports in cells]
 
 
 class Situation:
@@ -79,14 +79,14 @@ class Situation:
         self.companions = Companions(self.cell)
         return self.cell
 
-    def is_judged(self):
+    def is_evaluated(self):
         status = CollisionState.FREE if self.pose is ZERO else CollisionState.COLLIDING
-        assert self.cell.judged(**self.pose).status == status
+        assert self.cell.evaluate(**self.pose).status == status
 
-    def judging(self, **parameters):
+    def evaluating(self, **parameters):
         """A node that has judged the robot once, and hears nothing any more."""
         cell = self.start(parameters=parameters)
-        self.is_judged()
+        self.is_evaluated()
         cell.falls_silent()
         return cell
 
@@ -104,14 +104,14 @@ class Situation:
         def said():
             return next(filter(has_it, self.cell.states.after(start)), None)
 
-        def said_after_another():
+        def reported_after_another():
             # what was done may take longer than it takes to see its effect
             if not (state := said()):
                 again()
                 state = said()
             return state
 
-        return self.peer.wait_for(said_after_another, f"the reason or warning '{word}'")
+        return self.peer.wait_for(reported_after_another, f"the reason or warning '{word}'")
 
     def enable(self, enabled):
         client = self.peer.node.create_client(SetBool, self.cell.node.private("enable"))
@@ -125,7 +125,7 @@ class Situation:
     def _stranger(self):
         return self.peer.node.create_publisher(JointState, self.cell.node.relative("joint_states"), 10)
 
-    def tell(self, names, positions, stamp=None):
+    def send(self, names, positions, stamp=None):
         """A joint state of any form, from another publisher than the driver."""
         message = JointState(name=names, position=positions)
         message.header.stamp = (stamp or self.peer.now()).to_msg()

@@ -9,7 +9,7 @@ class Localization:
 
     def __init__(self, cell):
         self.x = 0.0
-        self.told = 0  # transforms so far
+        self.reported = 0  # transforms so far
         self.turn = 1.0  # the real part of the quaternion; there is no other
         self._peer = cell.peer
         self._publisher = cell.peer.node.create_publisher(TFMessage, cell.node.relative("tf"), 10)
@@ -25,4 +25,4 @@ class Localization:
         message.transform.translation.x = self.x
         message.transform.rotation.w = self.turn
         self._publisher.publish(TFMessage(transforms=[message]))
-        self.told += 1
+        self.reported += 1

@@ -47,20 +47,20 @@ class Motions:
     def follow(self, trajectory, **terms):
         return self._peer.result(self.ask_to_follow(trajectory, **terms), "an answer of check_trajectory")
 
-    def certificate(self, answer):
+    def certificate(self, response):
         """The certificate of an answer; the same is published on its topic."""
-        assert answer.certificate_digest
+        assert response.certificate_digest
         message = self._certificates.ever(
-            lambda message: json.loads(message.data)["digest"] == answer.certificate_digest, "the certificate"
+            lambda message: json.loads(message.data)["digest"] == response.certificate_digest, "the certificate"
         )
-        assert answer.certificate == message.data
+        assert response.certificate == message.data
         return message.data
 
     def with_swept_volume(self, ask):
         """What `ask()` gives, and the markers that are published meanwhile, without the one that takes away all others."""
         start = self._peer.now()
-        answer = ask()
+        response = ask()
         # volumes of earlier requests were published before their responses
         first, *markers = self._swept_volumes.event(lambda _: True, "a swept volume", since=start).markers
         assert first.action == Marker.DELETEALL
-        return answer, markers
+        return response, markers

@@ -15,7 +15,7 @@ class MoveGroup:
         self._before_answering = before_answering
         self._peer = Peer(domain_id)
         self.changes = self._peer.node.create_publisher(PlanningScene, "/monitored_planning_scene", 10)
-        self._peer.node.create_service(GetPlanningScene, service, self._answer)
+        self._peer.node.create_service(GetPlanningScene, service, self._respond)
 
     def __enter__(self):
         return self
@@ -23,7 +23,7 @@ class MoveGroup:
     def __exit__(self, *error):
         self._peer.__exit__(*error)
 
-    def _answer(self, request, response):
+    def _respond(self, request, response):
         assert request.components.components, "what is asked for is named"
         response.scene = self.scene
         response.scene.robot_model_name = response.scene.robot_model_name or "two_link"

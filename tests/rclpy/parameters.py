@@ -13,21 +13,21 @@ class Parameters:
         peer.wait_for(self._client.services_are_ready, "the parameter services")
 
     def names(self):
-        return set(self._answer(self._client.list_parameters()).result.names)
+        return set(self._respond(self._client.list_parameters()).result.names)
 
     def describe(self, *names):
-        return self._answer(self._client.describe_parameters(list(names))).descriptors
+        return self._respond(self._client.describe_parameters(list(names))).descriptors
 
     def ask(self, *names):
         """Like `get`, but gives the future of the answer."""
         return self._client.get_parameters(list(names))
 
     def get(self, *names):
-        values = self._answer(self.ask(*names)).values
+        values = self._respond(self.ask(*names)).values
         return [parameter_value_to_python(value) for value in values]
 
     def set(self, **values):
-        return self._answer(self.request(**values)).results
+        return self._respond(self.request(**values)).results
 
     def request(self, **values):
         """Like `set`, but gives the future of the answer."""
@@ -39,7 +39,7 @@ class Parameters:
 
     def set_atomically(self, **values):
         parameters = [Parameter(name, value=value) for name, value in values.items()]
-        return self._answer(self._client.set_parameters_atomically(parameters)).result
+        return self._respond(self._client.set_parameters_atomically(parameters)).result
 
-    def _answer(self, future):
+    def _respond(self, future):
         return self._peer.result(future, "an answer of the parameter services")

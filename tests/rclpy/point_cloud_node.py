@@ -48,11 +48,11 @@ class PointCloudNode(Cell):
         """From now on clouds count so long."""
         self.parameters.succeed(point_cloud_ttl=seconds)
 
-    def says(self, message, *words, qos=QOS):
+    def reports(self, message, *words, qos=QOS):
         """The complaint about this cloud, which changes nothing."""
         message.header.stamp = self.peer.now().to_msg()
         self.scene.topic(PointCloud2, "points", qos)
-        return self.scene.refused(message, *words, topic="points")
+        return self.scene.rejected(message, *words, topic="points")
 
 
 def to_cloud(state):

@@ -89,8 +89,8 @@ class Restarts:
         self._source = Source(self._cell.node.relative("joint_states"), RATE, JOINTS, self._peer.domain_id)
 
     def _free(self, since, accept=lambda state: True):
-        judged = two_link.judged_since(since)
+        evaluate = two_link.judged_since(since)
         self._cell.states.ever(
-            lambda state: state.status == CollisionState.FREE and judged(state) and accept(state),
+            lambda state: state.status == CollisionState.FREE and evaluate(state) and accept(state),
             f"FREE from a joint state after {since}",
         )

@@ -101,7 +101,7 @@ class SceneClient:
         what = f"a world after revision {before.world_revision}"
         return self._cell.states.wait_for(is_there, what, after=before)
 
-    def refused(self, message, *words, topic=None):
+    def rejected(self, message, *words, topic=None):
         """Publishes what must be refused: it is complained about with these words, and the world stays as it was."""
         before = self.world_revision()
         self.complaints.forget()

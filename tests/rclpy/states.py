@@ -23,7 +23,7 @@ class States:
         return self._states.call_async(request)
 
     def check(self, states, **terms):
-        return self.answer(self.ask(states, **terms))
+        return self.response(self.ask(states, **terms))
 
     def ask_distances(self, state=(), joints=two_link.JOINTS, **terms):
         """Like `distances`, but gives the future of the answer."""
@@ -32,13 +32,13 @@ class States:
         return self._distances.call_async(request)
 
     def distances(self, state=(), **terms):
-        return self.answer(self.ask_distances(state, **terms))
+        return self.response(self.ask_distances(state, **terms))
 
-    def answer(self, future):
+    def response(self, future):
         """The answer to what was asked before."""
         return self._peer.result(future, "an answer about states")
 
 
-def pair_of(answer, i):
+def pair_of(response, i):
     """The names of the bodies that are told of a state; none is an empty set."""
-    return {answer.bodies[index] for index in (answer.pair_a[i], answer.pair_b[i]) if index >= 0}
+    return {response.bodies[index] for index in (response.pair_a[i], response.pair_b[i]) if index >= 0}

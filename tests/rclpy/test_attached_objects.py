@@ -25,17 +25,17 @@ HELD = attached("tip", ball("part", 1, 0.4, radius=0.05, frame="tip"), ["tip"])
 @pytest.fixture
 def cell(start):
     cell = start(parameters={"influence_distance": 0.5, "distance_limit": 3.0})
-    cell.judged(**STRETCHED)
+    cell.evaluate(**STRETCHED)
     return cell
 
 
 def test_an_attached_object_moves_with_its_link(cell, scene):
-    assert cell.judged(**FOLDED).status == CollisionState.FREE
+    assert cell.evaluate(**FOLDED).status == CollisionState.FREE
     state = scene.change(HELD)
 
     assert state.status == CollisionState.COLLIDING
     assert colliding(state) == [{("link", "base"), ("attached", "part")}]
-    state = cell.judged(**STRETCHED)
+    state = cell.evaluate(**STRETCHED)
     assert state.status == CollisionState.FREE
     # base - tip, base - part and upper - part; the part may touch the tip.
     assert state.pairs_checked == 3
@@ -43,34 +43,34 @@ def test_an_attached_object_moves_with_its_link(cell, scene):
 
 def test_attach_move_detach(cell, scene):
     scene.change(ball("part", 2, 0.4, radius=0.05))
-    state = cell.judged(**STRETCHED)
+    state = cell.evaluate(**STRETCHED)
     assert distance(state, "tip", "part") == pytest.approx(0.25, abs=ACCURACY)
 
     # By name: its shape is that of the world's object, which leaves the world.
     state = scene.change(attached("tip", "part", ["tip"]))
     assert distance(state, "tip", "part") is None
-    assert colliding(cell.judged(**FOLDED)) == [{("link", "base"), ("attached", "part")}]
+    assert colliding(cell.evaluate(**FOLDED)) == [{("link", "base"), ("attached", "part")}]
 
-    cell.judged(**UP)
+    cell.evaluate(**UP)
     scene.change(detachment("part"))
-    state = cell.judged(**UP)
+    state = cell.evaluate(**UP)
     assert distance(state, "tip", "part") == pytest.approx(0.25, abs=ACCURACY)
     assert xyz(scene.obstacles()["part"].pose.position) == pytest.approx((-0.4, 2, 0), abs=ACCURACY)
     # It stays there, an obstacle like any other.
-    assert distance(cell.judged(**STRETCHED), "tip", "part") is None
-    assert cell.judged(**FOLDED).status == CollisionState.FREE
+    assert distance(cell.evaluate(**STRETCHED), "tip", "part") is None
+    assert cell.evaluate(**FOLDED).status == CollisionState.FREE
     scene.change(removal("part"))
 
 
 def test_an_object_given_in_the_world_s_frame_is_held_where_it_is_at_that_moment(cell, scene):
-    cell.judged(**UP)
+    cell.evaluate(**UP)
     scene.change(attached("tip", ball("part", -0.4, 2, radius=0.05), ["tip"]))
-    assert colliding(cell.judged(**FOLDED)) == [{("link", "base"), ("attached", "part")}]
+    assert colliding(cell.evaluate(**FOLDED)) == [{("link", "base"), ("attached", "part")}]
 
 
 def test_an_attached_object_against_the_world(cell, scene):
     scene.change(HELD, ball("wall", 2, 0.6, radius=0.05))
-    state = cell.judged(**STRETCHED)
+    state = cell.evaluate(**STRETCHED)
     assert distance(state, "part", "wall") == pytest.approx(0.1, abs=ACCURACY)
 
     state = scene.change(move("wall", pose(2, 0.45)))
@@ -82,9 +82,9 @@ def test_attached_objects_against_each_other(cell, scene):
     reach = hypot(1, 0.4)
     other = ball("other", 1 - reach / 2, reach * sqrt(3) / 2, radius=0.05, frame="upper")
     scene.change(HELD, attached("upper", other, ["upper"]))
-    assert cell.judged(**STRETCHED).status == CollisionState.FREE
+    assert cell.evaluate(**STRETCHED).status == CollisionState.FREE
 
-    state = cell.judged(joint1=0, joint2=2 * pi / 3 - atan2(0.4, 1))
+    state = cell.evaluate(joint1=0, joint2=2 * pi / 3 - atan2(0.4, 1))
     assert colliding(state) == [{("attached", "part"), ("attached", "other")}]
 
 
@@ -110,29 +110,29 @@ def test_a_robot_that_may_hold_more_than_is_known_is_unknown(cell, scene):
     """Taken out of the world, it is in no place that is known."""
     scene.change(ball("a", 5))
     seen = cell.peer.now()
-    scene.refused(attached("hand", "a"), "a", "hand")
+    scene.rejected(attached("hand", "a"), "a", "hand")
     cell.unknown("rejected_obstacle", after=seen)
     scene.change(removal("a"))
-    assert cell.judged(joint1=0, joint2=0.1).reason_code == "rejected_obstacle"
+    assert cell.evaluate(joint1=0, joint2=0.1).reason_code == "rejected_obstacle"
     scene.change(attached("tip", ball("a", 1, 0.4, radius=0.05, frame="tip"), ["tip"]))
     cell.states.wait_for(lambda state: state.status == CollisionState.FREE, "FREE", after=cell.peer.now())
 
     seen = cell.peer.now()
-    scene.refused(detachment("a", "upper"), "a", "upper")
+    scene.rejected(detachment("a", "upper"), "a", "upper")
     cell.unknown("rejected_obstacle", after=seen)
     scene.change(detachment("a"))
     cell.states.wait_for(lambda state: state.status == CollisionState.FREE, "FREE", after=cell.peer.now())
 
 
-def test_what_cannot_be_attached_is_refused_by_name(cell, scene):
+def test_what_cannot_be_attached_is_rejected_by_name(cell, scene):
     cell.parameters.succeed(rejected_obstacle="warn")
-    scene.refused(attached("hand", ball("a", 1)), "a", "hand")
-    scene.refused(attached("tip", "not_there"), "not_there")
-    scene.refused(attached("tip", ball("c", 1, frame="nowhere")), "c", "nowhere")
-    scene.refused(detachment("not_held"), "not_held")
+    scene.rejected(attached("hand", ball("a", 1)), "a", "hand")
+    scene.rejected(attached("tip", "not_there"), "not_there")
+    scene.rejected(attached("tip", ball("c", 1, frame="nowhere")), "c", "nowhere")
+    scene.rejected(detachment("not_held"), "not_held")
     scene.change(HELD)
-    scene.refused(detachment("part", "upper"), "part", "upper")
-    assert colliding(cell.judged(**FOLDED)) == [{("link", "base"), ("attached", "part")}]
+    scene.rejected(detachment("part", "upper"), "part", "upper")
+    assert colliding(cell.evaluate(**FOLDED)) == [{("link", "base"), ("attached", "part")}]
 
 
 def test_an_unknown_touch_link_is_complained_about(scene):
@@ -146,6 +146,6 @@ def test_a_motion_is_checked_with_what_is_held(cell, scene):
     assert motions.check(*ends).verdict == CheckMotion.Response.FREE
 
     scene.change(HELD)
-    answer = motions.check(*ends)
-    assert answer.verdict == CheckMotion.Response.CONTACT
-    assert {answer.pair.body_a, answer.pair.body_b} == {"base", "part"}
+    response = motions.check(*ends)
+    assert response.verdict == CheckMotion.Response.CONTACT
+    assert {response.pair.body_a, response.pair.body_b} == {"base", "part"}

@@ -42,7 +42,7 @@ def cell(module_peer, tmp_path_factory):
     with Cell(module_peer, "--srdf", path) as cell:
         cell.batches = Batches(module_peer, cell.node)
         cell.motions = Motions(module_peer, cell.node)
-        cell.judged(joint1=0, joint2=0)
+        cell.evaluate(joint1=0, joint2=0)
         yield cell
 
 
@@ -52,19 +52,19 @@ def random_motions(count):
     return [(tuple(start), tuple(start + random.uniform(-1.5, 1.5, 2))) for start in starts]
 
 
-def bodies_of(answer, i):
-    indices = (answer.pair_a[i], answer.pair_b[i])
-    return [answer.bodies[index] if index >= 0 else "" for index in indices]
+def bodies_of(response, i):
+    indices = (response.pair_a[i], response.pair_b[i])
+    return [response.bodies[index] if index >= 0 else "" for index in indices]
 
 
-def assert_as_single(cell, motions, answer, **terms):
-    assert len(answer.verdicts) == len(motions)
+def assert_as_single(cell, motions, response, **terms):
+    assert len(response.verdicts) == len(motions)
     for i, (start, goal) in enumerate(motions):
         single = cell.motions.check(start, goal, **terms)
-        assert answer.verdicts[i] == single.verdict, (start, goal, single)
-        assert (answer.t_free[i], answer.t_contact[i]) == (single.t_free, single.t_contact)
-        assert answer.reasons[i] == REASONS[single.reason_code]
-        assert bodies_of(answer, i) == [single.pair.body_a, single.pair.body_b]
+        assert response.verdicts[i] == single.verdict, (start, goal, single)
+        assert (response.t_free[i], response.t_contact[i]) == (single.t_free, single.t_contact)
+        assert response.reasons[i] == REASONS[single.reason_code]
+        assert bodies_of(response, i) == [single.pair.body_a, single.pair.body_b]
 
 
 @pytest.mark.parametrize(
@@ -74,21 +74,21 @@ def assert_as_single(cell, motions, answer, **terms):
 )
 def test_every_motion_gets_the_answer_of_check_motion(cell, terms):
     motions = random_motions(60)
-    answer = cell.batches.check(motions, **terms)
+    response = cell.batches.check(motions, **terms)
 
-    assert answer.reason_code == ""
-    assert answer.verdict == CONTACT and {FREE, CONTACT} <= set(answer.verdicts)
-    assert set(answer.body_types) == {BodyPair.LINK}
-    assert list(answer.joint_names) == list(two_link.JOINTS)
-    assert_as_single(cell, motions, answer, **terms)
+    assert response.reason_code == ""
+    assert response.verdict == CONTACT and {FREE, CONTACT} <= set(response.verdicts)
+    assert set(response.body_types) == {BodyPair.LINK}
+    assert list(response.joint_names) == list(two_link.JOINTS)
+    assert_as_single(cell, motions, response, **terms)
 
 
 def test_a_group_names_the_joints(cell):
-    answer = cell.batches.check([((0,), (1,)), ((0,), (pi,))], joints=[], group="wrist")
-    assert list(answer.joint_names) == ["joint2"]
-    assert list(answer.verdicts) == [FREE, CONTACT]
+    response = cell.batches.check([((0,), (1,)), ((0,), (pi,))], joints=[], group="wrist")
+    assert list(response.joint_names) == ["joint2"]
+    assert list(response.verdicts) == [FREE, CONTACT]
     named = cell.batches.check([((0,), (1,)), ((0,), (pi,))], joints=["joint2"])
-    assert list(named.t_contact) == list(answer.t_contact)
+    assert list(named.t_contact) == list(response.t_contact)
 
 
 def test_other_joints_stand_where_they_are_given(cell):
@@ -121,37 +121,37 @@ def test_other_joints_stand_where_they_are_given(cell):
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )
-def test_a_bad_batch_is_refused_by_name(cell, motions, terms, named):
-    answer = cell.batches.check(motions, **terms)
+def test_a_bad_batch_is_rejected_by_name(cell, motions, terms, named):
+    response = cell.batches.check(motions, **terms)
 
-    assert (answer.verdict, answer.reason_code) == (ERROR, "bad_request")
-    assert named in answer.message
-    assert len(answer.message) < 500
-    assert len(answer.verdicts) == len(answer.joint_names) == 0
+    assert (response.verdict, response.reason_code) == (ERROR, "bad_request")
+    assert named in response.message
+    assert len(response.message) < 500
+    assert len(response.verdicts) == len(response.joint_names) == 0
 
 
 def test_a_timeout_leaves_motions_undecided_and_never_free(cell):
-    answer = cell.batches.check([((0, 0), (1, 1))] * 3, timeout=1e-9)
-    assert (answer.verdict, answer.reason_code) == (UNDECIDED, "deadline")
-    assert list(answer.verdicts) == [UNDECIDED] * 3
-    assert list(answer.reasons) == [Response.REASON_DEADLINE] * 3
-    assert list(answer.t_free) == [0.0] * 3
+    response = cell.batches.check([((0, 0), (1, 1))] * 3, timeout=1e-9)
+    assert (response.verdict, response.reason_code) == (UNDECIDED, "deadline")
+    assert list(response.verdicts) == [UNDECIDED] * 3
+    assert list(response.reasons) == [Response.REASON_DEADLINE] * 3
+    assert list(response.t_free) == [0.0] * 3
 
 
 def test_a_batch_of_the_most_motions_arrives_whole(cell):
     motions = [((0, pi * i / MOST), (0, pi * (i + 1) / MOST)) for i in range(MOST)]
-    answer = cell.batches.check(motions)
+    response = cell.batches.check(motions)
 
-    assert len(answer.verdicts) == len(answer.t_free) == len(answer.pair_a) == MOST
-    first = next(i for i, verdict in enumerate(answer.verdicts) if verdict != FREE)
+    assert len(response.verdicts) == len(response.t_free) == len(response.pair_a) == MOST
+    first = next(i for i, verdict in enumerate(response.verdicts) if verdict != FREE)
     assert motions[first][0][1] <= two_link.FIRST_TOUCH <= motions[first][1][1]
-    assert set(answer.verdicts[:first]) == {FREE} and FREE not in answer.verdicts[first:]
+    assert set(response.verdicts[:first]) == {FREE} and FREE not in response.verdicts[first:]
 
 
 def test_batches_follow_the_world(start):
     cell = start()
     batches, scene = Batches(cell.peer, cell.node), SceneClient(cell)
-    cell.judged(joint1=0, joint2=0)
+    cell.evaluate(joint1=0, joint2=0)
     motions = [((-1, 0), (1, 0)), ((1, 0), (2, 0))]
     before = batches.check(motions)
     assert list(before.verdicts) == [FREE, FREE]
@@ -166,6 +166,6 @@ def test_batches_follow_the_world(start):
 
 def test_without_a_model_there_is_an_error(start):
     cell = start(urdf=None)
-    answer = Batches(cell.peer, cell.node).check([((0, 0), (1, 1))])
-    assert (answer.verdict, answer.reason_code, answer.model_revision) == (ERROR, "no_model", 0)
-    assert answer.message
+    response = Batches(cell.peer, cell.node).check([((0, 0), (1, 1))])
+    assert (response.verdict, response.reason_code, response.model_revision) == (ERROR, "no_model", 0)
+    assert response.message

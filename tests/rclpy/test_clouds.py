@@ -115,7 +115,7 @@ def test_a_broken_cloud_makes_the_state_unknown_until_one_is_right(shared, fault
     message, named = BROKEN[fault]
     shared.sees(cloud(WALL))
     seen = shared.peer.now()
-    shared.says(message, "points", named)
+    shared.reports(message, "points", named)
     state = shared.unknown("rejected_obstacle", after=seen)
     assert "'points'" in state.reason and named in state.reason
     assert to_cloud(shared.sees(cloud(WALL))) == pytest.approx(0.2 - RADIUS, abs=ACCURACY)
@@ -125,12 +125,12 @@ def test_a_broken_cloud_is_a_warning_if_that_is_wanted_and_the_last_one_kept(sta
     cell = start_cloud(parameters={"rejected_obstacle": "warn"})
     before = to_cloud(cell.sees(cloud(WALL)))
     message, named = BROKEN["no z"]
-    cell.says(message, "points", named)
+    cell.reports(message, "points", named)
     state = cell.state_now()
     assert (state.status, to_cloud(state)) == (CollisionState.FREE, before)
 
 
-def test_a_best_effort_driver_is_heard(start_cloud):
+def test_a_best_effort_driver_is_received(start_cloud):
     cell = start_cloud()
     publisher = cell.scene.topic(PointCloud2, "points", qos_profile_sensor_data)
 
@@ -146,8 +146,8 @@ def test_a_cloud_in_the_frame_of_a_link_stays_where_the_link_was(start_cloud):
     # The tip's frame is at (1, 0, 0).
     state = cell.sees(cloud(np.array(WALL) - (1, 0, 0), frame="tip"))
     assert to_cloud(state) == pytest.approx(0.2 - RADIUS, abs=ACCURACY)
-    assert to_cloud(cell.judged(**FOLDED)) == inf
-    assert to_cloud(cell.judged(**STRETCHED)) == pytest.approx(0.2 - RADIUS, abs=ACCURACY)
+    assert to_cloud(cell.evaluate(**FOLDED)) == inf
+    assert to_cloud(cell.evaluate(**STRETCHED)) == pytest.approx(0.2 - RADIUS, abs=ACCURACY)
 
 
 def test_a_cloud_is_of_the_time_of_its_stamp(start_cloud):
@@ -254,7 +254,7 @@ def test_what_the_robot_sees_of_itself_is_left_out_and_counted(start_cloud):
 
     diagnostics.ever(counted, "three points of the robot itself")
     # What was left out was there: it does not come back when the arm has moved away.
-    state = cell.judged(**FOLDED)
+    state = cell.evaluate(**FOLDED)
     assert state.status == CollisionState.FREE
 
 
@@ -296,19 +296,19 @@ def test_large_clouds_ten_times_a_second(start_cloud, count):
     assert all(to_cloud(state) > 0.17 for state in cell.states.all())
 
 
-def test_the_time_from_message_to_use_is_told(start_cloud):
+def test_the_time_from_message_to_use_is_reported(start_cloud):
     cell = start_cloud()
     diagnostics = cell.peer.record(DiagnosticArray, "/diagnostics")
     cell.sees(cloud(WALL))
 
-    def told(array):
+    def reported(array):
         return any(
             "points" in item.key and "ms" in item.key and float(item.value) > 0
             for status in array.status
             for item in status.values
         )
 
-    diagnostics.ever(told, "the latency of the cloud")
+    diagnostics.ever(reported, "the latency of the cloud")
 
 
 def test_two_sources_count_both_and_each_grows_old_by_itself(start_cloud):

@@ -26,7 +26,7 @@ NEARBY = {"influence_distance": 0.5, "distance_limit": 3.0}
 @pytest.fixture
 def cell(start):
     cell = start(parameters=NEARBY)
-    cell.judged(joint1=0, joint2=0)
+    cell.evaluate(joint1=0, joint2=0)
     return cell
 
 
@@ -34,7 +34,7 @@ def cell(start):
 def shared(module_peer):
     """One node for obstacles that are taken away again."""
     with Cell(module_peer, parameters=NEARBY) as cell:
-        cell.judged(joint1=0, joint2=0)
+        cell.evaluate(joint1=0, joint2=0)
         yield SceneClient(cell)
 
 
@@ -58,7 +58,7 @@ SHAPES = {
 
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize("placed", ["by the object", "by the shape"])
-def test_every_shape_is_where_it_is_said_to_be(shared, shape, placed):
+def test_every_shape_is_where_its_message_places_it(shared, shape, placed):
     geometry, place = SHAPES[shape]
     thing = obstacle("thing", geometry, at=place) if placed == "by the object" else obstacle("thing", (geometry, place))
     state = shared.change(thing)
@@ -71,7 +71,7 @@ def test_every_shape_is_where_it_is_said_to_be(shared, shape, placed):
 
 def test_solid_meshes_hold_what_is_inside_and_open_ones_are_named(start):
     cell = start("--mesh", "solid", parameters=NEARBY)
-    cell.judged(joint1=0, joint2=0)
+    cell.evaluate(joint1=0, joint2=0)
     scene = SceneClient(cell)
     # all of the robot is inside
     state = scene.change(obstacle("closed", cube_mesh(6)))
@@ -90,7 +90,7 @@ def test_solid_meshes_hold_what_is_inside_and_open_ones_are_named(start):
 
 def test_meshes_wound_both_ways_are_solid_and_named_once(start):
     cell = start("--mesh", "solid", parameters=NEARBY)
-    cell.judged(joint1=0, joint2=0)
+    cell.evaluate(joint1=0, joint2=0)
     scene = SceneClient(cell)
     double = cube_mesh(6)
     double.triangles = [*double.triangles, *inside_out(cube_mesh(6)).triangles]
@@ -167,7 +167,7 @@ def test_a_move_with_poses_of_shapes_moves_these(scene):
     elsewhere = move("thing", pose(2.3))
     elsewhere.primitive_poses = [pose(0, 2), pose()]
     assert near(scene.change(elsewhere)) == pytest.approx(0.1, abs=ACCURACY)
-    scene.refused(move_with_one_pose(), "thing", "1 poses of shapes are given, but the object has 2 shapes")
+    scene.rejected(move_with_one_pose(), "thing", "1 poses of shapes are given, but the object has 2 shapes")
 
 
 def move_with_one_pose():
@@ -182,17 +182,17 @@ def test_a_world_without_an_obstacle_that_was_rejected_is_unknown(cell, scene):
     motions = Motions(cell.peer, cell.node)
     assert motions.check((0, 0), (0, 0.1)).verdict == CheckMotion.Response.FREE
     seen = cell.peer.now()
-    scene.refused(ball("thing", 0.3, frame="nowhere"), "thing", "nowhere")
+    scene.rejected(ball("thing", 0.3, frame="nowhere"), "thing", "nowhere")
     reason = cell.unknown("rejected_obstacle", after=seen).reason
     assert "'thing'" in reason and "header.frame_id" in reason and "nowhere" in reason
-    heard = cell.peer.now()
+    received = cell.peer.now()
     scene.change(ball("other", 5))
-    state = cell.judged(joint1=0, joint2=0.1)
+    state = cell.evaluate(joint1=0, joint2=0.1)
     assert (state.status, state.reason_code) == (CollisionState.UNKNOWN, "rejected_obstacle")
-    answer = motions.check((0, 0), (0, 0.1))
-    assert (answer.verdict, answer.reason_code) == (CheckMotion.Response.ERROR, "rejected_obstacle")
+    response = motions.check((0, 0), (0, 0.1))
+    assert (response.verdict, response.reason_code) == (CheckMotion.Response.ERROR, "rejected_obstacle")
     assert not scene.validity({"joint1": 0, "joint2": 0}).valid
-    assert not any(said.data for said in is_free.after(heard))
+    assert not any(said.data for said in is_free.after(received))
 
     scene.change(ball("thing", 5))
     cell.states.wait_for(lambda state: state.status == CollisionState.FREE, "FREE", after=cell.peer.now())
@@ -212,7 +212,7 @@ SETTLING = {
 @pytest.mark.parametrize("by", SETTLING)
 def test_a_rejected_obstacle_counts_until_it_is_made_up_for(cell, scene, by):
     seen = cell.peer.now()
-    scene.refused(ball("thing", 0.3, frame="nowhere"), "thing", "nowhere")
+    scene.rejected(ball("thing", 0.3, frame="nowhere"), "thing", "nowhere")
     cell.unknown("rejected_obstacle", after=seen)
     seen = cell.peer.now()
     scene.publish(SETTLING[by]())
@@ -223,19 +223,19 @@ def test_a_move_does_not_make_up_for_shapes_that_were_rejected(cell, scene):
     scene.change(ball("thing", 5))
     seen = cell.peer.now()
     more = obstacle("thing", mesh([], []), operation=CollisionObject.APPEND)
-    scene.refused(more, "thing", "mesh[0]")
+    scene.rejected(more, "thing", "mesh[0]")
     cell.unknown("rejected_obstacle", after=seen)
     scene.change(move("thing", pose(6)))
-    assert cell.judged(joint1=0, joint2=0.1).reason_code == "rejected_obstacle"
+    assert cell.evaluate(joint1=0, joint2=0.1).reason_code == "rejected_obstacle"
     scene.change(ball("thing", 5))
     cell.states.wait_for(lambda state: state.status == CollisionState.FREE, "FREE", after=cell.peer.now())
 
 
 def test_a_rejected_obstacle_is_a_warning_if_that_is_wanted(start):
     cell = start(parameters=NEARBY | {"rejected_obstacle": "warn"})
-    cell.judged(joint1=0, joint2=0)
+    cell.evaluate(joint1=0, joint2=0)
     scene = SceneClient(cell)
-    scene.refused(ball("thing", 0.3, frame="nowhere"), "thing", "nowhere")
+    scene.rejected(ball("thing", 0.3, frame="nowhere"), "thing", "nowhere")
     state = scene.change(ball("other", 5))
     assert state.status == CollisionState.FREE
     assert any("'thing'" in warning for warning in state.warnings)
@@ -274,13 +274,13 @@ def test_an_object_in_the_frame_of_a_link_stays_where_the_link_was(cell, scene):
     state = scene.change(ball("thing", 1.3, frame="tip"))
     assert near(state) == pytest.approx(0.1, abs=ACCURACY)
 
-    assert near(cell.judged(joint1=0, joint2=pi / 2)) is None
-    assert near(cell.judged(joint1=0, joint2=0)) == pytest.approx(0.1, abs=ACCURACY)
+    assert near(cell.evaluate(joint1=0, joint2=pi / 2)) is None
+    assert near(cell.evaluate(joint1=0, joint2=0)) == pytest.approx(0.1, abs=ACCURACY)
 
-    cell.judged(joint1=pi / 2, joint2=0)
+    cell.evaluate(joint1=pi / 2, joint2=0)
     scene.change(ball("other", 1.3, frame="/tip"))
-    assert near(cell.judged(joint1=pi / 2, joint2=0), "other") == pytest.approx(0.1, abs=ACCURACY)
-    assert near(cell.judged(joint1=0, joint2=0), "thing") == pytest.approx(0.1, abs=ACCURACY)
+    assert near(cell.evaluate(joint1=pi / 2, joint2=0), "other") == pytest.approx(0.1, abs=ACCURACY)
+    assert near(cell.evaluate(joint1=0, joint2=0), "thing") == pytest.approx(0.1, abs=ACCURACY)
 
 
 def test_an_object_in_the_frame_of_another_or_of_its_subframe(scene):
@@ -295,7 +295,7 @@ def test_an_object_in_the_frame_of_another_or_of_its_subframe(scene):
 
 def test_an_object_in_a_frame_of_tf(peer, start):
     cell = start(parameters=NEARBY, namespace="")
-    cell.judged(joint1=0, joint2=0)
+    cell.evaluate(joint1=0, joint2=0)
     scene = SceneClient(cell)
     transform = TransformStamped(child_frame_id="camera")
     transform.header.frame_id = "base"
@@ -310,12 +310,12 @@ def test_an_object_in_a_frame_of_tf(peer, start):
     assert peer.wait_for(placed, "an obstacle in the frame of the camera") == pytest.approx(0.1, abs=ACCURACY)
 
 
-def test_an_unknown_frame_is_refused_and_nothing_is_lost(cell, scene):
+def test_an_unknown_frame_is_rejected_and_nothing_is_lost(cell, scene):
     cell.parameters.succeed(rejected_obstacle="warn")
     scene.change(ball("first", 2.3))
-    scene.refused(ball("thing", 0.3, frame="nowhere"), "thing", "nowhere")
+    scene.rejected(ball("thing", 0.3, frame="nowhere"), "thing", "nowhere")
     # Nor does it take the place of what was there under its name.
-    scene.refused(ball("first", 0.3, frame="nowhere"), "first", "nowhere")
+    scene.rejected(ball("first", 0.3, frame="nowhere"), "first", "nowhere")
 
     state = scene.change(ball("last", 2.3, 0.3))
     assert near(state, "first") == pytest.approx(0.1, abs=ACCURACY)
@@ -324,8 +324,8 @@ def test_an_unknown_frame_is_refused_and_nothing_is_lost(cell, scene):
 
 def test_what_is_not_there_cannot_be_moved_or_removed(scene):
     scene.change(ball("first", 2.3))
-    scene.refused(move("thing", pose(2.3)), "thing")
-    scene.refused(removal("other"), "other")
+    scene.rejected(move("thing", pose(2.3)), "thing")
+    scene.rejected(removal("other"), "other")
 
 
 def broken(change, shapes=None):
@@ -366,12 +366,12 @@ BROKEN = {
 
 
 @pytest.mark.parametrize("fault", BROKEN)
-def test_a_broken_object_is_refused_by_name(shared, fault):
+def test_a_broken_object_is_rejected_by_name(shared, fault):
     message = BROKEN[fault]
     # a name of its own, since the complaint about the one before may stand for a while
     message.id = fault.replace(" ", "_")
-    shared.refused(message, message.id)
+    shared.rejected(message, message.id)
 
 
 def test_the_octomap_s_name_is_taken(shared):
-    shared.refused(ball("<octomap>", 2.3), "<octomap>")
+    shared.rejected(ball("<octomap>", 2.3), "<octomap>")

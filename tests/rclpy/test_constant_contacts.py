@@ -13,12 +13,12 @@ def remarks(state):
 
 def test_a_pair_that_always_touches_is_named_in_the_state_and_logged_once(cell):
     angle = pi
-    state = cell.judged(joint1=0, joint2=angle)
+    state = cell.evaluate(joint1=0, joint2=angle)
     assert state.status == CollisionState.COLLIDING
     cell.states.ever(remarks, "a remark about the pair")
     # it moves, and touches all the same
     for step in range(5):
-        state = cell.judged(joint1=0.1 * step, joint2=angle)
+        state = cell.evaluate(joint1=0.1 * step, joint2=angle)
     state = cell.states.ever(
         lambda state: any("hardly moved" not in text for text in remarks(state)), "a remark about a robot that moved"
     )
@@ -27,9 +27,9 @@ def test_a_pair_that_always_touches_is_named_in_the_state_and_logged_once(cell):
 
 
 def test_a_pair_that_was_apart_once_is_never_named(cell):
-    assert cell.judged(joint1=0, joint2=0).status == CollisionState.FREE
-    first = cell.judged(joint1=0, joint2=pi)
+    assert cell.evaluate(joint1=0, joint2=0).status == CollisionState.FREE
+    first = cell.evaluate(joint1=0, joint2=pi)
     assert first.status == CollisionState.COLLIDING
     for step in range(30):
-        assert not remarks(cell.judged(joint1=0.01 * step, joint2=pi))
+        assert not remarks(cell.evaluate(joint1=0.01 * step, joint2=pi))
     assert ENTRY not in cell.node.output()

@@ -17,16 +17,16 @@ def held(*shapes, at):
     return attached("tip", obstacle("part", *shapes, at=at, frame="base"), ["tip"])
 
 
-def of_pair(answer, first="part", second="floor"):
-    found = [contact for contact in answer.contacts if contact.contact_body_1 == first]
+def of_pair(response, first="part", second="floor"):
+    found = [contact for contact in response.contacts if contact.contact_body_1 == first]
     assert all(contact.contact_body_2 == second for contact in found)
     return found
 
 
 def test_a_box_flat_on_a_table_has_a_contact_at_each_corner(scene):
     scene.change(obstacle("floor", box(3, 3, 0.1), at=pose(2, 0, 0.855)))
-    answer = scene.validity(STRETCHED, attached=[held(box(0.4, 0.2, 0.1), at=pose(2, 0.1, 0.95))])
-    found = of_pair(answer)
+    response = scene.validity(STRETCHED, attached=[held(box(0.4, 0.2, 0.1), at=pose(2, 0.1, 0.95))])
+    found = of_pair(response)
     assert 4 <= len(found) <= 8
     for contact in found:
         # From the first body, above, to the second.
@@ -67,17 +67,17 @@ def test_contacts_of_many_pairs_are_limited(scene):
         for i in range(50)
     ]
     scene.change(obstacle("floor", box(3, 3, 0.1), at=pose(2, 0, 0.855)))
-    answer = scene.validity(STRETCHED, attached=parts)
-    of_floor = {c.contact_body_1 for c in answer.contacts if c.contact_body_2 == "floor"}
-    assert len(answer.contacts) <= 200
-    assert not answer.valid and of_floor
+    response = scene.validity(STRETCHED, attached=parts)
+    of_floor = {c.contact_body_1 for c in response.contacts if c.contact_body_2 == "floor"}
+    assert len(response.contacts) <= 200
+    assert not response.valid and of_floor
 
 
 def state_with_contacts(scene, cell, contacts):
     """The state of the stretched arm whose tip is 0.02 m deep in a floor, with so many contacts of each pair."""
     cell.parameters.succeed(contacts_per_pair=contacts)
     scene.change(obstacle("floor", box(3, 3, 1), at=pose(2, 0, -0.58)))
-    return cell.judged(**STRETCHED)
+    return cell.evaluate(**STRETCHED)
 
 
 def test_the_state_has_contacts_of_its_colliding_pairs(scene, cell):
@@ -103,7 +103,7 @@ def test_without_the_parameter_the_state_has_none(scene, cell):
 
 def test_a_free_state_has_no_contacts(scene, cell):
     cell.parameters.succeed(contacts_per_pair=4)
-    assert cell.judged(**STRETCHED).contacts == []
+    assert cell.evaluate(**STRETCHED).contacts == []
 
 
 def test_markers_show_contacts(scene, cell):
@@ -125,5 +125,5 @@ def test_markers_show_contacts(scene, cell):
             [length * n for n in xyz(contact.normal)], abs=ACCURACY
         )
     cell.parameters.succeed(contacts_per_pair=0)
-    cell.judged(**STRETCHED)
+    cell.evaluate(**STRETCHED)
     recorded.ever(lambda array: shown(array, Marker.DELETE), "the markers of contacts are taken away")

@@ -35,50 +35,50 @@ def cell(module_peer, tmp_path_factory):
     urdf.write_text(URDF)
     world.write_text(WORLD)
     with Cell(module_peer, "--world", str(world), urdf=str(urdf)) as cell:
-        cell.judged(j=3)
+        cell.evaluate(j=3)
         cell.motions = Motions(module_peer, cell.node)
         yield cell
 
 
-def turned(answer):
+def turned(response):
     """Where the joint starts and ends in what was checked."""
-    assert list(answer.continuous_joints) == ["j"]
-    return answer.continuous_starts[0], answer.continuous_goals[0]
+    assert list(response.continuous_joints) == ["j"]
+    return response.continuous_starts[0], response.continuous_goals[0]
 
 
 def test_from_the_current_state_a_joint_goes_as_the_controller_does(cell):
-    answer = cell.motions.check([], [-3], joints=["j"])
-    assert answer.verdict == CONTACT
-    assert turned(answer) == (pytest.approx(3 - 2 * pi), -3)
-    assert answer.message == ""
+    response = cell.motions.check([], [-3], joints=["j"])
+    assert response.verdict == CONTACT
+    assert turned(response) == (pytest.approx(3 - 2 * pi), -3)
+    assert response.message == ""
 
 
 def test_a_request_says_which_way_is_meant(cell):
     for start in ([], [3]):
-        answer = cell.motions.check(start, [-3], joints=["j"], continuous_joint_direction=AS_GIVEN)
-        assert (answer.verdict, turned(answer)) == (FREE, (3, -3))
-        assert LONG in answer.message
-        answer = cell.motions.check(start, [-3], joints=["j"], continuous_joint_direction=SHORTEST)
-        assert (answer.verdict, turned(answer)) == (CONTACT, (pytest.approx(3 - 2 * pi), -3))
+        response = cell.motions.check(start, [-3], joints=["j"], continuous_joint_direction=AS_GIVEN)
+        assert (response.verdict, turned(response)) == (FREE, (3, -3))
+        assert LONG in response.message
+        response = cell.motions.check(start, [-3], joints=["j"], continuous_joint_direction=SHORTEST)
+        assert (response.verdict, turned(response)) == (CONTACT, (pytest.approx(3 - 2 * pi), -3))
     assert cell.motions.check([3], [-3], joints=["j"]).verdict == FREE
-    answer = cell.motions.check([3], [-3], joints=["j"], continuous_joint_direction=3)
-    assert (answer.verdict, answer.reason_code) == (ERROR, "bad_request")
-    assert "continuous_joint_direction is 3" in answer.message
+    response = cell.motions.check([3], [-3], joints=["j"], continuous_joint_direction=3)
+    assert (response.verdict, response.reason_code) == (ERROR, "bad_request")
+    assert "continuous_joint_direction is 3" in response.message
 
 
 def test_the_parameter_says_which_way_is_usual(cell):
     cell.parameters.succeed(continuous_joint_direction="as_given")
-    answer = cell.motions.check([], [-3], joints=["j"])
-    assert (answer.verdict, turned(answer)) == (FREE, (3, -3))
+    response = cell.motions.check([], [-3], joints=["j"])
+    assert (response.verdict, turned(response)) == (FREE, (3, -3))
     cell.parameters.succeed(continuous_joint_direction="shortest")
     assert cell.motions.check([], [-3], joints=["j"]).verdict == CONTACT
 
 
 def test_the_certificate_holds_the_way_that_was_proven(cell):
     # by 1 rad backwards, not by nearly a whole turn onwards
-    answer = cell.motions.check([], [2 + 2 * pi], joints=["j"], certificate=True)
-    assert (answer.verdict, turned(answer)) == (FREE, (pytest.approx(3 + 2 * pi), 2 + 2 * pi))
-    motion = json.loads(cell.motions.certificate(answer))["segments"][0]["motion"]
+    response = cell.motions.check([], [2 + 2 * pi], joints=["j"], certificate=True)
+    assert (response.verdict, turned(response)) == (FREE, (pytest.approx(3 + 2 * pi), 2 + 2 * pi))
+    motion = json.loads(cell.motions.certificate(response))["segments"][0]["motion"]
     assert (motion["from"], motion["to"]) == ([pytest.approx(3 + 2 * pi)], [2 + 2 * pi])
 
 
@@ -88,9 +88,9 @@ def test_trajectories_go_as_given_unless_asked(cell):
         point = JointTrajectoryPoint(positions=[position])
         point.time_from_start.sec = second
         message.points.append(point)
-    answer = cell.motions.follow(message)
-    assert (answer.verdict, turned(answer)) == (FREE, (2, -3))
-    assert "segment 1" in answer.message and LONG in answer.message
-    answer = cell.motions.follow(message, continuous_joint_direction=CheckTrajectory.Request.SHORTEST)
-    assert (answer.verdict, answer.segment) == (CONTACT, 1)
-    assert turned(answer) == (pytest.approx(2 - 2 * pi), -3)
+    response = cell.motions.follow(message)
+    assert (response.verdict, turned(response)) == (FREE, (2, -3))
+    assert "segment 1" in response.message and LONG in response.message
+    response = cell.motions.follow(message, continuous_joint_direction=CheckTrajectory.Request.SHORTEST)
+    assert (response.verdict, response.segment) == (CONTACT, 1)
+    assert turned(response) == (pytest.approx(2 - 2 * pi), -3)

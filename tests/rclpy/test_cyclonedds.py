@@ -13,7 +13,7 @@ READER = Path(__file__).with_name("cyclone_reader.py")
 
 
 @contextmanager
-def heard(peer, topic):
+def received(peer, topic):
     """What Cyclone DDS hears on a topic of Bools: a list that grows."""
     command = [sys.executable, str(READER), str(peer.domain_id), topic]
     process = subprocess.Popen(
@@ -38,12 +38,12 @@ def heard(peer, topic):
         listener.join()
 
 
-def test_is_free_is_heard_by_cyclone_dds(cell, peer):
-    cell.judged(joint1=0, joint2=0)
-    with heard(peer, cell.node.private("is_free")) as said:
+def test_is_free_is_received_by_cyclone_dds(cell, peer):
+    cell.evaluate(joint1=0, joint2=0)
+    with received(peer, cell.node.private("is_free")) as said:
         peer.wait_for(lambda: True in said, "FREE by Cyclone DDS", deadline=60.0)
         before = len(said)
-        cell.judged(joint1=0, joint2=pi)
+        cell.evaluate(joint1=0, joint2=pi)
         peer.wait_for(lambda: False in said[before:], "a collision by Cyclone DDS")
         before = len(said)
         cell.grows_old()
@@ -52,5 +52,5 @@ def test_is_free_is_heard_by_cyclone_dds(cell, peer):
         peer.wait_for(lambda: len(said) > before + 2, "more answers")
         assert said[-1] is False
         cell.driver.resume()
-        cell.judged(joint1=0, joint2=0)
+        cell.evaluate(joint1=0, joint2=0)
         peer.wait_for(lambda: said[-1] is True, "FREE again")

@@ -62,14 +62,14 @@ def totals(status):
 
 
 def test_diagnostics_follow_the_state(cell, diagnostics):
-    cell.judged(joint1=0, joint2=0)
+    cell.evaluate(joint1=0, joint2=0)
     free = diagnostics.wait_for(DiagnosticStatus.OK)
     assert "free" in free.message
     assert free.hardware_id == "two_link"
     assert values(free)["status"] == "FREE"
     assert float(values(free)["least distance (m)"]) == pytest.approx(0.7)
 
-    cell.judged(joint1=0, joint2=pi)
+    cell.evaluate(joint1=0, joint2=pi)
     colliding = diagnostics.wait_for(DiagnosticStatus.ERROR)
     assert "base" in colliding.message
     assert "tip" in colliding.message
@@ -83,28 +83,28 @@ def test_diagnostics_follow_the_state(cell, diagnostics):
 
 
 def test_a_warning_is_no_error(cell, diagnostics):
-    cell.judged(joint1=0, joint2=0, gripper=0.3)
+    cell.evaluate(joint1=0, joint2=0, gripper=0.3)
     status = diagnostics.wait_for(DiagnosticStatus.WARN)
     assert "gripper" in values(status)["warning"]
 
 
-def test_the_numbers_of_the_last_report_are_told(cell, diagnostics):
-    cell.judged(joint1=0, joint2=0)
-    told = values(diagnostics.after(cell.peer.now(), "joint states evaluated in this report"))
-    assert float(told["joint states per second"]) > 0
-    assert float(told["seconds of this report"]) > 0
-    assert 0 < float(told["mean compute time (ms)"]) <= float(told["longest compute time (ms)"])
+def test_the_numbers_of_the_last_report_are_reported(cell, diagnostics):
+    cell.evaluate(joint1=0, joint2=0)
+    reported = values(diagnostics.after(cell.peer.now(), "joint states evaluated in this report"))
+    assert float(reported["joint states per second"]) > 0
+    assert float(reported["seconds of this report"]) > 0
+    assert 0 < float(reported["mean compute time (ms)"]) <= float(reported["longest compute time (ms)"])
     for name in ("latency", "latency since start"):
-        median, p99, longest = (float(told[f"{name}: {part} (ms)"]) for part in ("median", "p99", "max"))
+        median, p99, longest = (float(reported[f"{name}: {part} (ms)"]) for part in ("median", "p99", "max"))
         assert 0 < median <= p99 <= longest
-    assert (told["pairs checked"], told["pairs skipped"]) == ("1", "2")
-    assert told["model"] == "two_link"
+    assert (reported["pairs checked"], reported["pairs skipped"]) == ("1", "2")
+    assert reported["model"] == "two_link"
 
 
 def test_every_joint_state_is_counted_once(start):
     cell = start(driving=False, parameters={"stale_after": 3600.0})
     diagnostics = Diagnostics(cell)
-    publish_until_answered(cell)
+    publish_until_received(cell)
     before = totals(diagnostics.after(cell.peer.now()))
     for _ in range(JOINT_STATES):
         stamp = cell.peer.now()
@@ -122,11 +122,11 @@ def test_joint_states_that_never_came_are_counted_as_lost(start):
     """More comes at once than is kept for the node: what it heard and what it missed is all that was sent."""
     cell = start(driving=False, parameters={"stale_after": 3600.0})
     diagnostics = Diagnostics(cell)
-    publish_until_answered(cell)
+    publish_until_received(cell)
     before = totals(diagnostics.after(cell.peer.now()))
     for _ in range(FLOOD):
         cell.driver.publish(ZERO)
-    sent = FLOOD + publish_until_answered(cell)
+    sent = FLOOD + publish_until_received(cell)
     after = totals(diagnostics.after(cell.peer.now()))
 
     grown = {name: after[name] - before[name] for name in after}
@@ -134,12 +134,12 @@ def test_joint_states_that_never_came_are_counted_as_lost(start):
     assert grown["joint states received"] + grown["joint states lost"] == sent
 
 
-def publish_until_answered(cell):
+def publish_until_received(cell):
     """Gives how many joint states that took: nobody listens at first, and nobody hears when too much comes."""
     stamps = []
     seen = len(cell.states.all())
 
-    def answered():
+    def responded():
         nonlocal seen
         # a flood has many answers: each is looked at once
         new = cell.states.all()[seen:]
@@ -147,7 +147,7 @@ def publish_until_answered(cell):
         return stamps and any(map(two_link.evaluated_of(stamps[-1]), new))
 
     def publish():
-        if answered():
+        if responded():
             return True
         if not stamps or cell.peer.now() - stamps[-1] > Duration(seconds=1):
             stamps.append(cell.peer.now())

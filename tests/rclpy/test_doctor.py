@@ -47,7 +47,7 @@ def test_nodes_of_one_name_are_counted(peer, start, domain_id):
             start(name="clearance", namespace="/twins", driving=False)
 
 
-def test_the_srdf_of_another_robot_is_wrong_and_told_once(peer, domain_id, tmp_path):
+def test_the_srdf_of_another_robot_is_wrong_and_reported_once(peer, domain_id, tmp_path):
     two_link.Driver(peer, "/joint_states")
     srdf = tmp_path / "other.srdf"
     srdf.write_text('<robot name="other"><disable_collisions link1="a" link2="b" reason="Never"/></robot>')
@@ -88,14 +88,14 @@ def test_parameters_that_say_which_joints_are_the_robots_are_heeded(peer, domain
 SIMULATED = "--urdf", two_link.URDF, "--ros-args", "-p", "use_sim_time:=true", "--"
 
 
-def test_simulated_time_that_nobody_tells_is_missed(peer, domain_id):
+def test_simulated_time_that_nobody_publishes_is_missed(peer, domain_id):
     two_link.Driver(peer, "/joint_states")
     findings = wrong(doctor(domain_id, *SIMULATED, code=1))
     assert "use_sim_time" in findings["clock"] and "--clock" in findings["clock"]
     assert "/clock" in findings["joint_states"]
 
 
-def test_stamps_of_a_played_bag_are_judged_by_its_clock(peer, domain_id):
+def test_stamps_of_a_played_bag_are_evaluated_by_its_clock(peer, domain_id):
     """Joint states of 1970, as a simulator stamps them: stale by the system's time, fresh by theirs."""
     driver = two_link.Driver(peer, "/joint_states", driving=False)
     clock = peer.node.create_publisher(Clock, "/clock", 10)
@@ -140,7 +140,7 @@ def test_variables_that_part_it_from_others_are_named(domain_id, variable, value
     assert variable in findings["environment"]
 
 
-def test_a_machine_without_multicast_is_told(domain_id):
+def test_a_machine_without_multicast_is_reported(domain_id):
     command = [BINARY, "doctor", "--wait", "0.5", "--format", "json"]
     alone = ["unshare", "-rn", "bash", "-c", 'ip link set lo up; exec "$@"', "bash", *command]
     environment = environment_of_node(domain_id, {})

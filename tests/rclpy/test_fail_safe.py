@@ -29,15 +29,15 @@ PLANAR = """
 
 
 def memory(s):
-    s.judging()
+    s.evaluating()
     runs_out_of_memory(s)
 
 
 def disabled(s):
-    s.judging()
-    answer = s.enable(False)
-    assert answer.success
-    assert "disabled" in answer.message
+    s.evaluating()
+    response = s.enable(False)
+    assert response.success
+    assert "disabled" in response.message
 
 
 def no_model(s):
@@ -46,7 +46,7 @@ def no_model(s):
 
 def model_swap(s):
     swap = swapping(s, driving=True)
-    s.is_judged()
+    s.is_evaluated()
     before = s.peer.now()
     swap()
     said = s.companions.of(s.cell.unknown("model_swap", after=before))
@@ -73,14 +73,14 @@ def no_clock(s):
 
 def stale(s):
     cell = s.start()
-    assert cell.judged(**ZERO).status == CollisionState.FREE
+    assert cell.evaluate(**ZERO).status == CollisionState.FREE
     cell.grows_old()
     cell.falls_silent()
 
 
 def stale_joint(s):
     cell = s.start()
-    assert cell.judged(**ZERO).status == CollisionState.FREE
+    assert cell.evaluate(**ZERO).status == CollisionState.FREE
     cell.grows_old()
     cell.driver.report(joint1=0.0)
 
@@ -91,22 +91,22 @@ def clock_leap(s):
 
 
 def future_stamp(s):
-    cell = s.judging()
+    cell = s.evaluating()
     s.until("future_stamp", lambda: cell.driver.publish(ZERO, s.peer.now() + LONG))
 
 
 def out_of_order(s):
-    cell = s.judging()
+    cell = s.evaluating()
     s.until("out_of_order", lambda: cell.driver.publish(ZERO, s.peer.now() - Duration(seconds=60)))
 
 
 def malformed(s):
-    s.judging()
-    s.until("malformed", lambda: s.tell(["joint1", "joint2", "joint1"], [0.0, 0.0, 0.0]))
+    s.evaluating()
+    s.until("malformed", lambda: s.send(["joint1", "joint2", "joint1"], [0.0, 0.0, 0.0]))
 
 
 def non_finite(s):
-    s.judging()
+    s.evaluating()
     s.until("non_finite", lambda: s.cell.driver.publish({"joint1": 0.0, "joint2": nan}))
 
 
@@ -161,7 +161,7 @@ def stale_world(s):
     cell.driver.report(**ZERO)
 
 
-def untold_scene(s):
+def missing_scene(s):
     cell = s.start(parameters={"require_planning_scene": True})
     cell.driver.report(**ZERO)
 
@@ -173,8 +173,8 @@ def lost_root(s):
     localization = Localization(cell)
     s.peer.wait_for(lambda: scene.publish(ball("pillar", 9.0, frame="odom")) or "pillar" in scene.obstacles(), "a pillar")
     # the root stands still, and is told of again and again
-    told = localization.told
-    s.peer.wait_for(lambda: localization.told > told + 20, "transforms")
+    reported = localization.reported
+    s.peer.wait_for(lambda: localization.reported > reported + 20, "transforms")
     localization.fall_silent()
 
 
@@ -183,17 +183,17 @@ def deadline(s):
 
 
 def no_positions(s):
-    s.judging()
-    s.until("gives no positions", lambda: s.tell(["joint1", "joint2"], []))
+    s.evaluating()
+    s.until("gives no positions", lambda: s.send(["joint1", "joint2"], []))
 
 
 def unknown_joint(s):
-    s.judging()
+    s.evaluating()
     s.until("'gripper'", lambda: s.cell.driver.publish(s.pose | {"gripper": 0.3}))
 
 
 def outside_limits(s):
-    s.judging()
+    s.evaluating()
     s.until("limits", lambda: s.cell.driver.publish(s.pose | {"joint1": 4.0}))
 
 
@@ -209,12 +209,12 @@ def mimic_contradiction(s):
 
 
 def contradiction(s):
-    cell = s.judging(stale_after=10.0)
+    cell = s.evaluating(stale_after=10.0)
 
     def publish():
         stamp = s.peer.now()
         cell.driver.publish(s.pose, stamp)
-        s.tell(list(s.pose), [s.pose["joint1"], s.pose["joint2"] - 0.1], stamp)
+        s.send(list(s.pose), [s.pose["joint1"], s.pose["joint2"] - 0.1], stamp)
 
     s.until("contradiction", publish)
 
@@ -229,15 +229,15 @@ def unlocated_root(s):
 
 
 def no_stamp(s):
-    s.judging()
+    s.evaluating()
     s.until("no stamp", lambda: s.cell.driver.publish(s.pose, Time()))
 
 
-def refused_description(s):
+def rejected_description(s):
     publisher = s.describe(two_link.description(), "/refused/robot_description")
     cell = s.start(urdf=None, namespace="/refused")
     cell.has_model()
-    s.is_judged()
+    s.is_evaluated()
     publisher.publish(String(data="<robot"))
 
 
@@ -266,7 +266,7 @@ SCENARIOS = {
     "messages about the world were lost (`lost_messages: unknown`)": lost_messages,
     "messages about the world were received more than 0.1 s ago and are not in force": world_update,
     "a cloud or octomap has expired, or a cloud has never arrived": stale_world,
-    "a whole scene is required and has not arrived": untold_scene,
+    "a whole scene is required and has not arrived": missing_scene,
     "`tf` stopped reporting the root in the frame of the obstacles": lost_root,
     "`check_deadline` passed with undecided pairs and without a contact": deadline,
     "a joint state has names without positions, and is skipped": no_positions,
@@ -275,7 +275,7 @@ SCENARIOS = {
     "a mimic joint and its leader disagree (`mimic_contradiction: warn`)": mimic,
     "`tf` has never located the root for obstacles in the virtual joint's frame": unlocated_root,
     "the joint state has no stamp": no_stamp,
-    "the last robot description was rejected, and the previous one counts": refused_description,
+    "the last robot description was rejected, and the previous one counts": rejected_description,
 }
 
 
@@ -314,9 +314,9 @@ def test_the_line_holds(line, pose, peer, start, tmp_path):
             assert not state.distance_known
 
 
-def test_what_is_enabled_again_is_judged_at_once(peer, start, tmp_path):
+def test_what_is_enabled_again_is_evaluated_at_once(peer, start, tmp_path):
     situation = Situation(peer, start, tmp_path)
-    cell = situation.judging()
+    cell = situation.evaluating()
     for enabled, status in [(False, CollisionState.UNKNOWN), (True, CollisionState.FREE)] * 2:
         assert situation.enable(enabled).success
         # nothing older is published after the response
@@ -324,7 +324,7 @@ def test_what_is_enabled_again_is_judged_at_once(peer, start, tmp_path):
         assert (state.status, state.reason_code) == (status, "" if enabled else "disabled")
 
 
-def test_joint_states_after_the_clock_was_set_back_are_judged(peer, start, tmp_path):
+def test_joint_states_after_the_clock_was_set_back_are_evaluated(peer, start, tmp_path):
     situation = Situation(peer, start, tmp_path)
     cell = situation.simulated()
     situation.set_back()

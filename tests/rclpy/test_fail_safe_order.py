@@ -19,7 +19,7 @@ from scene_client import SceneClient
 
 
 def disabled_and_memory(s):
-    s.judging()
+    s.evaluating()
     assert s.enable(False).success
     s.cell.unknown("disabled")
     yield
@@ -68,7 +68,7 @@ def no_clock_and_stale(s):
 
 
 def stale_and_future_stamp(s):
-    driver = s.judging().driver
+    driver = s.evaluating().driver
     s.until("future_stamp", lambda: driver.publish({"joint1": 0.0}, s.peer.now() + LONG))
     s.until("stale", lambda: driver.publish({"joint2": 0.0}, s.peer.now() - LONG))
     yield
@@ -76,7 +76,7 @@ def stale_and_future_stamp(s):
 
 
 def future_stamp_and_out_of_order(s):
-    driver = s.judging().driver
+    driver = s.evaluating().driver
     s.until("out_of_order", lambda: driver.publish(ZERO, s.peer.now() - Duration(seconds=60)))
     s.until("future_stamp", lambda: driver.publish({"joint1": 0.0}, s.peer.now() + LONG))
     yield
@@ -85,25 +85,25 @@ def future_stamp_and_out_of_order(s):
 
 def out_of_order_and_malformed(s):
     s.start(driving=False)
-    s.until("", lambda: s.tell(list(ZERO), [0.0, 0.0]))
-    s.until("out_of_order", lambda: s.tell(list(ZERO), [0.0], s.peer.now() - Duration(seconds=60)))
+    s.until("", lambda: s.send(list(ZERO), [0.0, 0.0]))
+    s.until("out_of_order", lambda: s.send(list(ZERO), [0.0], s.peer.now() - Duration(seconds=60)))
     yield
-    s.until("malformed", lambda: s.tell(list(ZERO), [0.0]))
+    s.until("malformed", lambda: s.send(list(ZERO), [0.0]))
 
 
 def malformed_and_non_finite(s):
-    s.judging()
-    s.until("malformed", lambda: s.tell(["joint2", "joint1", "joint1"], [nan, 0.0, 0.0]))
+    s.evaluating()
+    s.until("malformed", lambda: s.send(["joint2", "joint1", "joint1"], [nan, 0.0, 0.0]))
     yield
-    s.until("non_finite", lambda: s.tell(["joint2", "joint1"], [nan, 0.0]))
+    s.until("non_finite", lambda: s.send(["joint2", "joint1"], [nan, 0.0]))
 
 
 def malformed_and_later_non_finite(s):
     """In messages of two publishers."""
-    driver = s.judging().driver
+    driver = s.evaluating().driver
 
     def publish(of_joint1):
-        s.tell(of_joint1, [0.0] * len(of_joint1))
+        s.send(of_joint1, [0.0] * len(of_joint1))
         driver.publish({"joint2": nan})
 
     s.until("malformed", lambda: publish(["joint1", "joint1"]))
@@ -131,11 +131,11 @@ def partial_and_contradiction(s):
     def contradict():
         stamp = s.peer.now()
         cell.driver.publish({"joint1": 0.0}, stamp)
-        s.tell(["joint1"], [0.5], stamp)
+        s.send(["joint1"], [0.5], stamp)
 
     s.until("partial", contradict)
     yield
-    s.until("contradiction", lambda: (contradict(), s.tell(["joint2"], [0.0])))
+    s.until("contradiction", lambda: (contradict(), s.send(["joint2"], [0.0])))
 
 
 def contradiction_and_stale_world(s):
@@ -144,7 +144,7 @@ def contradiction_and_stale_world(s):
     def publish(joint2):
         stamp = s.peer.now()
         cell.driver.publish(ZERO, stamp)
-        s.tell(list(ZERO), [0.0, joint2], stamp)
+        s.send(list(ZERO), [0.0, joint2], stamp)
 
     s.until("contradiction", lambda: publish(0.5))
     yield
@@ -165,7 +165,7 @@ def contradiction_and_rejected_obstacle(s):
     def publish(joint2):
         stamp = s.peer.now()
         cell.driver.publish(ZERO, stamp)
-        s.tell(list(ZERO), [0.0, joint2], stamp)
+        s.send(list(ZERO), [0.0, joint2], stamp)
         scene.publish(ball("pillar", 9.0, frame="nowhere"))
 
     s.until("contradiction", lambda: publish(0.5))

@@ -32,9 +32,9 @@ def test_no_first_call_of_a_new_client_waits_for_a_heartbeat(cell, domain_id):
             kind, name = services[number % len(services)]
             client = caller.create_client(kind, name)
             assert client.wait_for_service(20.0), f"{name} is not discovered"
-            answer = client.call_async(kind.Request())
-            executor.spin_until_future_complete(answer, timeout_sec=DEADLINE)
-            if not answer.done():
+            response = client.call_async(kind.Request())
+            executor.spin_until_future_complete(response, timeout_sec=DEADLINE)
+            if not response.done():
                 late.append((number, name))
             caller.destroy_client(client)
     finally:

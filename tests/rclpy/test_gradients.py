@@ -25,7 +25,7 @@ EMPTY = ("signed_distances", "signed_distances_upper", "normals", "witness_count
 def questions(cell):
     """The service of a node whose robot stands at zero, beside a ball at (1.9, 1.2)."""
     SceneClient(cell).change(ball("lamp", 1.9, 1.2, radius=0.05))
-    cell.judged(joint1=0, joint2=0)
+    cell.evaluate(joint1=0, joint2=0)
     return States(cell.peer, cell.node)
 
 
@@ -33,13 +33,13 @@ def names(pair):
     return pair.pair.body_a, pair.pair.body_b
 
 
-def rows(answer):
-    return np.array(answer.gradient).reshape(len(answer.pairs), len(answer.gradient_joints))
+def rows(response):
+    return np.array(response.gradient).reshape(len(response.pairs), len(response.gradient_joints))
 
 
-def signed(answer):
+def signed(response):
     """Signed distances by the names of the bodies."""
-    return dict(zip(map(names, answer.pairs), answer.signed_distances, strict=True))
+    return dict(zip(map(names, response.pairs), response.signed_distances, strict=True))
 
 
 def differences(questions, state):
@@ -55,18 +55,18 @@ def differences(questions, state):
 
 
 def test_without_the_request_there_are_none(questions):
-    answer = questions.distances((0.3, 1.9))
-    assert answer.pairs and all(len(getattr(answer, field)) == 0 for field in EMPTY)
+    response = questions.distances((0.3, 1.9))
+    assert response.pairs and all(len(getattr(response, field)) == 0 for field in EMPTY)
 
 
 @pytest.mark.parametrize("state", [(0.3, 1.9), (-0.4, 0.8), (0.1, 2.5), (0.0, pi - 0.15)], ids=str)
 def test_rows_are_derivatives_of_the_distances(questions, state):
-    answer = questions.distances(state, with_gradients=True)
-    assert (answer.message, list(answer.gradient_joints)) == ("", list(two_link.JOINTS))
-    assert len(answer.pairs) >= 3, "base and tip, and the lamp with both moving links"
+    response = questions.distances(state, with_gradients=True)
+    assert (response.message, list(response.gradient_joints)) == ("", list(two_link.JOINTS))
+    assert len(response.pairs) >= 3, "base and tip, and the lamp with both moving links"
     expected = differences(questions, state)
     smooth = 0
-    for pair, row, count in zip(answer.pairs, rows(answer), answer.witness_counts, strict=True):
+    for pair, row, count in zip(response.pairs, rows(response), response.witness_counts, strict=True):
         if count == ONE:
             assert row == pytest.approx(expected[names(pair)], abs=1e-4), names(pair)
             smooth += 1
@@ -74,18 +74,18 @@ def test_rows_are_derivatives_of_the_distances(questions, state):
 
 
 def test_apart_they_are_the_distances_and_normals_point_to_the_second_body(questions):
-    answer = questions.distances((0.3, 1.9), with_gradients=True)
-    distances = [pair.distance for pair in answer.pairs]
-    assert list(answer.signed_distances) == list(answer.signed_distances_upper) == distances
-    for pair, normal in zip(answer.pairs, answer.normals, strict=True):
+    response = questions.distances((0.3, 1.9), with_gradients=True)
+    distances = [pair.distance for pair in response.pairs]
+    assert list(response.signed_distances) == list(response.signed_distances_upper) == distances
+    for pair, normal in zip(response.pairs, response.normals, strict=True):
         first, second = (np.array([p.x, p.y, p.z]) for p in pair.witness_points)
         assert second - first == pytest.approx(pair.distance * np.array([normal.x, normal.y, normal.z]), abs=ACCURACY)
 
 
 def test_worked_out_by_hand(questions):
     """Stretched along x, the ball of the tip is at (2, 0), and nearer to the lamp at (1.9, 1.2) than the rod is."""
-    answer = questions.distances((0, 0), bodies=["lamp"], max_pairs=1, with_gradients=True)
-    ((pair,), (row,)) = answer.pairs, rows(answer)
+    response = questions.distances((0, 0), bodies=["lamp"], max_pairs=1, with_gradients=True)
+    ((pair,), (row,)) = response.pairs, rows(response)
     # the ball of the tip: radius 0.1, the lamp: radius 0.05
     assert set(names(pair)) == {"tip", "lamp"}
     between = np.array([-0.1, 1.2])
@@ -93,27 +93,27 @@ def test_worked_out_by_hand(questions):
     # joint1 turns the ball about (0, 0), joint2 about (1, 0): both move it along y
     direction = between / np.linalg.norm(between)
     assert row == pytest.approx([-2 * direction[1], -1 * direction[1]], abs=ACCURACY)
-    assert answer.witness_counts[0] == ONE
+    assert response.witness_counts[0] == ONE
 
 
 def test_bodies_that_overlap_have_minus_their_depth(questions):
     """The end of the tip is in the base's cube, whose half side is 0.2: 0.05 beside its middle."""
     state = (0, pi - 0.05)
-    answer = questions.distances(state, bodies=["base"], with_gradients=True)
-    first = next(i for i, pair in enumerate(answer.pairs) if set(names(pair)) == {"base", "tip"})
-    assert answer.pairs[first].distance == 0
-    assert -0.4 < answer.signed_distances[first] <= answer.signed_distances_upper[first] < 0
-    normal = answer.normals[first]
+    response = questions.distances(state, bodies=["base"], with_gradients=True)
+    first = next(i for i, pair in enumerate(response.pairs) if set(names(pair)) == {"base", "tip"})
+    assert response.pairs[first].distance == 0
+    assert -0.4 < response.signed_distances[first] <= response.signed_distances_upper[first] < 0
+    normal = response.normals[first]
     assert sqrt(normal.x**2 + normal.y**2 + normal.z**2) == pytest.approx(1, abs=ACCURACY)
-    assert answer.witness_counts[first] in (ONE, SEVERAL, MANY_UNKNOWN)
+    assert response.witness_counts[first] in (ONE, SEVERAL, MANY_UNKNOWN)
 
 
 def test_a_step_along_the_gradient_increases_the_distance(questions):
     state = np.array([0.3, 1.9])
-    answer = questions.distances(tuple(state), max_pairs=1, with_gradients=True)
-    (row,) = rows(answer)
+    response = questions.distances(tuple(state), max_pairs=1, with_gradients=True)
+    (row,) = rows(response)
     further = questions.distances(tuple(state + 0.01 * row), with_gradients=True)
-    change = signed(further)[names(answer.pairs[0])] - answer.signed_distances[0]
+    change = signed(further)[names(response.pairs[0])] - response.signed_distances[0]
     assert change == pytest.approx(0.01 * row @ row, rel=0.1)
 
 
@@ -132,6 +132,6 @@ def test_the_current_state_has_them_too(questions):
 
 
 def test_a_timeout_leaves_none(questions):
-    answer = questions.distances((0, 0), timeout=1e-9, with_gradients=True)
-    assert answer.reason_code == "deadline" and not any(map(isnan, answer.signed_distances))
-    assert len(answer.pairs) == len(answer.signed_distances) == 0
+    response = questions.distances((0, 0), timeout=1e-9, with_gradients=True)
+    assert response.reason_code == "deadline" and not any(map(isnan, response.signed_distances))
+    assert len(response.pairs) == len(response.signed_distances) == 0

@@ -76,7 +76,7 @@ def test_names_and_types_stand_in_the_graph(peer, start, namespace):
 
 
 def test_every_publisher_is_reliable_and_the_joint_states_match_both(peer, cell):
-    cell.judged(joint1=0, joint2=0)
+    cell.evaluate(joint1=0, joint2=0)
 
     def only(infos, topic):
         """The quality of service of the only endpoint, once it is known."""
@@ -111,14 +111,14 @@ def test_topics_can_be_remapped(peer, start):
     assert cell.states.all() == []
 
 
-def test_a_best_effort_driver_is_heard(peer, cell):
+def test_a_best_effort_driver_is_received(peer, cell):
     cell.driver.disconnect()
     publisher = peer.node.create_publisher(JointState, cell.node.relative("joint_states"), qos_profile_sensor_data)
 
-    def judged():
+    def evaluate():
         message = JointState(name=list(two_link.JOINTS), position=[0.0, 0.0])
         message.header.stamp = peer.now().to_msg()
         publisher.publish(message)
         return any(state.status == CollisionState.FREE for state in cell.states.all())
 
-    peer.wait_for(judged, "a judgement")
+    peer.wait_for(evaluate, "a judgement")

@@ -95,7 +95,7 @@ TRANSFORMS = {"/": {}, "/left/": {"tf": "tf", "tf_static": "tf_static"}}
 
 @pytest.mark.parametrize("where", TRANSFORMS)
 @pytest.mark.parametrize("name", ["clearance.launch.py", "two_robots.launch.py"])
-def test_in_a_namespace_transforms_are_heard_where_they_are_published(peer, domain_id, tmp_path, name, where):
+def test_in_a_namespace_transforms_are_received_where_they_are_published(peer, domain_id, tmp_path, name, where):
     robots = {"clearance.launch.py": {"urdf": two_link.URDF, "namespace": "left"}, "two_robots.launch.py": {"left_urdf": two_link.URDF}}
     command = LaunchFile(name).commands(tmp_path, **robots[name], **TRANSFORMS[where])[0]
     two_link.Driver(peer, "/left/joint_states")

@@ -32,7 +32,7 @@ def test_boxes_of_a_level_are_shown_in_the_frames_of_their_links(start):
 
 def test_a_level_can_be_chosen_changed_and_turned_off(cell):
     volumes = record(cell)
-    cell.judged(joint1=0, joint2=0)
+    cell.evaluate(joint1=0, joint2=0)
     assert not volumes.all(), "none are asked for"
 
     cell.parameters.succeed(link_volume_level=0)
@@ -47,7 +47,7 @@ def test_a_level_can_be_chosen_changed_and_turned_off(cell):
 
 def test_what_a_link_takes_up_has_boxes_too(start):
     cell = start(parameters={"link_volume_level": 0})
-    cell.judged(joint1=0, joint2=0)
+    cell.evaluate(joint1=0, joint2=0)
     SceneClient(cell).change(attached("tip", ball("part", 1, 0.4, radius=0.05, frame="tip"), ["tip"]))
 
     def of_part(array):
@@ -59,7 +59,7 @@ def test_what_a_link_takes_up_has_boxes_too(start):
     assert xyz(part.scale) == pytest.approx((0.1, 0.1, 0.1), abs=1e-4)
 
 
-def test_levels_that_mean_nothing_are_refused(cell):
+def test_levels_that_mean_nothing_are_rejected(cell):
     (result,) = cell.parameters.set(link_volume_level=21)
     assert not result.successful
     assert "link_volume_level must be from -1 to 20" in result.reason

@@ -26,7 +26,7 @@ def test_node_and_peer_meet_on_localhost(monkeypatch, domain_id, of_node, of_pee
     not_of_node = dict.fromkeys(of_peer)
 
     with Peer(domain_id) as peer, Cell(peer, environment=not_of_node | of_node) as cell:
-        assert cell.judged(joint1=0, joint2=0).status == CollisionState.FREE
+        assert cell.evaluate(joint1=0, joint2=0).status == CollisionState.FREE
 
 
 def packets_beyond_localhost(domain_id, of_node):

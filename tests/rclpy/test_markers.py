@@ -31,7 +31,7 @@ def xyz(vector):
 
 
 def test_a_near_pair_is_joined_by_a_line_between_its_witness_points(cell, markers):
-    state = cell.judged(joint1=0, joint2=5 * pi / 6)
+    state = cell.evaluate(joint1=0, joint2=5 * pi / 6)
 
     array = markers.ever(after(state), "the markers of this state")
     (line,) = markers_of(array, "witness_lines")
@@ -47,11 +47,11 @@ def test_a_near_pair_is_joined_by_a_line_between_its_witness_points(cell, marker
 
 def test_distances_are_written_beside_their_lines(cell, markers):
     scene = SceneClient(cell)
-    cell.judged(joint1=0, joint2=5 * pi / 6)
+    cell.evaluate(joint1=0, joint2=5 * pi / 6)
     cell.parameters.succeed(influence_distance=0.5)
     # the ball at the tip's end is at (0.134, 0.5): this one is 0.3 above it
     scene.change(ball("lamp", 1 - sqrt(3) / 2, 0.95, radius=0.05))
-    state = cell.judged(joint1=0, joint2=5 * pi / 6)
+    state = cell.evaluate(joint1=0, joint2=5 * pi / 6)
     assert len(state.pair_distances) == 2
 
     array = markers.ever(after(state), "the markers of this state")
@@ -63,10 +63,10 @@ def test_distances_are_written_beside_their_lines(cell, markers):
 
 
 def test_what_the_robot_holds_is_shown_when_it_collides(cell, markers):
-    cell.judged(joint1=0, joint2=0)
+    cell.evaluate(joint1=0, joint2=0)
     SceneClient(cell).change(attached("tip", ball("part", 1, 0.4, radius=0.05, frame="tip"), ["tip"]))
     # folded, the tip is free and the part is in the cube of the base
-    state = cell.judged(joint1=0, joint2=5 * pi / 6)
+    state = cell.evaluate(joint1=0, joint2=5 * pi / 6)
 
     array = markers.ever(after(state), "the markers of this state")
     (part,) = markers_of(array, "colliding_attached_objects")
@@ -79,7 +79,7 @@ def test_what_the_robot_holds_is_shown_when_it_collides(cell, markers):
 
 
 def test_colliding_links_are_shown_and_taken_away_again(cell, markers):
-    state = cell.judged(joint1=0, joint2=pi)
+    state = cell.evaluate(joint1=0, joint2=pi)
 
     array = markers.ever(after(state), "the markers of this state")
     shown = markers_of(array, "colliding_links")
@@ -95,7 +95,7 @@ def test_colliding_links_are_shown_and_taken_away_again(cell, markers):
     assert elbow_and_ball == [pytest.approx((0, 0, 0)), pytest.approx((1, 0, 0))]
     assert not markers_of(array, "witness_lines")
 
-    state = cell.judged(joint1=0, joint2=0)
+    state = cell.evaluate(joint1=0, joint2=0)
     array = markers.ever(after(state), "the markers of the next state")
     gone = markers_of(array, "colliding_links", Marker.DELETE)
     assert {marker.id for marker in gone} == {marker.id for marker in shown}
@@ -103,16 +103,16 @@ def test_colliding_links_are_shown_and_taken_away_again(cell, markers):
 
 
 def test_markers_can_be_turned_off_and_on(cell, markers):
-    state = cell.judged(joint1=0, joint2=pi)
+    state = cell.evaluate(joint1=0, joint2=pi)
     markers.ever(after(state), "markers")
 
     cell.parameters.succeed(publish_markers=False)
-    state = cell.judged(joint1=0, joint2=pi)
+    state = cell.evaluate(joint1=0, joint2=pi)
     cell.states.ever(judged_since(cell.peer.now()), "later states")
     assert not any(
         marker.action == Marker.ADD for array in markers.all() if after(state)(array) for marker in array.markers
     )
 
     cell.parameters.succeed(publish_markers=True)
-    state = cell.judged(joint1=0, joint2=pi)
+    state = cell.evaluate(joint1=0, joint2=pi)
     assert markers_of(markers.ever(after(state), "markers"), "colliding_links")

@@ -12,7 +12,7 @@ PATIENCE = 60.0  # [s]
 
 
 def test_a_world_that_grows_too_large_ends_the_node_and_is_named(cell):
-    assert cell.judged(joint1=0, joint2=0).status == CollisionState.FREE
+    assert cell.evaluate(joint1=0, joint2=0).status == CollisionState.FREE
     scene = SceneClient(cell)
     scene.topic(type(obstacle("first")), "collision_object")
     limit = resident_memory(cell.node) // MEBIBYTE + 40
@@ -48,6 +48,6 @@ def test_a_robot_of_the_command_line_that_takes_too_much_ends_the_node(peer, tmp
 
 def test_the_default_leaves_a_node_alone(cell):
     assert cell.parameters.get("memory_limit") == [0.0]
-    assert cell.judged(joint1=0, joint2=0).status == CollisionState.FREE
+    assert cell.evaluate(joint1=0, joint2=0).status == CollisionState.FREE
     cell.states.more(20, cell.state_now())
     assert cell.node.exit_code is None

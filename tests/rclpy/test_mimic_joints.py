@@ -40,16 +40,16 @@ def cell(module_peer, tmp_path_factory):
         '<disable_collisions link1="upper" link2="tip" reason="Adjacent"/></robot>'
     )
     with Cell(module_peer, "--srdf", str(srdf), urdf=str(urdf)) as cell:
-        cell.judged(joint1=0, joint2=0)
+        cell.evaluate(joint1=0, joint2=0)
         cell.questions = States(module_peer, cell.node)
         cell.motions = Motions(module_peer, cell.node)
         cell.scene = SceneClient(cell)
         yield cell
 
 
-def refused(answer, *named):
-    assert (answer.verdict, answer.reason_code) == (0, "bad_request"), answer
-    assert all(word in answer.message for word in named), answer.message
+def rejected(response, *named):
+    assert (response.verdict, response.reason_code) == (0, "bad_request"), response
+    assert all(word in response.message for word in named), response.message
 
 
 def trajectory(*states, joints, velocities=None):
@@ -65,16 +65,16 @@ def trajectory(*states, joints, velocities=None):
 
 
 def test_states_move_leaders_or_have_to_agree(cell):
-    answer = cell.questions.check([(0,), (pi,)], joints=FOLLOWER)
-    assert list(answer.verdicts) == [CheckStates.Response.FREE, CheckStates.Response.COLLIDING]
-    assert answer.message == ""
-    answer = cell.questions.check([(pi, pi)], joints=BOTH)
-    assert answer.verdict == CheckStates.Response.COLLIDING
-    refused(cell.questions.check([(0, 0), (0, 0.5)], joints=BOTH), "state 1", *CONTRADICTION)
-    refused(cell.questions.check([(0, 0)], joints=("follower", "follower")), "'follower' is given twice")
+    response = cell.questions.check([(0,), (pi,)], joints=FOLLOWER)
+    assert list(response.verdicts) == [CheckStates.Response.FREE, CheckStates.Response.COLLIDING]
+    assert response.message == ""
+    response = cell.questions.check([(pi, pi)], joints=BOTH)
+    assert response.verdict == CheckStates.Response.COLLIDING
+    rejected(cell.questions.check([(0, 0), (0, 0.5)], joints=BOTH), "state 1", *CONTRADICTION)
+    rejected(cell.questions.check([(0, 0)], joints=("follower", "follower")), "'follower' is given twice")
     distances = cell.questions.distances((NEAR,), joints=FOLLOWER)
     assert distances.pairs[0].distance == pytest.approx(0.2)
-    refused(cell.questions.distances((0, 0.5), joints=BOTH), *CONTRADICTION)
+    rejected(cell.questions.distances((0, 0.5), joints=BOTH), *CONTRADICTION)
 
 
 def test_motions_move_leaders_or_have_to_agree(cell):
@@ -83,18 +83,18 @@ def test_motions_move_leaders_or_have_to_agree(cell):
         (FOLLOWER, [], [BEYOND]),
         (BOTH, [NEAR, NEAR], [BEYOND, BEYOND]),
     ):
-        answer = cell.motions.check(start, goal, joints=joints)
-        assert answer.verdict == CheckMotion.Response.CONTACT, answer
-    refused(cell.motions.check([0, 0], [0, 0.5], joints=BOTH), "goal", *CONTRADICTION)
-    refused(cell.motions.check([0, 0.5], [0, 0], joints=BOTH), "start", *CONTRADICTION)
+        response = cell.motions.check(start, goal, joints=joints)
+        assert response.verdict == CheckMotion.Response.CONTACT, response
+    rejected(cell.motions.check([0, 0], [0, 0.5], joints=BOTH), "goal", *CONTRADICTION)
+    rejected(cell.motions.check([0, 0.5], [0, 0], joints=BOTH), "start", *CONTRADICTION)
 
 
 def test_tolerances_count_for_leaders(cell):
-    answers = [
+    responses = [
         cell.motions.check([0], [NEAR], joints=(joint,), joint_tolerances=[0.5]) for joint in ("joint2", "follower")
     ]
-    assert [(answer.verdict, answer.reason_code) for answer in answers] == [(CheckMotion.Response.UNDECIDED, "tube")] * 2
-    refused(cell.motions.check([0], [1], joints=FOLLOWER, joint_tolerances=[-0.5]), "'follower'", "-0.5")
+    assert [(response.verdict, response.reason_code) for response in responses] == [(CheckMotion.Response.UNDECIDED, "tube")] * 2
+    rejected(cell.motions.check([0], [1], joints=FOLLOWER, joint_tolerances=[-0.5]), "'follower'", "-0.5")
 
 
 def results(cell, message):
@@ -115,20 +115,20 @@ def test_trajectories_move_leaders_or_have_to_agree(cell):
         trajectory([NEAR], [BEYOND], joints=FOLLOWER, velocities=[[1], [1]]),
         trajectory([NEAR, NEAR], [BEYOND, BEYOND], joints=BOTH, velocities=[[1, 1], [1, 1]]),
     ):
-        for answer in results(cell, message):
-            assert answer.verdict == CheckMotion.Response.CONTACT, answer
-    for answer in results(cell, trajectory([0, 0], [0, 0.5], joints=BOTH)):
-        refused(answer, "point 1", *CONTRADICTION)
-    for answer in results(cell, trajectory([0, 0], [1, 1], joints=BOTH, velocities=[[0, 0.5], [0, 0]])):
-        refused(answer, "point 0", *CONTRADICTION)
+        for response in results(cell, message):
+            assert response.verdict == CheckMotion.Response.CONTACT, response
+    for response in results(cell, trajectory([0, 0], [0, 0.5], joints=BOTH)):
+        rejected(response, "point 1", *CONTRADICTION)
+    for response in results(cell, trajectory([0, 0], [1, 1], joints=BOTH, velocities=[[0, 0.5], [0, 0]])):
+        rejected(response, "point 0", *CONTRADICTION)
 
 
-def test_state_validity_moves_leaders_or_refuses(cell):
+def test_state_validity_moves_leaders_or_rejects_the_state(cell):
     assert cell.scene.validity({"follower": 0}).valid
     assert not cell.scene.validity({"follower": pi}).valid
     assert not cell.scene.validity({"follower": pi, "joint2": pi}).valid
-    answer = cell.scene.validity({"follower": 0.5, "joint2": 0})
-    assert not answer.valid
+    response = cell.scene.validity({"follower": 0.5, "joint2": 0})
+    assert not response.valid
     cell.scene.complaints.wait_for("check_state_validity", *CONTRADICTION)
 
 
@@ -155,7 +155,7 @@ def reporting(cell):
     cell.companions = Companions(cell)
     yield cell
     cell.parameters.succeed(mimic_contradiction="unknown")
-    cell.judged(**ZERO, follower=0.0)
+    cell.evaluate(**ZERO, follower=0.0)
 
 
 def nothing_is_known(cell, state, reason_code):
@@ -167,13 +167,13 @@ def nothing_is_known(cell, state, reason_code):
 
 @pytest.mark.parametrize(("position", "reason_code"), WRONG.values(), ids=WRONG)
 def test_a_wrong_report_is_never_free(reporting, position, reason_code):
-    nothing_is_known(reporting, reporting.judged(**ZERO, follower=position), reason_code)
-    assert reporting.judged(**ZERO, follower=0.01).status == CollisionState.FREE
+    nothing_is_known(reporting, reporting.evaluate(**ZERO, follower=position), reason_code)
+    assert reporting.evaluate(**ZERO, follower=0.01).status == CollisionState.FREE
 
 
 @pytest.mark.parametrize(("position", "reason_code"), WRONG.values(), ids=WRONG)
 def test_a_wrong_report_of_another_publisher_is_never_free(reporting, position, reason_code):
-    reporting.judged(**ZERO)
+    reporting.evaluate(**ZERO)
     other = two_link.Driver(reporting.peer, reporting.node.relative("joint_states"))
     other.report(follower=position)
     nothing_is_known(reporting, reporting.unknown(reason_code), reason_code)
@@ -183,7 +183,7 @@ def test_a_wrong_report_of_another_publisher_is_never_free(reporting, position, 
 
 
 def test_a_mimic_joint_that_is_reported_twice_is_malformed(reporting):
-    reporting.judged(**ZERO)
+    reporting.evaluate(**ZERO)
     reporting.driver.pause()
     publisher = reporting.peer.node.create_publisher(JointState, reporting.node.relative("joint_states"), 10)
     message = JointState(name=["joint1", "joint2", "follower", "follower"], position=[0.0] * 4)
@@ -200,24 +200,24 @@ def test_a_mimic_joint_that_is_reported_twice_is_malformed(reporting):
 
 
 def test_services_start_from_no_state_that_contradicts_itself(reporting):
-    reporting.judged(**ZERO, follower=1.5)
-    for answer in (
+    reporting.evaluate(**ZERO, follower=1.5)
+    for response in (
         reporting.motions.check([], [0.1], joints=("joint1",)),
         reporting.questions.distances(),
         reporting.questions.check([(0.1,)], joints=("joint1",)),
     ):
-        assert (answer.verdict, answer.reason_code) == (CheckStates.Response.ERROR, "no_joint_state")
-        assert "'follower' is reported at 1.5" in answer.message
+        assert (response.verdict, response.reason_code) == (CheckStates.Response.ERROR, "no_joint_state")
+        assert "'follower' is reported at 1.5" in response.message
     assert not reporting.scene.validity({"joint1": 0.1}).valid
     # what names all joints depends on no joint state
     assert reporting.scene.validity({"joint1": 0.1, "joint2": 0.0}).valid
 
 
 def test_contradictions_are_warnings_if_that_is_wanted(reporting):
-    reporting.judged(**ZERO, follower=1.5)
+    reporting.evaluate(**ZERO, follower=1.5)
     reporting.parameters.succeed(mimic_contradiction="warn")
     state = reporting.becomes(CollisionState.FREE, "FREE with a warning")
     assert any("'follower' is reported at 1.5, but it mimics 'joint2'" in text for text in state.warnings)
     for position, reason_code in WRONG.values():
         if reason_code != "contradiction":
-            nothing_is_known(reporting, reporting.judged(**ZERO, follower=position), reason_code)
+            nothing_is_known(reporting, reporting.evaluate(**ZERO, follower=position), reason_code)

@@ -24,7 +24,7 @@ def cell(module_peer):
     """One node answers for the whole module: every question here leaves it as it was."""
     with Cell(module_peer) as cell:
         cell.motions = Motions(module_peer, cell.node)
-        cell.judged(joint1=0, joint2=0)
+        cell.evaluate(joint1=0, joint2=0)
         yield cell
 
 
@@ -68,123 +68,123 @@ def assert_proven(certificate, segments, ends):
 
 
 def test_a_free_motion_is_proven(cell):
-    answer = cell.motions.check((0, 0), (pi / 2, pi / 2), certificate=True)
+    response = cell.motions.check((0, 0), (pi / 2, pi / 2), certificate=True)
 
-    assert answer.verdict == CheckMotion.Response.FREE
-    assert (answer.message, answer.reason_code) == ("", "")
-    assert (answer.t_free, answer.t_contact) == (1, 1)
-    assert (answer.pair.body_a, answer.pair.body_b) == ("", "")
-    assert not answer.witness_known
-    assert (answer.distance_lower, answer.distance_upper) == (0, inf)
-    assert (answer.model_revision, answer.world_revision) == (1, 0)
-    assert 0 < answer.compute_time < 1
-    assert_proven(cell.motions.certificate(answer), 1, ((0, 0), (pi / 2, pi / 2)))
+    assert response.verdict == CheckMotion.Response.FREE
+    assert (response.message, response.reason_code) == ("", "")
+    assert (response.t_free, response.t_contact) == (1, 1)
+    assert (response.pair.body_a, response.pair.body_b) == ("", "")
+    assert not response.witness_known
+    assert (response.distance_lower, response.distance_upper) == (0, inf)
+    assert (response.model_revision, response.world_revision) == (1, 0)
+    assert 0 < response.compute_time < 1
+    assert_proven(cell.motions.certificate(response), 1, ((0, 0), (pi / 2, pi / 2)))
     without = cell.motions.check((0, 0), (pi / 2, pi / 2))
     assert (without.certificate, without.certificate_digest) == ("", "")
 
 
 def test_a_contact_between_free_ends_is_found_where_it_is(cell):
     for end in (NEAR, BEYOND):
-        assert cell.judged(**between(end, end, 0)).status == CollisionState.FREE
-    answer = cell.motions.check(NEAR, BEYOND)
+        assert cell.evaluate(**between(end, end, 0)).status == CollisionState.FREE
+    response = cell.motions.check(NEAR, BEYOND)
 
-    assert answer.verdict == CheckMotion.Response.CONTACT
-    assert {answer.pair.body_a, answer.pair.body_b} == {"base", "tip"}
-    assert answer.t_free <= TOUCH <= answer.t_contact
-    assert answer.t_contact - answer.t_free < 1e-3
-    assert answer.witness_known
+    assert response.verdict == CheckMotion.Response.CONTACT
+    assert {response.pair.body_a, response.pair.body_b} == {"base", "tip"}
+    assert response.t_free <= TOUCH <= response.t_contact
+    assert response.t_contact - response.t_free < 1e-3
+    assert response.witness_known
     # On the cube's upper face, where the ball comes down.
-    assert answer.witness_point.y == pytest.approx(0.2, abs=2e-3)
-    assert (answer.distance_lower, answer.distance_upper) == (0, 0)
-    assert answer.certificate == ""
+    assert response.witness_point.y == pytest.approx(0.2, abs=2e-3)
+    assert (response.distance_lower, response.distance_upper) == (0, 0)
+    assert response.certificate == ""
 
     # What it says is what a joint state there gets.
-    assert cell.judged(**between(NEAR, BEYOND, 0.999 * answer.t_free)).status == CollisionState.FREE
-    assert cell.judged(**between(NEAR, BEYOND, answer.t_contact)).status == CollisionState.COLLIDING
+    assert cell.evaluate(**between(NEAR, BEYOND, 0.999 * response.t_free)).status == CollisionState.FREE
+    assert cell.evaluate(**between(NEAR, BEYOND, response.t_contact)).status == CollisionState.COLLIDING
 
 
 def test_any_contact_will_do(cell):
-    answer = cell.motions.check(NEAR, BEYOND, any_contact=True)
+    response = cell.motions.check(NEAR, BEYOND, any_contact=True)
 
-    assert answer.verdict == CheckMotion.Response.CONTACT
-    assert answer.t_free == 0
-    assert cell.judged(**between(NEAR, BEYOND, answer.t_contact)).status == CollisionState.COLLIDING
+    assert response.verdict == CheckMotion.Response.CONTACT
+    assert response.t_free == 0
+    assert cell.evaluate(**between(NEAR, BEYOND, response.t_contact)).status == CollisionState.COLLIDING
 
 
 @pytest.mark.parametrize("goal", [(0, 2.8), (1, pi)])
 def test_every_sample_of_a_verdict_agrees_with_the_state(cell, goal):
-    answer = cell.motions.check((0, 0), goal)
+    response = cell.motions.check((0, 0), goal)
 
     for i in range(21):
         t = i / 20
-        status = cell.judged(**between((0, 0), goal, t)).status
-        if t < answer.t_free:
+        status = cell.evaluate(**between((0, 0), goal, t)).status
+        if t < response.t_free:
             assert status == CollisionState.FREE
     expected = CheckMotion.Response.FREE if goal[1] < pi else CheckMotion.Response.CONTACT
-    assert answer.verdict == expected
+    assert response.verdict == expected
 
 
 def test_what_the_tube_leaves_open_is_undecided(cell):
-    answer = cell.motions.check((0, 0), NEAR, joint_tolerances=[0.0, 0.5])
+    response = cell.motions.check((0, 0), NEAR, joint_tolerances=[0.0, 0.5])
 
-    assert answer.verdict == CheckMotion.Response.UNDECIDED
-    assert answer.reason_code == "tube"
-    assert "base" in answer.message and "tip" in answer.message
-    assert 0 < answer.t_free <= answer.t_contact <= 1
+    assert response.verdict == CheckMotion.Response.UNDECIDED
+    assert response.reason_code == "tube"
+    assert "base" in response.message and "tip" in response.message
+    assert 0 < response.t_free <= response.t_contact <= 1
     # Half a radian before the first touch it is open at the latest; how much earlier depends on the bound on what half a radian does.
-    assert 1.5 < answer.t_free * NEAR[1] <= two_link.FIRST_TOUCH - 0.5
+    assert 1.5 < response.t_free * NEAR[1] <= two_link.FIRST_TOUCH - 0.5
     assert cell.motions.check((0, 0), NEAR, joint_tolerances=[0.0, 0.1]).verdict == CheckMotion.Response.FREE
 
 
 def test_a_timeout_is_undecided(cell):
-    answer = cell.motions.check((0, 0), (0, 2.83), timeout=1e-9)
+    response = cell.motions.check((0, 0), (0, 2.83), timeout=1e-9)
 
-    assert answer.verdict == CheckMotion.Response.UNDECIDED
-    assert answer.reason_code == "deadline"
-    assert answer.message
+    assert response.verdict == CheckMotion.Response.UNDECIDED
+    assert response.reason_code == "deadline"
+    assert response.message
     assert cell.motions.check((0, 0), (0, 2.83), timeout=60.0).verdict == CheckMotion.Response.FREE
 
 
 def test_a_motion_begins_at_the_current_joint_state(cell):
-    cell.judged(joint1=0.5, joint2=NEAR[1])
-    answer = cell.motions.check((), (0.7,), joints=["joint1"], certificate=True)
-    assert answer.verdict == CheckMotion.Response.FREE
-    assert_proven(cell.motions.certificate(answer), 1, ((0.5, NEAR[1]), (0.7, NEAR[1])))
+    cell.evaluate(joint1=0.5, joint2=NEAR[1])
+    response = cell.motions.check((), (0.7,), joints=["joint1"], certificate=True)
+    assert response.verdict == CheckMotion.Response.FREE
+    assert_proven(cell.motions.certificate(response), 1, ((0.5, NEAR[1]), (0.7, NEAR[1])))
 
-    cell.judged(joint1=0, joint2=pi)
-    answer = cell.motions.check((), (0.7,), joints=["joint1"])
-    assert (answer.verdict, answer.t_free, answer.t_contact) == (CheckMotion.Response.CONTACT, 0, 0)
+    cell.evaluate(joint1=0, joint2=pi)
+    response = cell.motions.check((), (0.7,), joints=["joint1"])
+    assert (response.verdict, response.t_free, response.t_contact) == (CheckMotion.Response.CONTACT, 0, 0)
 
 
 def test_without_a_joint_state_there_is_no_start(start):
     cell = start(driving=False)
     motions = Motions(cell.peer, cell.node)
     cell.has_model()
-    answer = motions.check((), (0, 0))
-    assert (answer.verdict, answer.reason_code) == (CheckMotion.Response.ERROR, "no_joint_state")
+    response = motions.check((), (0, 0))
+    assert (response.verdict, response.reason_code) == (CheckMotion.Response.ERROR, "no_joint_state")
 
-    answer = motions.check((0,), (1,), joints=["joint1"])
-    assert answer.verdict == CheckMotion.Response.FREE
-    assert "'joint2'" in answer.message
+    response = motions.check((0,), (1,), joints=["joint1"])
+    assert response.verdict == CheckMotion.Response.FREE
+    assert "'joint2'" in response.message
 
     cell.driver.resume()
-    cell.judged(joint1=0, joint2=0)
+    cell.evaluate(joint1=0, joint2=0)
     assert motions.check((), (0, 1)).verdict == CheckMotion.Response.FREE
     cell.grows_old()
     cell.driver.pause()
     cell.unknown("stale")
-    answer = motions.check((), (0, 1))
-    assert (answer.verdict, answer.reason_code) == (CheckMotion.Response.ERROR, "no_joint_state")
-    assert f"stale_after is {STALE_AFTER:g} s" in answer.message
+    response = motions.check((), (0, 1))
+    assert (response.verdict, response.reason_code) == (CheckMotion.Response.ERROR, "no_joint_state")
+    assert f"stale_after is {STALE_AFTER:g} s" in response.message
 
 
 def test_without_a_model_there_is_an_error(start):
     cell = start(urdf=None)
     motions = Motions(cell.peer, cell.node)
 
-    for answer in (motions.check((0, 0), (1, 1)), motions.follow(STRAIGHT)):
-        assert (answer.verdict, answer.reason_code, answer.model_revision) == (CheckMotion.Response.ERROR, "no_model", 0)
-        assert answer.message
+    for response in (motions.check((0, 0), (1, 1)), motions.follow(STRAIGHT)):
+        assert (response.verdict, response.reason_code, response.model_revision) == (CheckMotion.Response.ERROR, "no_model", 0)
+        assert response.message
 
 
 def test_a_world_that_is_not_known_is_an_error(start):
@@ -192,9 +192,9 @@ def test_a_world_that_is_not_known_is_an_error(start):
     motions = Motions(cell.peer, cell.node)
     cell.unknown("stale_world")
 
-    for answer in (motions.check((0, 0), (1, 1)), motions.check((), (1, 1)), motions.follow(STRAIGHT)):
-        assert (answer.verdict, answer.reason_code, answer.t_free) == (CheckMotion.Response.ERROR, "stale_world", 0)
-        assert "is the sensor running?" in answer.message
+    for response in (motions.check((0, 0), (1, 1)), motions.check((), (1, 1)), motions.follow(STRAIGHT)):
+        assert (response.verdict, response.reason_code, response.t_free) == (CheckMotion.Response.ERROR, "stale_world", 0)
+        assert "is the sensor running?" in response.message
 
 
 @pytest.mark.parametrize(
@@ -221,42 +221,42 @@ def test_a_world_that_is_not_known_is_an_error(start):
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )
-def test_a_bad_request_is_refused_by_name(cell, request_of, named):
-    answer = cell.motions.check(**({"start": (0, 0), "goal": (1, 1)} | request_of))
+def test_a_bad_request_is_rejected_by_name(cell, request_of, named):
+    response = cell.motions.check(**({"start": (0, 0), "goal": (1, 1)} | request_of))
 
-    assert (answer.verdict, answer.reason_code) == (CheckMotion.Response.ERROR, "bad_request")
-    assert named in answer.message
-    assert len(answer.message) < 500
-    assert answer.t_free == 0
+    assert (response.verdict, response.reason_code) == (CheckMotion.Response.ERROR, "bad_request")
+    assert named in response.message
+    assert len(response.message) < 500
+    assert response.t_free == 0
 
 
 def test_a_huge_motion_is_never_free(cell):
     for terms in ({}, {"any_contact": True}, {"certificate": True}):
-        answer = cell.motions.check((0, 0), (1e8, -1e8), timeout=0.3, **terms)
-        assert answer.verdict in (CheckMotion.Response.CONTACT, CheckMotion.Response.UNDECIDED)
-        assert answer.compute_time < 1
-        answer = cell.motions.check((0, 0), (1e8, 0), timeout=0.3, **terms)
-        assert (answer.verdict, answer.reason_code) == (CheckMotion.Response.UNDECIDED, "deadline")
-        assert 0.3 <= answer.compute_time < 1
+        response = cell.motions.check((0, 0), (1e8, -1e8), timeout=0.3, **terms)
+        assert response.verdict in (CheckMotion.Response.CONTACT, CheckMotion.Response.UNDECIDED)
+        assert response.compute_time < 1
+        response = cell.motions.check((0, 0), (1e8, 0), timeout=0.3, **terms)
+        assert (response.verdict, response.reason_code) == (CheckMotion.Response.UNDECIDED, "deadline")
+        assert 0.3 <= response.compute_time < 1
 
 
 def test_a_free_trajectory_is_proven(cell):
-    answer = cell.motions.follow(trajectory(((0, 0), 0), ((1, 0), 1.5), ((1, 1), 4)), certificate=True)
+    response = cell.motions.follow(trajectory(((0, 0), 0), ((1, 0), 1.5), ((1, 1), 4)), certificate=True)
 
-    assert answer.verdict == CheckTrajectory.Response.FREE
-    assert (answer.segment, answer.time_free, answer.time_contact) == (1, 4, 4)
-    assert_proven(cell.motions.certificate(answer), 2, ((0, 0), (1, 1)))
+    assert response.verdict == CheckTrajectory.Response.FREE
+    assert (response.segment, response.time_free, response.time_contact) == (1, 4, 4)
+    assert_proven(cell.motions.certificate(response), 2, ((0, 0), (1, 1)))
 
 
 def test_a_trajectory_that_collides_says_where_and_when(cell):
-    answer = cell.motions.follow(trajectory(((0, 0), 0), (NEAR, 2), (BEYOND, 4)))
+    response = cell.motions.follow(trajectory(((0, 0), 0), (NEAR, 2), (BEYOND, 4)))
 
-    assert answer.verdict == CheckTrajectory.Response.CONTACT
-    assert answer.segment == 1
-    assert answer.t_free <= TOUCH <= answer.t_contact
-    assert answer.time_free <= 2 + 2 * TOUCH <= answer.time_contact
-    assert answer.time_contact - answer.time_free < 1e-3
-    assert cell.judged(**between(NEAR, BEYOND, answer.t_contact)).status == CollisionState.COLLIDING
+    assert response.verdict == CheckTrajectory.Response.CONTACT
+    assert response.segment == 1
+    assert response.t_free <= TOUCH <= response.t_contact
+    assert response.time_free <= 2 + 2 * TOUCH <= response.time_contact
+    assert response.time_contact - response.time_free < 1e-3
+    assert cell.evaluate(**between(NEAR, BEYOND, response.t_contact)).status == CollisionState.COLLIDING
 
 
 def test_velocities_bend_the_way(cell):
@@ -265,19 +265,19 @@ def test_velocities_bend_the_way(cell):
     bent = trajectory(((0, 2), 0, (0, 6)), ((0, 2.5), 1, (0, -6)))
 
     assert cell.motions.follow(straight).verdict == CheckTrajectory.Response.FREE
-    answer = cell.motions.follow(bent)
-    assert answer.verdict == CheckTrajectory.Response.CONTACT
+    response = cell.motions.follow(bent)
+    assert response.verdict == CheckTrajectory.Response.CONTACT
     # 2 + 6 t - 10.5 t^2 + 5 t^3 - ... : the cubic with these ends and slopes
-    t = answer.t_contact
+    t = response.t_contact
     joint2 = 2 + 6 * t + (3 * 0.5 - 2 * 6 + 6) * t**2 + (6 - 6 - 2 * 0.5) * t**3
-    assert cell.judged(joint1=0, joint2=joint2).status == CollisionState.COLLIDING
+    assert cell.evaluate(joint1=0, joint2=joint2).status == CollisionState.COLLIDING
 
 
 def test_a_trajectory_without_times_has_no_times_in_its_answer(cell):
-    answer = cell.motions.follow(trajectory((NEAR, 0), (BEYOND, 0)))
+    response = cell.motions.follow(trajectory((NEAR, 0), (BEYOND, 0)))
 
-    assert answer.verdict == CheckTrajectory.Response.CONTACT
-    assert isnan(answer.time_free) and isnan(answer.time_contact)
+    assert response.verdict == CheckTrajectory.Response.CONTACT
+    assert isnan(response.time_free) and isnan(response.time_contact)
 
 
 @pytest.mark.parametrize(
@@ -296,11 +296,11 @@ def test_a_trajectory_without_times_has_no_times_in_its_answer(cell):
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )
-def test_a_bad_trajectory_is_refused_by_name(cell, message, named):
-    answer = cell.motions.follow(message)
+def test_a_bad_trajectory_is_rejected_by_name(cell, message, named):
+    response = cell.motions.follow(message)
 
-    assert (answer.verdict, answer.reason_code) == (CheckTrajectory.Response.ERROR, "bad_request")
-    assert named in answer.message
+    assert (response.verdict, response.reason_code) == (CheckTrajectory.Response.ERROR, "bad_request")
+    assert named in response.message
 
 
 @pytest.mark.parametrize(
@@ -315,34 +315,34 @@ def test_a_bad_trajectory_is_refused_by_name(cell, message, named):
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )
-def test_bad_terms_of_a_trajectory_are_refused_by_name(cell, terms, named):
-    answer = cell.motions.follow(STRAIGHT, **terms)
+def test_bad_terms_of_a_trajectory_are_rejected_by_name(cell, terms, named):
+    response = cell.motions.follow(STRAIGHT, **terms)
 
-    assert (answer.verdict, answer.reason_code) == (CheckTrajectory.Response.ERROR, "bad_request")
-    assert named in answer.message
-    assert answer.t_free == 0
+    assert (response.verdict, response.reason_code) == (CheckTrajectory.Response.ERROR, "bad_request")
+    assert named in response.message
+    assert response.t_free == 0
 
 
 def test_a_timeout_of_a_trajectory_is_undecided(cell):
-    answer = cell.motions.follow(STRAIGHT, timeout=1e-9)
+    response = cell.motions.follow(STRAIGHT, timeout=1e-9)
 
-    assert (answer.verdict, answer.reason_code) == (CheckTrajectory.Response.UNDECIDED, "deadline")
-    assert (answer.segment, answer.time_free) == (0, 0)
+    assert (response.verdict, response.reason_code) == (CheckTrajectory.Response.UNDECIDED, "deadline")
+    assert (response.segment, response.time_free) == (0, 0)
 
 
 def test_a_long_certificate_arrives_whole_and_a_longer_one_is_left_out(cell):
     def zigzag(points):
         return trajectory(*(((i % 2, 0), float(i)) for i in range(points)))
 
-    answer = cell.motions.follow(zigzag(400), certificate=True)
-    assert answer.verdict == CheckTrajectory.Response.FREE
-    assert len(answer.certificate) > 50_000
-    assert_proven(cell.motions.certificate(answer), 399, ((0, 0), (1, 0)))
+    response = cell.motions.follow(zigzag(400), certificate=True)
+    assert response.verdict == CheckTrajectory.Response.FREE
+    assert len(response.certificate) > 50_000
+    assert_proven(cell.motions.certificate(response), 399, ((0, 0), (1, 0)))
 
-    answer = cell.motions.follow(zigzag(4000), certificate=True)
-    assert answer.verdict == CheckTrajectory.Response.FREE
-    assert (answer.certificate, answer.certificate_digest) == ("", "")
-    assert "certificate" in answer.message
+    response = cell.motions.follow(zigzag(4000), certificate=True)
+    assert response.verdict == CheckTrajectory.Response.FREE
+    assert (response.certificate, response.certificate_digest) == ("", "")
+    assert "certificate" in response.message
 
 
 def assert_swept(capsules_of_tip, start, goal):
@@ -362,11 +362,11 @@ def assert_swept(capsules_of_tip, start, goal):
 
 def test_the_volume_that_is_swept_over_is_shown(cell):
     start, goal = (-1.0, 0.5), (1.5, -2.0)
-    answer, markers = cell.motions.with_swept_volume(
+    response, markers = cell.motions.with_swept_volume(
         lambda: cell.motions.check(start, goal, swept_volume_intervals=16)
     )
 
-    assert (answer.verdict, answer.message) == (CheckMotion.Response.FREE, "")
+    assert (response.verdict, response.message) == (CheckMotion.Response.FREE, "")
     tip = capsules(markers, "tip")
     assert len(tip) == len(capsules(markers, "upper")) == len(capsules(markers, "base")) == 16
     assert_swept(tip, start, goal)
@@ -383,11 +383,11 @@ def test_the_volume_that_is_swept_over_is_shown(cell):
 
 
 def test_the_volume_of_a_trajectory_is_red_where_it_touches(cell):
-    answer, markers = cell.motions.with_swept_volume(
+    response, markers = cell.motions.with_swept_volume(
         lambda: cell.motions.follow(trajectory(((0, 0), 0), (NEAR, 2), (BEYOND, 4)), swept_volume_intervals=10)
     )
 
-    assert (answer.verdict, answer.segment) == (CheckTrajectory.Response.CONTACT, 1)
+    assert (response.verdict, response.segment) == (CheckTrajectory.Response.CONTACT, 1)
     tip = capsules(markers, "tip")
     assert len(tip) == 20
     assert_swept(tip[:10], (0, 0), NEAR)
@@ -397,28 +397,28 @@ def test_the_volume_of_a_trajectory_is_red_where_it_touches(cell):
     assert [red > green for red, green in colours(markers, "upper")].count(True) == 0
 
 
-def test_more_volumes_than_a_message_holds_are_refused(cell):
-    answer, markers = cell.motions.with_swept_volume(
+def test_more_volumes_than_a_message_holds_are_rejected(cell):
+    response, markers = cell.motions.with_swept_volume(
         lambda: cell.motions.check((0, 0), (1, 0), swept_volume_intervals=2**32 - 1)
     )
-    assert (answer.verdict, answer.reason_code) == (CheckMotion.Response.ERROR, "bad_request")
-    assert "swept_volume_intervals is 4294967295" in answer.message
+    assert (response.verdict, response.reason_code) == (CheckMotion.Response.ERROR, "bad_request")
+    assert "swept_volume_intervals is 4294967295" in response.message
     assert markers == [], "what was shown is about another request"
 
-    most = int(re.search(r"at most (\d+) intervals", answer.message).group(1))
-    answer, markers = cell.motions.with_swept_volume(
+    most = int(re.search(r"at most (\d+) intervals", response.message).group(1))
+    response, markers = cell.motions.with_swept_volume(
         lambda: cell.motions.check((0, 0), (1, 0), swept_volume_intervals=most)
     )
-    assert answer.verdict == CheckMotion.Response.FREE
+    assert response.verdict == CheckMotion.Response.FREE
     assert [len(capsules(markers, link)) for link in ("base", "upper", "tip")] == [most] * 3
-    answer = cell.motions.check((0, 0), (1, 0), swept_volume_intervals=most + 1)
-    assert answer.reason_code == "bad_request"
+    response = cell.motions.check((0, 0), (1, 0), swept_volume_intervals=most + 1)
+    assert response.reason_code == "bad_request"
 
 
-def test_eight_clients_at_once_are_answered_while_states_go_on(peer, start):
+def test_eight_clients_at_once_get_responses_while_states_go_on(peer, start):
     cell = start()
     clients = [Motions(peer, cell.node) for _ in range(8)]
-    cell.judged(joint1=0, joint2=0)
+    cell.evaluate(joint1=0, joint2=0)
     goals = [(0, 2.7 + 0.05 * i) for i in range(8)]
     assert sum(goal[1] < two_link.FIRST_TOUCH for goal in goals) == 3
 
@@ -445,20 +445,20 @@ def endless(clients, timeout):
     return [future for pair in pairs for future in pair]
 
 
-def test_who_comes_when_too_many_wait_is_told_so_at_once(peer, start):
+def test_a_request_while_too_many_wait_is_rejected_at_once(peer, start):
     cell = start()
     clients = [Motions(peer, cell.node) for _ in range(8)]
-    cell.judged(joint1=0, joint2=0)
+    cell.evaluate(joint1=0, joint2=0)
     futures = endless(clients, timeout=0.2)
     start = peer.now()
-    answers = [peer.result(future) for future in futures]
+    responses = [peer.result(future) for future in futures]
     meanwhile = cell.states.after(start)
 
-    busy = [answer for answer in answers if answer.reason_code == "busy"]
-    worked = [answer for answer in answers if answer.reason_code != "busy"]
+    busy = [response for response in responses if response.reason_code == "busy"]
+    worked = [response for response in responses if response.reason_code != "busy"]
     assert busy and len(worked) >= 16
-    assert all(answer.verdict == CheckMotion.Response.ERROR for answer in busy)
-    assert all(answer.verdict == CheckMotion.Response.UNDECIDED for answer in worked)
+    assert all(response.verdict == CheckMotion.Response.ERROR for response in busy)
+    assert all(response.verdict == CheckMotion.Response.UNDECIDED for response in worked)
     # The monitor went on all the while.
     assert len(meanwhile) >= len(worked)
 
@@ -466,7 +466,7 @@ def test_who_comes_when_too_many_wait_is_told_so_at_once(peer, start):
 def test_a_node_that_checks_long_motions_still_ends(peer, start):
     cell = start()
     clients = [Motions(peer, cell.node) for _ in range(8)]
-    cell.judged(joint1=0, joint2=0)
+    cell.evaluate(joint1=0, joint2=0)
     futures = endless(clients, timeout=30.0)
     peer.wait_for(lambda: any(future.done() and future.result().reason_code == "busy" for future in futures), "busy")
     # The cell asks it to end, and sees that it does in time.

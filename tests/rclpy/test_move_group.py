@@ -33,7 +33,7 @@ def wait_for_names(cell, *wanted):
     )
 
 
-def test_nothing_is_free_before_the_scene_was_told(start, domain_id):
+def test_nothing_is_free_before_the_scene_is_received(start, domain_id):
     cell = start(parameters=ASKING)
     cell.driver.report(**STRETCHED)
     assert SERVICE in cell.unknown("stale_world").reason
@@ -53,7 +53,7 @@ def test_a_scene_that_was_there_before_is_asked_for(start, domain_id):
         wait_for_names(cell, "a")
 
 
-def test_the_node_neither_asks_nor_hears_itself(start):
+def test_the_node_neither_calls_nor_receives_from_itself(start):
     cell = start(
         parameters=ASKING | {"planning_scene_service": "get_planning_scene"},
         ros_arguments=["-r", "planning_scene:=monitored_planning_scene"],
@@ -66,7 +66,7 @@ def test_the_node_neither_asks_nor_hears_itself(start):
     assert {state.reason_code for state in cell.states.more(10, after=cell.peer.now())} == {"stale_world"}
 
 
-def test_one_that_has_no_robot_yet_tells_nothing(start, domain_id):
+def test_one_that_has_no_robot_yet_reports_nothing(start, domain_id):
     cell = start(parameters=ASKING)
     cell.driver.report(**STRETCHED)
 
@@ -89,7 +89,7 @@ def test_one_that_is_started_again_is_asked_again(start, domain_id):
 
 def test_the_parameter_may_change(start, domain_id):
     cell = start(parameters=NEARBY)
-    cell.judged(**STRETCHED)
+    cell.evaluate(**STRETCHED)
     wait_for_names(cell)
     with MoveGroup(domain_id, SERVICE, full(ball("a", 2.3))):
         cell.parameters.succeed(planning_scene_service=SERVICE)
@@ -123,7 +123,7 @@ def test_every_object_has_come_or_is_missed_aloud(start, depth, shape):
     """A publisher that keeps one message overwrites what it could not send yet."""
     count = 300
     cell = start(parameters=NEARBY | {"lost_messages": "warn"})
-    cell.judged(**STRETCHED)
+    cell.evaluate(**STRETCHED)
     scene = SceneClient(cell)
     topic = scene.topic(CollisionObject, "collision_object", QoSProfile(depth=depth))
     scene.change(ball("first", 9.0))

@@ -16,7 +16,7 @@ def test_obstacles_stay_in_the_room_while_the_robot_drives(start):
     cell = start(parameters=FAR)
     scene = SceneClient(cell)
     localization = Localization(cell)
-    cell.judged(**STRETCHED)
+    cell.evaluate(**STRETCHED)
 
     def placed():
         scene.publish(ball("pillar", 5.0, frame="odom"))
@@ -49,6 +49,6 @@ def test_a_rotation_that_nobody_set_places_nothing(start):
     scene = SceneClient(cell)
     localization = Localization(cell)
     localization.turn = 0.0
-    cell.judged(**STRETCHED)
-    scene.refused(ball("pillar", 5.0, frame="odom"), "unknown frame 'odom'")
+    cell.evaluate(**STRETCHED)
+    scene.rejected(ball("pillar", 5.0, frame="odom"), "unknown frame 'odom'")
     cell.peer.wait_for(lambda: "the transform of 'base' is no pose" in cell.node.output(), "a word about it")

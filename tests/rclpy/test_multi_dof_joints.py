@@ -17,7 +17,7 @@ URDF = "tests/rclpy/rover.urdf"  # the joint frame of `drive` is at (1, 0, 0); t
 def cell(module_peer):
     with Cell(module_peer, urdf=URDF) as cell:
         cell.scene = SceneClient(cell)
-        cell.judged(**{"drive/x": 0, "drive/y": 0, "drive/theta": 0, "lift": 0})
+        cell.evaluate(**{"drive/x": 0, "drive/y": 0, "drive/theta": 0, "lift": 0})
         cell.scene.change(ball("pillar", 3.0, frame="odom"))
         yield cell
 

@@ -19,15 +19,15 @@ QUICK = {"latency: p99 (ms)": 0.2} | {f"latency since start: {part} (ms)": 0.2 f
 NOTHING = dict.fromkeys(latency.COUNTS, 0.0) | {"joint states received": 0.0}
 
 
-def told(at, **changed):
+def reported(at, **changed):
     numbers = NOTHING | QUICK | {"pairs checked": 10.0, "mean compute time (ms)": 0.1}
     return Told(at, numbers | {key.replace("_", " "): value for key, value in changed.items()})
 
 
 def latency_row(limit=1.0, p99=0.2, **changed):
-    last = told(10.0, **({"joint_states_received": 10_000.0} | changed))
+    last = reported(10.0, **({"joint_states_received": 10_000.0} | changed))
     last.numbers["latency since start: p99 (ms)"] = p99
-    return latency.row(ROBOT, [told(0.0), last], limit, False, "")
+    return latency.row(ROBOT, [reported(0.0), last], limit, False, "")
 
 
 def test_a_row_of_latency_is_reached_without_drops_and_in_time():
@@ -52,7 +52,7 @@ def test_a_row_of_latency_is_missed(changed):
 @pytest.mark.parametrize(("growth", "reached"), [(0.0, True), (0.01, True), (0.1, False)])
 def test_memory_that_grows_is_missed(growth, reached):
     samples = memory.np.array([(5.0 * number, 100.0 + growth * number) for number in range(200)])
-    before, after = told(0.0, world_revision=1.0), told(100.0, world_revision=900.0, joint_states_received=100_000.0)
+    before, after = reported(0.0, world_revision=1.0), reported(100.0, world_revision=900.0, joint_states_received=100_000.0)
     assert memory.row(ROBOT, samples, before, after).reached == reached
 
 

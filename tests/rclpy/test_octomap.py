@@ -25,7 +25,7 @@ TOPICS = {True: "octomap_binary", False: "octomap_full"}
 @pytest.fixture
 def cell(start):
     cell = start(parameters=NEARBY)
-    cell.judged(**STRETCHED)
+    cell.evaluate(**STRETCHED)
     return cell
 
 
@@ -66,7 +66,7 @@ def test_every_octant_is_where_it_belongs(cell, scene, binary):
     for x, y, joint1 in ((2.25, 0.05, 0), (-2.25, -0.05, pi), (-0.05, 2.25, pi / 2), (0.05, -2.25, -pi / 2)):
         for z in (0.05, -0.05):
             scene.change(octree((x, y, z)).message(binary), topic=TOPICS[binary])
-            state = cell.judged(joint1=joint1, joint2=0)
+            state = cell.evaluate(joint1=joint1, joint2=0)
             assert near(state) == pytest.approx(0.1, abs=ACCURACY), (x, y, z)
 
 
@@ -104,8 +104,8 @@ def test_a_new_map_replaces_the_old_one(scene, binary):
 def test_a_map_in_the_frame_of_a_link(cell, scene):
     state = scene.change(octree((1.25, 0.05, 0.05)).message(frame="tip"), topic="octomap_binary")
     assert near(state) == pytest.approx(0.1, abs=ACCURACY)
-    cell.judged(joint1=0, joint2=pi / 2)
-    assert near(cell.judged(**STRETCHED)) == pytest.approx(0.1, abs=ACCURACY)
+    cell.evaluate(joint1=0, joint2=pi / 2)
+    assert near(cell.evaluate(**STRETCHED)) == pytest.approx(0.1, abs=ACCURACY)
 
 
 def test_a_map_in_a_scene_has_a_pose(scene):
@@ -143,28 +143,28 @@ def test_a_diff_with_an_empty_map_takes_it_away(scene):
 def test_clear_octomap(cell, scene):
     scene.change(octree((2.05, 0.05, 0.05)).message(), topic="octomap_binary")
     scene.change(ball("a", 2.3, 0.3))
-    assert cell.judged(**STRETCHED).status == CollisionState.COLLIDING
+    assert cell.evaluate(**STRETCHED).status == CollisionState.COLLIDING
 
     scene.clear_octomap()
-    state = cell.judged(**STRETCHED)
+    state = cell.evaluate(**STRETCHED)
     assert state.status == CollisionState.FREE
     assert near(state) is None
     assert distance(state, "tip", "a") is not None
     # Twice does no harm.
     scene.clear_octomap()
-    assert cell.judged(**STRETCHED).status == CollisionState.FREE
+    assert cell.evaluate(**STRETCHED).status == CollisionState.FREE
 
 
-def test_the_map_is_told_with_the_scene(scene):
+def test_the_map_is_reported_with_the_scene(scene):
     scene.change(NEAR.message(), topic="octomap_binary")
-    told = scene.get("OCTOMAP").world.octomap
-    assert told.octomap.id == "OcTree"
-    assert told.octomap.resolution == pytest.approx(0.1)
+    reported = scene.get("OCTOMAP").world.octomap
+    assert reported.octomap.id == "OcTree"
+    assert reported.octomap.resolution == pytest.approx(0.1)
     scene.clear_octomap()
     assert len(scene.get("OCTOMAP").world.octomap.octomap.data) == 0
 
     message = diff()
-    message.world.octomap = told
+    message.world.octomap = reported
     assert near(scene.change(message)) == pytest.approx(0.1, abs=ACCURACY)
 
 
@@ -178,7 +178,7 @@ def test_the_matrix_may_allow_the_map(scene):
 @pytest.mark.parametrize("unknown", ["free", "occupied"])
 def test_unknown_space_is_what_the_parameter_says(start, unknown, binary):
     cell = start(parameters=NEARBY | {"unknown_space": unknown})
-    cell.judged(**STRETCHED)
+    cell.evaluate(**STRETCHED)
     scene = SceneClient(cell)
 
     known = Octree(0.1).fill(FREE)
@@ -197,18 +197,18 @@ def test_unknown_space_is_what_the_parameter_says(start, unknown, binary):
 def test_unknown_space_without_any_map_is_no_obstacle(start):
     """The parameter is about the gaps in a map."""
     cell = start(parameters=NEARBY | {"unknown_space": "occupied"})
-    assert cell.judged(**STRETCHED).status == CollisionState.FREE
+    assert cell.evaluate(**STRETCHED).status == CollisionState.FREE
 
 
 def test_a_map_does_not_grow_old_by_itself(start):
     cell = start(parameters=NEARBY)
-    cell.judged(**STRETCHED)
+    cell.evaluate(**STRETCHED)
     assert cell.parameters.get("octomap_ttl") == [0.0]
 
 
 def test_a_map_that_went_stale_makes_the_state_unknown(start):
     cell = start(parameters=NEARBY)
-    cell.judged(**STRETCHED)
+    cell.evaluate(**STRETCHED)
     scene = SceneClient(cell)
     assert scene.change(NEAR.message(), topic="octomap_binary").status == CollisionState.FREE
 
@@ -221,7 +221,7 @@ def test_a_map_that_went_stale_makes_the_state_unknown(start):
     assert scene.change(NEAR.message(), topic="octomap_binary").status == CollisionState.FREE
 
 
-def test_a_latched_map_from_before_the_start_is_heard(peer, start):
+def test_a_latched_map_from_before_the_start_is_received(peer, start):
     peer.latch(NEAR.message(), "/early/octomap_binary")
     cell = start(parameters=NEARBY, namespace="/early")
     cell.driver.report(**STRETCHED)
@@ -258,7 +258,7 @@ def test_a_broken_map_makes_the_state_unknown_until_one_is_right(cell, scene, fa
     scene.change(NEAR.message(), topic="octomap_binary")
     message = BROKEN[fault]
     seen = cell.peer.now()
-    scene.refused(message, "octomap", topic=TOPICS[message.binary])
+    scene.rejected(message, "octomap", topic=TOPICS[message.binary])
     assert "octomap" in cell.unknown("rejected_obstacle", after=seen).reason
     # the last one is kept
     cell.parameters.succeed(rejected_obstacle="warn")
@@ -294,7 +294,7 @@ def test_a_map_of_nothing_after_one_of_something_is_blind(cell, scene):
 
 def test_a_map_of_nothing_is_an_empty_one_if_that_is_wanted(start):
     cell = start(parameters=NEARBY | {"blind_cloud": "warn"})
-    cell.judged(**STRETCHED)
+    cell.evaluate(**STRETCHED)
     scene = SceneClient(cell)
     scene.change(NEAR.message(), topic="octomap_binary")
     state = scene.change(blank(), topic="octomap_binary")

@@ -27,7 +27,7 @@ def cell(module_peer):
         ("contacts_per_pair", 101),
     ],
 )
-def test_a_bad_value_is_refused_with_a_reason(cell, name, value):
+def test_a_bad_value_is_rejected_with_a_reason(cell, name, value):
     before = cell.parameters.get(name)
 
     (result,) = cell.parameters.set(**{name: value})
@@ -37,7 +37,7 @@ def test_a_bad_value_is_refused_with_a_reason(cell, name, value):
     assert cell.parameters.get(name) == before
 
 
-def test_an_unknown_parameter_is_refused_by_name(cell):
+def test_an_unknown_parameter_is_rejected_by_name(cell):
     (result,) = cell.parameters.set(hartbeat_rate=10.0)
     assert not result.successful
     assert "hartbeat_rate" in result.reason

@@ -39,41 +39,41 @@ def test_every_parameter_is_listed_described_and_of_its_type(cell):
 
 def test_the_influence_distance_changes_live(start):
     cell = start(parameters={"influence_distance": 0.1})
-    assert cell.judged(joint1=0, joint2=5 * pi / 6).pair_distances == []
+    assert cell.evaluate(joint1=0, joint2=5 * pi / 6).pair_distances == []
 
     cell.parameters.succeed(influence_distance=0.5)
     assert cell.parameters.get("influence_distance") == [0.5]
-    state = cell.judged(joint1=0, joint2=5 * pi / 6)
+    state = cell.evaluate(joint1=0, joint2=5 * pi / 6)
     assert [pair.distance for pair in state.pair_distances] == [pytest.approx(0.2)]
 
 
 def test_the_distance_limit_changes_live(start):
     cell = start(parameters={"distance_limit": 0.5, "influence_distance": 0.1})
     companions = Companions(cell)
-    state = cell.judged(joint1=0, joint2=0)
+    state = cell.evaluate(joint1=0, joint2=0)
     assert state.status == CollisionState.FREE
     assert not state.distance_known
     assert companions.of(state)["distance"] == inf
 
     cell.parameters.succeed(distance_limit=1.0)
-    state = cell.judged(joint1=0, joint2=0)
+    state = cell.evaluate(joint1=0, joint2=0)
     assert state.distance_known
     assert companions.of(state)["distance"] == pytest.approx(0.7)
 
 
-def test_a_tolerance_tells_distances_too_small_if_anything(start):
+def test_a_tolerance_makes_distances_too_small_if_anything(start):
     cell = start(parameters={"distance_limit": 1.0, "distance_relative_tolerance": 0.5})
     for folded in (0, 5 * pi / 6):
-        tolerant = cell.judged(joint1=0, joint2=folded)
+        tolerant = cell.evaluate(joint1=0, joint2=folded)
         cell.parameters.succeed(distance_relative_tolerance=0.0)
-        exact = cell.judged(joint1=0, joint2=folded)
+        exact = cell.evaluate(joint1=0, joint2=folded)
         assert tolerant.status == exact.status == CollisionState.FREE
         assert 0.5 * exact.nearest.distance <= tolerant.nearest.distance < exact.nearest.distance
         cell.parameters.succeed(distance_relative_tolerance=0.5)
 
 
 def test_staleness_changes_live(cell):
-    cell.judged(joint1=0, joint2=0)
+    cell.evaluate(joint1=0, joint2=0)
     last = cell.falls_silent()
     old = cell.states.wait_for(lambda state: state.age > STALE_AFTER + 0.1, "an old joint state", after=last)
     assert old.status == CollisionState.FREE
@@ -82,16 +82,16 @@ def test_staleness_changes_live(cell):
     cell.unknown("stale")
 
 
-def test_a_change_is_told_on_parameter_events(cell):
+def test_a_change_is_reported_on_parameter_events(cell):
     """Nobody can know when the node has met a new listener of this volatile topic: changes are made until one is told."""
     events = cell.peer.record(ParameterEvent, "/parameter_events")
     values = cycle([2.0, 3.0])
 
-    def told():
+    def reported():
         cell.parameters.succeed(stale_after=next(values))
         return [event for event in events.all() if event.node == cell.node.path and event.changed_parameters]
 
-    for event in cell.peer.wait_for(told, "a change on /parameter_events"):
+    for event in cell.peer.wait_for(reported, "a change on /parameter_events"):
         assert [parameter.name for parameter in event.changed_parameters] == ["stale_after"]
 
 
@@ -127,7 +127,7 @@ def test_the_manual_holds_every_parameter_with_its_default(peer):
         assert dict(zip(manual, parameters.get(*manual), strict=True)) == manual
 
 
-def test_requests_sent_as_soon_as_the_services_are_seen_are_answered(cell):
+def test_requests_sent_as_soon_as_the_services_are_seen_get_responses(cell):
     """As `ros2 param` does: every call comes from a process that met the node a moment ago."""
     with ExitStack() as peers:
         asked = []

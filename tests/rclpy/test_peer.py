@@ -98,16 +98,16 @@ def fails():
     raise ZeroDivisionError("a fault in a callback")
 
 
-def test_who_waits_is_told_at_once_why_no_callback_comes_any_more(domain_id):
-    with pytest.raises(CallbacksEnded) as told, Peer(domain_id) as peer:
+def test_waiting_callers_get_the_reason_why_no_callback_follows(domain_id):
+    with pytest.raises(CallbacksEnded) as reported, Peer(domain_id) as peer:
         peer.node.create_timer(0.001, fails)
         # far beyond the time that a test may take
         peer.wait_for(lambda: False, "what never comes", deadline=1e6)
-    assert isinstance(told.value.__cause__, ZeroDivisionError)
+    assert isinstance(reported.value.__cause__, ZeroDivisionError)
 
 
 def test_callbacks_that_ended_unseen_fail_the_test_in_the_end(domain_id):
-    with pytest.raises(CallbacksEnded) as told, Peer(domain_id) as peer:
+    with pytest.raises(CallbacksEnded) as reported, Peer(domain_id) as peer:
         peer.node.create_timer(0.001, fails)
         peer._thread.join()
-    assert isinstance(told.value.__cause__, ZeroDivisionError)
+    assert isinstance(reported.value.__cause__, ZeroDivisionError)

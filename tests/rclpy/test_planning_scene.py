@@ -33,7 +33,7 @@ SRDF = """
 @pytest.fixture
 def cell(start):
     cell = start(parameters=NEARBY)
-    cell.judged(**STRETCHED)
+    cell.evaluate(**STRETCHED)
     return cell
 
 
@@ -43,7 +43,7 @@ def permissive(start, tmp_path):
     path = tmp_path / "two_link.srdf"
     path.write_text(SRDF)
     cell = start("--srdf", path, parameters=NEARBY)
-    cell.judged(**STRETCHED)
+    cell.evaluate(**STRETCHED)
     return cell
 
 
@@ -113,11 +113,11 @@ def test_a_world_replaces_all_obstacles_and_nothing_else(scene):
 
 def test_a_scene_attaches_and_detaches(cell, scene):
     scene.change(diff(attached=[attached("tip", ball("part", 1, 0.4, radius=0.05, frame="tip"), ["tip"])]))
-    state = cell.judged(joint1=0, joint2=5 * pi / 6)
+    state = cell.evaluate(joint1=0, joint2=5 * pi / 6)
     assert colliding(state) == [{("link", "base"), ("attached", "part")}]
 
     let_go = attached("", CollisionObject(id="part", operation=CollisionObject.REMOVE))
-    cell.judged(**STRETCHED)
+    cell.evaluate(**STRETCHED)
     # Detached into the world and in the same scene taken out of it.
     state = scene.change(diff(removal("part"), attached=[let_go]))
     assert names(state) == set()
@@ -145,7 +145,7 @@ def test_padding_and_scale_of_a_link(scene):
 def test_a_scene_that_pads_less_takes_nothing_off_the_parameter(start):
     """MoveIt's scenes have an entry for every link, most of them zero."""
     cell = start(parameters=NEARBY | {"padding": 0.05})
-    cell.judged(joint1=0, joint2=0)
+    cell.evaluate(joint1=0, joint2=0)
     scene = SceneClient(cell)
     assert distance(scene.change(ball("a", 2.3)), "tip", "a") == pytest.approx(0.05, abs=ACCURACY)
     state = scene.change(diff(padding={"tip": 0.0}))
@@ -165,9 +165,9 @@ def test_what_a_link_holds_grows_with_it(scene):
     [diff(padding={"tip": nan}), diff(padding={"tip": -0.01}), diff(scale={"tip": 0.0}), diff(padding={"hand": 0.1})],
     ids=["no number", "negative", "scaled to nothing", "unknown link"],
 )
-def test_a_bad_padding_is_refused_by_its_link(scene, message):
+def test_a_bad_padding_is_rejected_by_its_link(scene, message):
     (entry,) = message.link_padding or message.link_scale
-    scene.refused(message, entry.link_name)
+    scene.rejected(message, entry.link_name)
 
 
 def test_colours_disturb_nothing(scene):
@@ -187,13 +187,13 @@ def test_a_diff_without_a_matrix_leaves_the_matrix_alone(permissive):
     assert state.status == CollisionState.FREE
     state = scene.change(diff(ball("b", 2.3, 0.3)), diff(move("a", pose(2.1))))
     assert state.status == CollisionState.FREE
-    assert permissive.judged(**ON_BASE).status == CollisionState.FREE
+    assert permissive.evaluate(**ON_BASE).status == CollisionState.FREE
 
 
 def test_a_diff_with_a_matrix_replaces_the_whole_matrix(permissive):
     """As in MoveIt: pairs that the SRDF leaves out are checked again if the new matrix does not allow them."""
     scene = SceneClient(permissive)
-    assert permissive.judged(**ON_BASE).status == CollisionState.FREE
+    assert permissive.evaluate(**ON_BASE).status == CollisionState.FREE
     state = scene.change(diff(allowed=matrix(*NEIGHBOURS)))
     assert colliding(state) == [{("link", "base"), ("link", "tip")}]
 
@@ -233,7 +233,7 @@ def test_a_matrix_that_is_rejected_leaves_nothing_allowed_that_it_may_have_taken
     cut = matrix(*NEIGHBOURS)
     cut.entry_values[0] = AllowedCollisionEntry(enabled=[True])
     seen = permissive.peer.now()
-    scene.refused(diff(allowed=cut), "allowed_collision_matrix")
+    scene.rejected(diff(allowed=cut), "allowed_collision_matrix")
     assert "allowed_collision_matrix" in permissive.unknown("rejected_obstacle", after=seen).reason
     scene.change(diff(allowed=matrix(*NEIGHBOURS)))
     permissive.states.wait_for(
@@ -241,15 +241,15 @@ def test_a_matrix_that_is_rejected_leaves_nothing_allowed_that_it_may_have_taken
     )
 
 
-def test_a_matrix_that_is_not_square_is_refused(permissive):
+def test_a_matrix_that_is_not_square_is_rejected(permissive):
     scene = SceneClient(permissive)
     for cut in (matrix(*NEIGHBOURS), matrix(*NEIGHBOURS, defaults={"tip": True})):
         if cut.default_entry_names:
             cut.default_entry_values = []
         else:
             cut.entry_values[0] = AllowedCollisionEntry(enabled=[True])
-        scene.refused(diff(allowed=cut), "allowed_collision_matrix")
-    assert permissive.judged(**ON_BASE).status == CollisionState.FREE
+        scene.rejected(diff(allowed=cut), "allowed_collision_matrix")
+    assert permissive.evaluate(**ON_BASE).status == CollisionState.FREE
 
 
 def test_a_new_model_keeps_the_world(peer, start):
@@ -257,13 +257,13 @@ def test_a_new_model_keeps_the_world(peer, start):
     publisher = peer.latch(String(data=two_link.description()), f"{namespace}/robot_description")
     cell = start(urdf=None, namespace=namespace, parameters=NEARBY)
     cell.has_model()
-    cell.judged(**STRETCHED)
+    cell.evaluate(**STRETCHED)
     scene = SceneClient(cell)
     scene.change(ball("a", 2.3), attached("tip", ball("part", 1, 0.4, radius=0.05, frame="tip"), ["tip"]))
 
     publisher.publish(String(data=two_link.description_with_cube(0.3)))
     cell.has_model(2)
-    state = cell.judged(**STRETCHED)
+    state = cell.evaluate(**STRETCHED)
     assert distance(state, "tip", "a") == pytest.approx(0.1, abs=ACCURACY)
     assert state.pairs_checked > 4
     assert bodies(state.nearest.pair) == {("link", "tip"), ("obstacle", "a")}
@@ -287,7 +287,7 @@ class Mirror:
 
 
 def test_the_monitored_scene_follows(cell, scene):
-    told = cell.peer.record(PlanningScene, cell.node.relative("monitored_planning_scene"))
+    reported = cell.peer.record(PlanningScene, cell.node.relative("monitored_planning_scene"))
     cell.peer.wait_for(
         lambda: cell.peer.node.count_publishers(cell.node.relative("monitored_planning_scene")), "the topic"
     )
@@ -300,7 +300,7 @@ def test_the_monitored_scene_follows(cell, scene):
     ):
         scene.change(message)
         cell.peer.wait_for(
-            lambda expected=expected: mirror.fold(told.all()) == expected, f"{expected} in the monitored scene"
+            lambda expected=expected: mirror.fold(reported.all()) == expected, f"{expected} in the monitored scene"
         )
 
 
@@ -319,7 +319,7 @@ def warned(cell, *words):
     )
 
 
-def test_a_robot_of_which_no_pair_is_checked_is_told_so(permissive):
+def test_a_robot_without_checked_pairs_is_reported(permissive):
     """Whatever it does counts as free."""
     warned(permissive, "there is no pair to check: every state counts as free")
     scene = SceneClient(permissive)

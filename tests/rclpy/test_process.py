@@ -14,7 +14,7 @@ from node_process import BINARY, EXIT_DEADLINE
 
 @pytest.mark.parametrize("by", [signal.SIGINT, signal.SIGTERM])
 def test_the_node_ends_cleanly_when_asked(cell, by):
-    assert cell.judged(joint1=0, joint2=0).status == CollisionState.FREE
+    assert cell.evaluate(joint1=0, joint2=0).status == CollisionState.FREE
     assert cell.node.stop(by) == 0
     names = cell.peer.node.get_node_names_and_namespaces
     cell.peer.wait_for(lambda: (cell.node.name, cell.node.namespace) not in names(), "the node to leave the graph")
@@ -28,23 +28,23 @@ def test_a_node_without_a_model_ends_cleanly_too(start, by):
 
 
 @pytest.mark.parametrize("end", ["asked", "crashed"])
-def test_a_subscriber_hears_the_node_again_after_a_restart(cell, end):
-    assert cell.judged(joint1=0, joint2=0).status == CollisionState.FREE
+def test_a_subscriber_receives_messages_again_after_a_restart(cell, end):
+    assert cell.evaluate(joint1=0, joint2=0).status == CollisionState.FREE
     cell.node.stop() if end == "asked" else cell.node.kill()
 
     cell.restart_node()
-    state = cell.judged(joint1=0, joint2=0)
+    state = cell.evaluate(joint1=0, joint2=0)
     assert state.model_revision == 1
 
 
-def test_the_node_hears_a_driver_again_after_its_restart(cell):
-    assert cell.judged(joint1=0, joint2=0).status == CollisionState.FREE
+def test_the_node_receives_from_a_driver_again_after_its_restart(cell):
+    assert cell.evaluate(joint1=0, joint2=0).status == CollisionState.FREE
     cell.grows_old()
     cell.driver.disconnect()
     cell.unknown("stale")
 
     cell.driver = two_link.Driver(cell.peer, cell.node.relative("joint_states"))
-    assert cell.judged(joint1=0, joint2=0).status == CollisionState.FREE
+    assert cell.evaluate(joint1=0, joint2=0).status == CollisionState.FREE
 
 
 def test_two_nodes_of_one_name_say_so(start):
@@ -55,8 +55,8 @@ def test_two_nodes_of_one_name_say_so(start):
 
 
 def test_a_change_of_status_is_logged_with_the_pair(cell):
-    cell.judged(joint1=0, joint2=0)
-    cell.judged(joint1=0, joint2=3.14)
+    cell.evaluate(joint1=0, joint2=0)
+    cell.evaluate(joint1=0, joint2=3.14)
     said = cell.node.output
     cell.peer.wait_for(lambda: "COLLIDING: base and tip touch" in said(), "the line about the collision")
     assert "FREE: nearest: base and tip, " in said()
@@ -65,7 +65,7 @@ def test_a_change_of_status_is_logged_with_the_pair(cell):
 def test_a_node_that_was_suspended_ends_and_says_why(peer):
     """As by Ctrl-Z and `fg`, or a debugger: RustDDS hears no more then, and a node that looks alive would mislead."""
     with Cell(peer) as cell:
-        assert cell.judged(joint1=0, joint2=0).status == CollisionState.FREE
+        assert cell.evaluate(joint1=0, joint2=0).status == CollisionState.FREE
 
         def ended():
             if cell.node.exit_code is None:

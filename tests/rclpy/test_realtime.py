@@ -26,14 +26,14 @@ def policies(process_id):
 
 
 def test_a_node_runs_as_any_other(cell):
-    cell.judged(joint1=0, joint2=0)
+    cell.evaluate(joint1=0, joint2=0)
     assert {policy for _, policy in policies(cell.node.process_id)} == {os.SCHED_OTHER}
 
 
 @pytest.mark.skipif(not may_be_realtime(), reason="the system refuses SCHED_FIFO to this user")
-def test_what_hears_and_judges_runs_first(start):
+def test_receiving_and_evaluating_threads_run_first(start):
     cell = start(parameters=WANTED)
-    cell.judged(joint1=0, joint2=0)
+    cell.evaluate(joint1=0, joint2=0)
     theirs = lambda names: [(name, policy) for name, policy in policies(cell.node.process_id) if name.startswith(names)]
     urgent = theirs(URGENT)
     assert urgent and all(policy == os.SCHED_FIFO for _, policy in urgent), urgent
@@ -46,7 +46,7 @@ def test_what_hears_and_judges_runs_first(start):
 @pytest.mark.skipif(not may_be_realtime(), reason="the system refuses SCHED_FIFO to this user")
 def test_services_answer_with_priorities_lent_and_given_back(start):
     cell = start(parameters=WANTED)
-    cell.judged(joint1=0, joint2=0)
+    cell.evaluate(joint1=0, joint2=0)
     states = States(cell.peer, cell.node)
     for _ in range(100):
         assert states.check([[0.0, 0.0]]).reason_code == ""
@@ -56,7 +56,7 @@ def test_services_answer_with_priorities_lent_and_given_back(start):
     cell.peer.wait_for(is_given_back, "threads as any other")
 
 
-def test_where_it_is_refused_the_node_does_not_start():
+def test_where_it_is_rejected_the_node_does_not_start():
     without = []
     if may_be_realtime():
         if not shutil.which("setpriv"):

@@ -64,20 +64,20 @@ def test_a_run_with_everything_in_it_is_the_same_again(start, peer, file):
     camera.header.frame_id = "base"
     camera.transform.translation.z = 0.1
     scene.topic(TFMessage, "tf_static").publish(TFMessage(transforms=[camera]))
-    cell.judged(**FOLDED)
+    cell.evaluate(**FOLDED)
     # until the transform has come, clouds in its frame are refused
     scene.change(cloud([(2.3, 0, 0), (2.4, 0.1, 0.3)], frame="camera", stamp=peer.now()), topic="points")
-    cell.judged(joint1=0, joint2=0)
+    cell.evaluate(joint1=0, joint2=0)
     scene.change(scenes.ball("ball", x=1.5, y=0.5), scenes.move("ball", scenes.pose(1.5, 0.4, 0.1, angle=0.3)))
     assert scene.apply(scenes.diff(scenes.ball("other", x=1.0, y=-0.7)))
     scene.change(scenes.attached("tip", scenes.ball("part", x=1.2, radius=0.05, frame="tip"), ["tip"]))
-    cell.judged(**FOLDED)
+    cell.evaluate(**FOLDED)
     cell.parameters.succeed(padding=0.01, look_ahead_horizon=0.5)
     cell.moving(COLLIDING, [0.1, -0.2])
     cell.grows_old()
     cell.driver.report(joint1=0)
     assert "'joint2'" in cell.unknown("stale").reason
-    cell.judged(**FOLDED)
+    cell.evaluate(**FOLDED)
     cell.driver.pause()
     cell.unknown("stale")
     ended(cell)
@@ -93,14 +93,14 @@ def test_robots_that_come_by_topic_are_the_same_again(start, peer, file):
     publisher = peer.latch(String(data=two_link.description()), topic)
     cell = start(urdf=None, namespace="/by_topic", parameters=recorded(file))
     cell.has_model(1)
-    cell.judged(**FOLDED)
+    cell.evaluate(**FOLDED)
     publisher.publish(String(data=two_link.description_with_cube(0.8)))
     cell.has_model(2)
-    cell.judged(**FOLDED)
+    cell.evaluate(**FOLDED)
     # a fault that names folders of this machine
     publisher.publish(String(data=two_link.description().replace(SPHERE, '<mesh filename="package://a/b.stl"/>')))
     SceneClient(cell).complaints.wait_for("b.stl")
-    cell.judged(joint1=0, joint2=0)
+    cell.evaluate(joint1=0, joint2=0)
     ended(cell)
 
     assert same(file) > 2
@@ -143,7 +143,7 @@ def test_a_base_that_tf_places_is_placed_again(start, peer, file):
     cell.unknown("no_transform")
     localization = Localization(cell)
     for x in (2.0, 3.0):
-        localization.tell(x)
+        localization.send(x)
         distance = pytest.approx(x + 1.4, abs=1e-9)
         cell.states.ever(lambda state: state.nearest.distance == distance, "the distance to the wall")
     localization.fall_silent()
@@ -170,7 +170,7 @@ def test_meshes_are_in_the_recording(start, peer, file, tmp_path):
     (folder / "wall.obj").write_text(corners)
     (folder / "world.yaml").write_text(WORLD)
     cell = start("--world", folder / "world.yaml", urdf=folder / "robot.urdf", parameters=recorded(file))
-    cell.judged(**FOLDED)
+    cell.evaluate(**FOLDED)
     several_answers(cell)
     ended(cell)
     shutil.rmtree(folder)
@@ -180,8 +180,8 @@ def test_meshes_are_in_the_recording(start, peer, file, tmp_path):
 
 def test_other_readers_see_what_subscribers_saw(start, peer, file):
     cell = start(parameters=recorded(file))
-    cell.judged(**FOLDED)
-    hit = cell.judged(**COLLIDING)
+    cell.evaluate(**FOLDED)
+    hit = cell.evaluate(**COLLIDING)
     ended(cell)
 
     states = messages(file, cell.node.private("state"))
@@ -196,14 +196,14 @@ def test_other_readers_see_what_subscribers_saw(start, peer, file):
     assert steps(file, cell.node)[-1] == {"ended": {"why": "the node ended"}}
 
 
-def test_a_tampered_answer_is_told_and_becomes_a_test(start, peer, file, tmp_path):
+def test_a_tampered_result_is_reported_and_becomes_a_test(start, peer, file, tmp_path):
     cell = start(parameters=recorded(file))
-    cell.judged(**FOLDED)
-    cell.judged(joint1=0, joint2=0)
+    cell.evaluate(**FOLDED)
+    cell.evaluate(joint1=0, joint2=0)
     several_answers(cell)
     ended(cell)
-    answers = len(messages(file, cell.node.private("is_free")))
-    number = answers - 1
+    responses = len(messages(file, cell.node.private("is_free")))
+    number = responses - 1
 
     copy, topic = tmp_path / "tampered.mcap", cell.node.private("is_free")
     tampered(file, copy, topic, number, lambda data: data[:-1] + bytes([1 - data[-1]]))
@@ -223,7 +223,7 @@ def test_a_tampered_answer_is_told_and_becomes_a_test(start, peer, file, tmp_pat
 
 def test_a_node_that_is_killed_leaves_what_it_recorded(start, peer, file):
     cell = start(parameters=recorded(file))
-    cell.judged(**FOLDED)
+    cell.evaluate(**FOLDED)
     # what is older than a second or so is on the disk
     peer.wait_for(lambda: file.stat().st_size > 5000, "something on the disk")
     cell.node.kill()
@@ -233,16 +233,16 @@ def test_a_node_that_is_killed_leaves_what_it_recorded(start, peer, file):
 
 
 @pytest.mark.parametrize("content", [b"", b"no recording at all", b"\x89MCAP0\r\n" + b"\xff" * 100])
-def test_what_is_no_recording_is_refused_with_its_name(file, content):
+def test_what_is_no_recording_is_rejected_with_its_name(file, content):
     file.write_bytes(content)
     done = replay(file)
     assert done.returncode == 2
     assert str(file) in done.stderr and done.stdout == ""
 
 
-def test_a_recording_of_someone_else_is_refused(start, peer, file, tmp_path):
+def test_a_recording_of_someone_else_is_rejected(start, peer, file, tmp_path):
     cell = start(parameters=recorded(file))
-    cell.judged(**FOLDED)
+    cell.evaluate(**FOLDED)
     ended(cell)
     copy, topic = tmp_path / "other.mcap", cell.node.private("recording")
     tampered(file, copy, topic, 0, lambda data: data.replace(b"started", b"stopped"))
@@ -262,7 +262,7 @@ def test_a_file_that_can_not_be_made_ends_the_node_at_once(domain_id, tmp_path):
 def test_recordings_begin_at_the_start_and_never_replace_one_another(start, peer, file):
     file.write_bytes(b"precious")
     cell = start(parameters=recorded(file))
-    cell.judged(**FOLDED)
+    cell.evaluate(**FOLDED)
     (result,) = cell.parameters.set(record_file="elsewhere.mcap")
     assert not result.successful and "at the start only" in result.reason
     (descriptor,) = cell.parameters.describe("record_file")
@@ -274,13 +274,13 @@ def test_recordings_begin_at_the_start_and_never_replace_one_another(start, peer
 
 def test_a_recording_ends_at_its_limit_and_the_node_goes_on(start, peer, file):
     cell = start(parameters=recorded(file, record_max_size=0.02))
-    cell.judged(**FOLDED)
+    cell.evaluate(**FOLDED)
     peer.wait_for(lambda: "record_max_size" in cell.node.output(), "the end of the recording")
-    cell.judged(joint1=0, joint2=0)
+    cell.evaluate(joint1=0, joint2=0)
     assert same(file) > 0
 
 
-def test_a_robot_that_was_refused_is_refused_again(start, peer, file):
+def test_a_robot_that_was_rejected_is_rejected_again(start, peer, file):
     topic = "/refused/robot_description"
     mesh = '<mesh filename="package://nowhere/tip.stl"/>'
     peer.latch(String(data=two_link.description().replace(SPHERE, mesh)), topic)
@@ -296,7 +296,7 @@ def test_a_recording_that_can_not_be_written_is_a_warning_while_it_lasts(start, 
     folder.mkdir()
     diagnostics = peer.record(DiagnosticArray, "/diagnostics")
     cell = start(parameters=recorded(folder / "run.mcap"))
-    assert cell.judged(**FOLDED).warnings == []
+    assert cell.evaluate(**FOLDED).warnings == []
 
     def warns(state):
         return any("run.mcap was moved or removed" in text for text in state.warnings)

@@ -56,60 +56,60 @@ def arm(start, tmp_path):
     path = tmp_path / "two_link.srdf"
     path.write_text(SRDF)
     cell = start("--srdf", path)
-    cell.judged(**positions(ONTO))
+    cell.evaluate(**positions(ONTO))
     cell.recovery = Recovery(cell)
     return cell
 
 
-def on_line(answer, t):
-    return [a + t * (b - a) for a, b in zip(answer.start, answer.free_state, strict=True)]
+def on_line(response, t):
+    return [a + t * (b - a) for a, b in zip(response.start, response.free_state, strict=True)]
 
 
 @pytest.mark.parametrize("clearance", [0.0, 0.05])
 def test_a_found_state_is_free_and_so_is_the_way_to_it_from_the_exit_on(arm, clearance):
-    answer = arm.recovery.find(ONTO, clearance=clearance)
+    response = arm.recovery.find(ONTO, clearance=clearance)
 
-    assert (answer.result, answer.message, answer.reason_code) == (FOUND, "", "")
-    assert (answer.joint_names, list(answer.start)) == (list(two_link.JOINTS), [float(q) for q in ONTO])
-    assert answer.distance == pytest.approx(hypot(*(b - a for a, b in zip(answer.start, answer.free_state))))
+    assert (response.result, response.message, response.reason_code) == (FOUND, "", "")
+    assert (response.joint_names, list(response.start)) == (list(two_link.JOINTS), [float(q) for q in ONTO])
+    assert response.distance == pytest.approx(hypot(*(b - a for a, b in zip(response.start, response.free_state))))
     # a turn of both joints may be shorter than that of joint2 alone, but not by much
-    assert 0.5 * LEAST < answer.distance < 1.3 * LEAST + 2 * clearance
-    assert (answer.model_revision, answer.world_revision) == (1, 0) and answer.compute_time > 0
+    assert 0.5 * LEAST < response.distance < 1.3 * LEAST + 2 * clearance
+    assert (response.model_revision, response.world_revision) == (1, 0) and response.compute_time > 0
 
     states = States(arm.peer, arm.node)
-    rest = [on_line(answer, answer.exit + share / 50 * (1 - answer.exit)) for share in range(51)]
-    checked = states.check(rest + [answer.free_state], with_distance=True)
+    rest = [on_line(response, response.exit + share / 50 * (1 - response.exit)) for share in range(51)]
+    checked = states.check(rest + [response.free_state], with_distance=True)
     assert list(checked.verdicts) == [FREE] * 52
     assert checked.distances[-1] >= clearance
-    assert states.check([on_line(answer, 0.9 * answer.exit)]).verdict == COLLIDING
+    assert states.check([on_line(response, 0.9 * response.exit)]).verdict == COLLIDING
 
 
 def test_without_names_the_search_begins_where_the_robot_is(arm):
-    answer = arm.recovery.find()
-    assert (answer.result, list(answer.start)) == (FOUND, list(ONTO))
+    response = arm.recovery.find()
+    assert (response.result, list(response.start)) == (FOUND, list(ONTO))
     # what is found there is free in ~/state too
-    assert arm.judged(**positions(answer.free_state)).status == CollisionState.FREE
-    answer = arm.recovery.find()
-    assert (answer.result, len(answer.free_state), answer.distance) == (ALREADY_FREE, 0, 0.0)
+    assert arm.evaluate(**positions(response.free_state)).status == CollisionState.FREE
+    response = arm.recovery.find()
+    assert (response.result, len(response.free_state), response.distance) == (ALREADY_FREE, 0, 0.0)
 
 
 def test_only_what_may_move_moves(arm):
     for terms in ({"group": "wrist"}, {"locked_joints": ["joint1"]}):
-        answer = arm.recovery.find(ONTO, **terms)
-        assert (answer.result, answer.free_state[0]) == (FOUND, 0.0)
-        assert answer.distance == pytest.approx(LEAST, abs=0.01)
-    answer = arm.recovery.find(ONTO, locked_joints=list(two_link.JOINTS))
-    assert (answer.result, answer.reason_code, len(answer.free_state)) == (NONE_FOUND, "not_movable", 0)
-    assert {answer.unmoved_pair.body_a, answer.unmoved_pair.body_b} == {"base", "tip"}
-    assert "'base'" in answer.message and "'tip'" in answer.message
+        response = arm.recovery.find(ONTO, **terms)
+        assert (response.result, response.free_state[0]) == (FOUND, 0.0)
+        assert response.distance == pytest.approx(LEAST, abs=0.01)
+    response = arm.recovery.find(ONTO, locked_joints=list(two_link.JOINTS))
+    assert (response.result, response.reason_code, len(response.free_state)) == (NONE_FOUND, "not_movable", 0)
+    assert {response.unmoved_pair.body_a, response.unmoved_pair.body_b} == {"base", "tip"}
+    assert "'base'" in response.message and "'tip'" in response.message
 
 
 def test_none_is_found_beyond_the_limits(arm):
-    answer = arm.recovery.find(ONTO, max_distance=0.1)
-    assert (answer.result, answer.reason_code, len(answer.free_state)) == (NONE_FOUND, "beyond_limits", 0)
-    assert "max_distance" in answer.message
-    answer = arm.recovery.find(ONTO, timeout=1e-9)
-    assert (answer.result, answer.reason_code) == (NONE_FOUND, "unfinished") and "timeout" in answer.message
+    response = arm.recovery.find(ONTO, max_distance=0.1)
+    assert (response.result, response.reason_code, len(response.free_state)) == (NONE_FOUND, "beyond_limits", 0)
+    assert "max_distance" in response.message
+    response = arm.recovery.find(ONTO, timeout=1e-9)
+    assert (response.result, response.reason_code) == (NONE_FOUND, "unfinished") and "timeout" in response.message
 
 
 @pytest.mark.parametrize(
@@ -127,19 +127,19 @@ def test_none_is_found_beyond_the_limits(arm):
     ids=lambda value: next(iter(value)) if isinstance(value, dict) else "",
 )
 def test_a_broken_request_is_rejected_by_name(arm, terms, words):
-    answer = arm.recovery.find(**({"state": ONTO} | terms))
-    assert (answer.result, answer.reason_code) == (ERROR, "bad_request")
-    assert words in answer.message
-    assert (answer.joint_names, len(answer.start), len(answer.free_state)) == ([], 0, 0)
+    response = arm.recovery.find(**({"state": ONTO} | terms))
+    assert (response.result, response.reason_code) == (ERROR, "bad_request")
+    assert words in response.message
+    assert (response.joint_names, len(response.start), len(response.free_state)) == ([], 0, 0)
 
 
 def test_without_a_model_or_a_joint_state_nothing_is_searched(start):
-    answer = Recovery(start(urdf=None)).find(ONTO)
-    assert (answer.result, answer.reason_code) == (ERROR, "no_model")
+    response = Recovery(start(urdf=None)).find(ONTO)
+    assert (response.result, response.reason_code) == (ERROR, "no_model")
     silent = start(driving=False)
     silent.has_model()
-    answer = Recovery(silent).find()
-    assert (answer.result, answer.reason_code) == (ERROR, "no_joint_state")
+    response = Recovery(silent).find()
+    assert (response.result, response.reason_code) == (ERROR, "no_joint_state")
 
 
 @pytest.fixture
@@ -163,7 +163,7 @@ def test_a_direction_is_a_unit_vector_that_leads_out(retreating):
     at = list(SHALLOW)
     # the ball is 0.041 m deep, on a lever of a metre
     for _ in range(20):
-        state = retreating.judged(**positions(at))
+        state = retreating.evaluate(**positions(at))
         if state.status == CollisionState.FREE:
             break
         said = retreating.directions.ever(direction_of(state), f"a direction of {at}")
@@ -176,24 +176,24 @@ def test_a_direction_is_a_unit_vector_that_leads_out(retreating):
 
 
 def test_outside_of_a_collision_the_direction_is_withdrawn_once(retreating):
-    state = retreating.judged(**positions(SHALLOW))
+    state = retreating.evaluate(**positions(SHALLOW))
     direction = retreating.directions.ever(direction_of(state), "a direction")
-    retreating.judged(**positions(STRETCHED))
+    retreating.evaluate(**positions(STRETCHED))
     withdrawn = retreating.directions.wait_for(lambda said: not said.name, "no direction", after=direction)
     assert (len(withdrawn.velocity), withdrawn.header.frame_id) == (0, "base")
     # a direction of a later collision follows the only message that withdrew the one before
-    state = retreating.judged(**positions(SHALLOW))
+    state = retreating.evaluate(**positions(SHALLOW))
     direction = retreating.directions.ever(direction_of(state), "a direction")
     between = retreating.directions.after(withdrawn)
     assert all(said.name for said in between) and direction in between
 
     # a joint state that is no number is UNKNOWN
-    retreating.judged(joint1=0, joint2=nan)
+    retreating.evaluate(joint1=0, joint2=nan)
     retreating.directions.wait_for(lambda said: not said.name, "no direction", after=direction)
 
 
 def test_where_no_joint_helps_there_is_no_direction(retreating):
-    state = retreating.judged(**positions(SHALLOW))
+    state = retreating.evaluate(**positions(SHALLOW))
     direction = retreating.directions.ever(direction_of(state), "a direction")
     # deeper than the tip, and no joint moves the base
     SceneClient(retreating).change(ball("ball", 0))
@@ -205,7 +205,7 @@ def test_where_no_joint_helps_there_is_no_direction(retreating):
 
 def test_directions_are_off_until_the_parameter_turns_them_on(cell):
     directions = cell.peer.record(JointState, cell.node.private("retreat_direction"))
-    state = cell.judged(**positions(SHALLOW))
+    state = cell.evaluate(**positions(SHALLOW))
     cell.states.more(10, after=state)
     assert directions.all() == []
 

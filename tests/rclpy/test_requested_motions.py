@@ -134,19 +134,19 @@ def test_the_checked_motion_is_the_requested_one(peer, start):
         obstacle = tuple(p + rng.choice((0, 0, 0.5)) * rng.uniform(-1, 1) for p in at(rng.random()))
         assert world.apply(scene.diff(scene.ball("b", *obstacle, radius=RADIUS)))
         named = named_joints(joints, rng)
-        answer = motions.check(
+        response = motions.check(
             [begin[j] for j in named], [end[j] for j in named], joints=[f"j{j}" for j in named]
         )
 
         def gap(t):
             return dist(at(t), obstacle) - 2 * RADIUS
 
-        case = (text.data, named, begin, end, obstacle, answer)
-        assert answer.verdict != CheckMotion.Response.ERROR, case
+        case = (text.data, named, begin, end, obstacle, response)
+        assert response.verdict != CheckMotion.Response.ERROR, case
         for k in range(SAMPLES + 1):
-            is_proven = k / SAMPLES < answer.t_free or answer.verdict == CheckMotion.Response.FREE
+            is_proven = k / SAMPLES < response.t_free or response.verdict == CheckMotion.Response.FREE
             assert not is_proven or gap(k / SAMPLES) > -1e-9, case
-        if answer.verdict == CheckMotion.Response.CONTACT:
-            assert gap(answer.t_contact) < 1e-6, case
-        verdicts.append(answer.verdict)
+        if response.verdict == CheckMotion.Response.CONTACT:
+            assert gap(response.t_contact) < 1e-6, case
+        verdicts.append(response.verdict)
     assert {CheckMotion.Response.FREE, CheckMotion.Response.CONTACT} <= set(verdicts)

@@ -25,7 +25,7 @@ def test_a_description_published_before_the_start(peer, start):
     cell = start(urdf=None, **options)
     cell.has_model()
 
-    assert distance(cell.judged(joint1=0, joint2=0)) == pytest.approx(0.7)
+    assert distance(cell.evaluate(joint1=0, joint2=0)) == pytest.approx(0.7)
 
 
 def test_a_description_published_after_the_start_and_then_another(peer, start):
@@ -37,11 +37,11 @@ def test_a_description_published_after_the_start_and_then_another(peer, start):
 
     publisher = peer.latch(String(data=two_link.description()), topic)
     cell.has_model(1)
-    assert distance(cell.judged(joint1=0, joint2=0)) == pytest.approx(0.7)
+    assert distance(cell.evaluate(joint1=0, joint2=0)) == pytest.approx(0.7)
 
     publisher.publish(String(data=two_link.description_with_cube(0.8)))
     cell.has_model(2)
-    assert distance(cell.judged(joint1=0, joint2=0)) == pytest.approx(0.5)
+    assert distance(cell.evaluate(joint1=0, joint2=0)) == pytest.approx(0.5)
     # Every answer belongs to one model as a whole.
     for state in cell.states.all():
         if state.status == CollisionState.FREE:
@@ -65,7 +65,7 @@ def test_a_broken_description_keeps_the_model_and_is_reported(peer, start, broke
     publisher = peer.latch(String(data=two_link.description()), topic)
     cell = start(urdf=None, **options)
     cell.has_model()
-    assert distance(cell.judged(joint1=0, joint2=0)) == pytest.approx(0.7)
+    assert distance(cell.evaluate(joint1=0, joint2=0)) == pytest.approx(0.7)
 
     publisher.publish(broken if isinstance(broken, bytes) else String(data=broken))
 
@@ -75,7 +75,7 @@ def test_a_broken_description_keeps_the_model_and_is_reported(peer, start, broke
         )
 
     diagnostics.ever(complains, "a complaint about robot_description")
-    state = cell.judged(joint1=0, joint2=0)
+    state = cell.evaluate(joint1=0, joint2=0)
     assert distance(state) == pytest.approx(0.7)
     assert state.model_revision == 1
 
@@ -85,6 +85,6 @@ def test_a_file_on_the_command_line_wins_over_the_topic(peer, start):
     peer.latch(String(data=two_link.description_with_cube(0.8)), topic)
     cell = start(**options)
 
-    state = cell.judged(joint1=0, joint2=0)
+    state = cell.evaluate(joint1=0, joint2=0)
     assert distance(state) == pytest.approx(0.7)
     assert state.model_revision == 1

@@ -47,7 +47,7 @@ def test_every_class_is_one_of_rviz(config):
     assert {"rviz_default_plugins/RobotModel", "rviz_default_plugins/MarkerArray"} <= classes
 
 
-def test_what_it_listens_to_is_said_in_a_way_it_can_hear(config, peer, start):
+def test_subscribed_topics_are_published_with_compatible_qos(config, peer, start):
     node = start(name="clearance", namespace="").node
     displays = config["Visualization Manager"]["Displays"]
     arrays = [display["Topic"] for display in displays if display["Class"].endswith("/MarkerArray")]

@@ -29,10 +29,10 @@ def test_default_entries_of_the_srdf_are_reported_and_in_force(start, tmp_path):
 """
     )
     cell = start("--srdf", path, parameters=NEARBY)
-    cell.judged(**STRETCHED)
+    cell.evaluate(**STRETCHED)
     scene = SceneClient(cell)
-    told = scene.get("ALLOWED_COLLISION_MATRIX").allowed_collision_matrix
-    assert (list(told.default_entry_names), list(told.default_entry_values)) == (["tip"], [True])
+    reported = scene.get("ALLOWED_COLLISION_MATRIX").allowed_collision_matrix
+    assert (list(reported.default_entry_names), list(reported.default_entry_values)) == (["tip"], [True])
 
     # An obstacle that comes later, and an object that another link holds, may touch the tip.
     state = scene.change(ball("a", 2.0), attached("base", ball("part", 2.0), ["base"]))
@@ -44,11 +44,11 @@ def test_default_entries_of_the_srdf_are_reported_and_in_force(start, tmp_path):
     assert reasons["disabled by the SRDF's disable_default_collisions"] == 2
 
     # An enabled pair is checked all the same.
-    assert colliding(cell.judged(**ON_BASE)) == [{("link", "base"), ("link", "tip")}]
+    assert colliding(cell.evaluate(**ON_BASE)) == [{("link", "base"), ("link", "tip")}]
 
 
 
-def test_all_that_was_said_of_the_world_is_told(scene):
+def test_every_remark_about_the_world_is_reported(scene):
     thing = obstacle(
         "thing",
         (box(0.1, 0.2, 0.3), pose(0.1)),
@@ -60,23 +60,23 @@ def test_all_that_was_said_of_the_world_is_told(scene):
     )
     thing.type.key = "crate"
     scene.change(thing)
-    told = scene.obstacles()["thing"]
+    reported = scene.obstacles()["thing"]
 
-    assert told.header.frame_id == "base"
-    assert told.operation == thing.operation
-    assert told.type == thing.type
-    assert [(shape.type, list(shape.dimensions)) for shape in told.primitives] == [
+    assert reported.header.frame_id == "base"
+    assert reported.operation == thing.operation
+    assert reported.type == thing.type
+    assert [(shape.type, list(shape.dimensions)) for shape in reported.primitives] == [
         (shape.type, list(shape.dimensions)) for shape in thing.primitives
     ]
-    assert (told.meshes, told.planes) == (thing.meshes, thing.planes)
-    assert told.subframe_names == thing.subframe_names
+    assert (reported.meshes, reported.planes) == (thing.meshes, thing.planes)
+    assert reported.subframe_names == thing.subframe_names
     for field in ("primitive_poses", "mesh_poses", "plane_poses", "subframe_poses"):
-        assert_poses(getattr(told, field), getattr(thing, field))
-    assert_poses([told.pose], [thing.pose])
+        assert_poses(getattr(reported, field), getattr(thing, field))
+    assert_poses([reported.pose], [thing.pose])
 
 
-def assert_poses(told, said):
-    for one, other in zip(told, said, strict=True):
+def assert_poses(reported, said):
+    for one, other in zip(reported, said, strict=True):
         assert xyz(one.position) == pytest.approx(xyz(other.position), abs=1e-12)
         assert xyz(one.orientation) == pytest.approx(xyz(other.orientation), abs=1e-12)
 
@@ -103,25 +103,25 @@ def test_only_the_components_that_are_asked_for(cell, scene):
     assert not rows["base"].enabled[allowed.entry_names.index("tip")]
 
 
-def test_without_components_everything_is_told(scene):
+def test_without_components_everything_is_reported(scene):
     scene.change(diff(ball("a", 2.3), attached=[HELD]))
-    told = scene.get()
-    assert not told.is_diff
-    assert [item.id for item in told.world.collision_objects] == ["a"]
-    assert told.world.collision_objects[0].primitives
-    assert [held.object.id for held in told.robot_state.attached_collision_objects] == ["part"]
-    assert told.allowed_collision_matrix.entry_names
-    assert list(told.robot_state.joint_state.name) == list(JOINTS)
+    reported = scene.get()
+    assert not reported.is_diff
+    assert [item.id for item in reported.world.collision_objects] == ["a"]
+    assert reported.world.collision_objects[0].primitives
+    assert [held.object.id for held in reported.robot_state.attached_collision_objects] == ["part"]
+    assert reported.allowed_collision_matrix.entry_names
+    assert list(reported.robot_state.joint_state.name) == list(JOINTS)
 
 
-def test_what_was_told_can_be_applied_again(cell, scene):
+def test_a_published_scene_can_be_applied_again(cell, scene):
     scene.change(diff(ball("a", 2.3), attached=[HELD], padding={"tip": 0.01}))
-    before = cell.judged(**STRETCHED)
-    told = scene.get()
+    before = cell.evaluate(**STRETCHED)
+    reported = scene.get()
     scene.change(diff(ball("b", 2.1)))
-    assert scene.apply(told)
+    assert scene.apply(reported)
 
-    after = cell.judged(**STRETCHED)
+    after = cell.evaluate(**STRETCHED)
     assert after.world_revision > before.world_revision
     assert after.status == CollisionState.FREE
     assert distances(after) == pytest.approx(distances(before), abs=ACCURACY)
@@ -141,14 +141,14 @@ def test_a_scene_of_any_size_arrives_whole(scene, triangles):
         assert named.id == "strip"
 
 
-def test_a_fine_mesh_is_told_by_topic(cell, scene):
+def test_a_fine_mesh_is_reported_by_topic(cell, scene):
     monitored = cell.peer.record(PlanningScene, cell.node.relative("monitored_planning_scene"))
     cell.peer.wait_for(
         lambda: cell.peer.node.count_publishers(cell.node.relative("monitored_planning_scene")), "the topic"
     )
     scene.change(obstacle("strip", (fine_mesh(3000), pose(3))))
     monitored.ever(
-        lambda told: any(len(mesh.triangles) == 3000 for item in told.world.collision_objects for mesh in item.meshes),
+        lambda reported: any(len(mesh.triangles) == 3000 for item in reported.world.collision_objects for mesh in item.meshes),
         "the whole strip by topic",
     )
 
@@ -160,10 +160,10 @@ def test_a_scene_is_in_force_when_the_answer_comes(cell, scene):
     assert scene.apply(diff(ball("a", 2.15)))
     assert list(scene.obstacles()) == ["a"]
     assert not scene.validity(STRETCHED).valid
-    assert cell.judged(**STRETCHED).status == CollisionState.COLLIDING
+    assert cell.evaluate(**STRETCHED).status == CollisionState.COLLIDING
 
 
-def test_whoever_has_the_answer_asks_about_that_scene_and_hears_nothing_older(cell, scene):
+def test_a_check_after_a_scene_response_uses_that_scene(cell, scene):
     states, is_free = States(cell.peer, cell.node), cell.peer.record(Bool, cell.node.private("is_free"))
     is_free.ever(lambda _: True, "a first message")
     stretched = [list(STRETCHED.values())]
@@ -198,7 +198,7 @@ def test_an_empty_diff_succeeds_and_changes_nothing(scene):
     assert scene.get("WORLD_OBJECT_GEOMETRY").world == before.world
 
 
-def test_whoever_asks_at_once_hears_the_answer_to_what_he_asked(cell):
+def test_concurrent_requests_each_get_their_own_response(cell):
     clients = [SceneClient(cell) for _ in range(4)]
     for turn in range(8):
         scenes = [diff(ball(f"of_{number}", 5 + turn, number)) for number in range(len(clients))]
@@ -206,14 +206,14 @@ def test_whoever_asks_at_once_hears_the_answer_to_what_he_asked(cell):
             client.request(ApplyPlanningScene, "apply_planning_scene", ApplyPlanningScene.Request(scene=scene))
             for client, scene in zip(clients, scenes, strict=True)
         ]
-        assert all(cell.peer.result(answer).success for answer in applied)
+        assert all(cell.peer.result(response).success for response in applied)
         # no state is valid in a world that lags behind its messages: asked once they are in force
         valid = [(turn + number) % 2 == 0 for number in range(len(clients))]
         asked = [
             client.ask_validity(FOLDED if is_valid else ON_BASE)
             for client, is_valid in zip(clients, valid, strict=True)
         ]
-        assert [cell.peer.result(answer).valid for answer in asked] == valid
+        assert [cell.peer.result(response).valid for response in asked] == valid
         for client in clients:
             places = {name: xyz(item.pose.position)[:2] for name, item in client.obstacles().items()}
             assert places == {f"of_{number}": pytest.approx([5 + turn, number]) for number in range(len(clients))}

@@ -27,7 +27,7 @@ NOTHING = PairDistance()
 @pytest.fixture
 def cell(start):
     cell = start(parameters={"distance_limit": 2.0})
-    cell.judged(**STRETCHED)
+    cell.evaluate(**STRETCHED)
     return cell
 
 
@@ -49,7 +49,7 @@ def points(pair_distance):
 
 
 def test_the_state_has_both_distances_with_their_pairs_and_nearest_points(lit):
-    state = lit.judged(**STRETCHED)
+    state = lit.evaluate(**STRETCHED)
 
     assert state.self_distance == state.self_nearest.distance == pytest.approx(OF_SELF, abs=ACCURACY)
     assert names(state.self_nearest) == {"base", "tip"}
@@ -65,7 +65,7 @@ def test_the_state_has_both_distances_with_their_pairs_and_nearest_points(lit):
     assert state.nearest == state.self_nearest
 
     SceneClient(lit).change(ball("near", 2, 0.5))
-    state = lit.judged(**STRETCHED)
+    state = lit.evaluate(**STRETCHED)
     assert state.nearest == state.world_nearest and names(state.nearest) == {"tip", "near"}
     assert state.world_distance == pytest.approx(0.3, abs=ACCURACY)
     assert state.self_distance == pytest.approx(OF_SELF, abs=ACCURACY)
@@ -74,54 +74,54 @@ def test_the_state_has_both_distances_with_their_pairs_and_nearest_points(lit):
 def test_what_the_robot_holds_belongs_to_the_robot(lit):
     # from the end of the tip to the lamp: 0.5 between the balls, and beside the base where the arm is folded
     SceneClient(lit).change(attached("tip", ball("part", 1, 0.7, frame="tip"), ["tip"]))
-    state = lit.judged(**STRETCHED)
+    state = lit.evaluate(**STRETCHED)
     assert names(state.world_nearest) == {"part", "lamp"}
     assert BodyPair.ATTACHED in (state.world_nearest.pair.type_a, state.world_nearest.pair.type_b)
     assert state.world_distance == pytest.approx(0.5, abs=ACCURACY)
 
-    state = lit.judged(**ONTO)
+    state = lit.evaluate(**ONTO)
     assert {"base", "part"} not in [{pair.body_a, pair.body_b} for pair in state.colliding_pairs]
     assert state.self_distance == 0
 
 
 def test_a_collision_is_at_distance_zero_and_the_other_distance_stays(lit):
-    state = lit.judged(**ONTO)
+    state = lit.evaluate(**ONTO)
     assert state.status == CollisionState.COLLIDING
     assert (state.self_distance, state.self_nearest.distance) == (0, 0)
     assert names(state.self_nearest) == {"base", "tip"}
     assert 0 < state.world_distance < 2
 
     SceneClient(lit).change(ball("onto_tip", 2, 0.15))
-    state = lit.judged(**STRETCHED)
+    state = lit.evaluate(**STRETCHED)
     assert state.status == CollisionState.COLLIDING
     assert (state.world_distance, names(state.world_nearest)) == (0, {"tip", "onto_tip"})
     assert state.self_distance == pytest.approx(OF_SELF, abs=ACCURACY)
 
 
 def test_what_is_not_there_is_infinitely_far_and_what_is_unknown_is_no_number(cell):
-    state = cell.judged(**STRETCHED)
+    state = cell.evaluate(**STRETCHED)
     assert (state.world_distance, state.world_nearest) == (inf, NOTHING)
     assert state.self_distance == pytest.approx(OF_SELF, abs=ACCURACY)
 
     SceneClient(cell).change(LAMP)
     cell.parameters.succeed(distance_limit=1.0)
-    state = cell.judged(**STRETCHED)
+    state = cell.evaluate(**STRETCHED)
     assert (state.world_distance, state.world_nearest) == (inf, NOTHING)
     cell.parameters.succeed(distance_limit=0.5)
-    state = cell.judged(**STRETCHED)
+    state = cell.evaluate(**STRETCHED)
     assert (state.self_distance, state.self_nearest, state.distance_known) == (inf, NOTHING, False)
 
-    state = cell.judged(joint1=0, joint2=nan)
+    state = cell.evaluate(joint1=0, joint2=nan)
     assert state.status == CollisionState.UNKNOWN
     assert isnan(state.self_distance) and isnan(state.world_distance)
     assert (state.self_nearest, state.world_nearest) == (NOTHING, NOTHING)
 
 
-def test_the_topics_tell_the_distances_of_every_state(lit):
+def test_the_topics_report_the_distances_of_every_state(lit):
     companions = Companions(lit)
-    first = lit.judged(**STRETCHED)
+    first = lit.evaluate(**STRETCHED)
     for positions in (ONTO, FOLDED, STRETCHED | {"joint2": nan}, STRETCHED):
-        lit.judged(**positions)
+        lit.evaluate(**positions)
 
     for state in [first, *lit.states.after(first)]:
         said = companions.of(state)
@@ -133,7 +133,7 @@ def test_the_topics_tell_the_distances_of_every_state(lit):
     assert companions.of(first)["world_distance"] == pytest.approx(OF_WORLD, abs=ACCURACY)
 
 
-def test_heartbeats_tell_them_too(lit):
+def test_heartbeats_report_them_too(lit):
     companions = Companions(lit)
     lit.falls_silent()
     state = lit.state_now()
@@ -146,7 +146,7 @@ def markers_of(array, namespace):
 
 def test_markers_show_both_nearest_pairs(lit):
     recorded = lit.peer.record(MarkerArray, lit.node.private("markers"))
-    lit.judged(**STRETCHED)
+    lit.evaluate(**STRETCHED)
     array = recorded.ever(lambda array: markers_of(array, "world_distance"), "markers of the nearest pairs")
     for kind, text, ends in [
         ("self", "self 0.700 m", ((0.2, 0), (0.9, 0))),
@@ -158,7 +158,7 @@ def test_markers_show_both_nearest_pairs(lit):
         for end, expected in zip(found, ends, strict=True):
             assert end == pytest.approx(expected, abs=1e-4)
 
-    lit.judged(**ONTO)
+    lit.evaluate(**ONTO)
     array = recorded.ever(
         lambda array: any((m.ns, m.action) == ("self_distance", Marker.DELETE) for m in array.markers),
         "the line is taken away where the robot touches itself",
@@ -166,44 +166,44 @@ def test_markers_show_both_nearest_pairs(lit):
     assert markers_of(array, "colliding_links")
 
 
-def test_diagnostics_tell_both(lit):
+def test_diagnostics_report_both(lit):
     recorded = lit.peer.record(DiagnosticArray, "/diagnostics")
     node = lit.node.private("").strip("/")
 
-    def told(array):
+    def reported(array):
         for status in array.status:
             values = {item.key: item.value for item in status.values}
             if status.name.startswith(node) and values.get("world distance (m)", "inf") not in ("inf", "NaN"):
                 return values
         return None
 
-    values = told(recorded.ever(told, "diagnostics with a distance from the world"))
+    values = reported(recorded.ever(reported, "diagnostics with a distance from the world"))
     assert float(values["self distance (m)"]) == pytest.approx(OF_SELF, abs=1e-4)
     assert float(values["world distance (m)"]) == pytest.approx(OF_WORLD, abs=1e-4)
 
 
-def pair_of(answer, kind, i):
-    indices = (getattr(answer, f"{kind}_pair_a")[i], getattr(answer, f"{kind}_pair_b")[i])
-    return [answer.bodies[index] for index in indices if index >= 0]
+def pair_of(response, kind, i):
+    indices = (getattr(response, f"{kind}_pair_a")[i], getattr(response, f"{kind}_pair_b")[i])
+    return [response.bodies[index] for index in indices if index >= 0]
 
 
 def test_a_batch_of_states_has_both_distances_of_each(lit):
     questions = States(lit.peer, lit.node)
     states = [(0, 0), (0, pi), (0, 5 * pi / 6)]
-    answer = questions.check(states, with_distance=True)
-    assert list(answer.self_distances) == pytest.approx([OF_SELF, 0, 0.2], abs=ACCURACY)
+    response = questions.check(states, with_distance=True)
+    assert list(response.self_distances) == pytest.approx([OF_SELF, 0, 0.2], abs=ACCURACY)
     # from the elbow, of radius 0.1 at (1, 0), to the lamp: sqrt(1 + 1.4²) between the centres
     folded = sqrt(1 + 1.4**2) - 0.2
-    assert list(answer.world_distances) == pytest.approx([OF_WORLD, folded, folded], abs=0.02)
+    assert list(response.world_distances) == pytest.approx([OF_WORLD, folded, folded], abs=0.02)
     for i in range(3):
-        assert set(pair_of(answer, "self", i)) == {"base", "tip"}
-        body, obstacle = pair_of(answer, "world", i)
+        assert set(pair_of(response, "self", i)) == {"base", "tip"}
+        body, obstacle = pair_of(response, "world", i)
         assert obstacle == "lamp" and body in ("tip", "upper")
-    assert list(answer.distances) == list(answer.self_distances)
+    assert list(response.distances) == list(response.self_distances)
 
     limited = questions.check(states, with_distance=True, distance_limit=1.0)
     assert all(map(isinf, limited.world_distances)) and list(limited.world_pair_a) == [-1] * 3
-    assert list(limited.self_distances) == list(answer.self_distances)
+    assert list(limited.self_distances) == list(response.self_distances)
     late = questions.check(states, with_distance=True, timeout=1e-9)
     assert all(map(isnan, late.self_distances)) and all(map(isnan, late.world_distances))
     assert list(late.self_pair_b) == list(late.world_pair_b) == [-1] * 3
@@ -214,11 +214,11 @@ def test_a_batch_of_states_has_both_distances_of_each(lit):
 
 def test_the_distances_of_a_state_begin_with_the_nearest_of_either_kind(lit):
     questions = States(lit.peer, lit.node)
-    state = lit.judged(**STRETCHED)
-    for answer in (questions.distances(), questions.distances((0, 0), max_pairs=1)):
-        assert answer.self_distance == pytest.approx(OF_SELF, abs=ACCURACY)
-        assert answer.world_distance == pytest.approx(OF_WORLD, abs=ACCURACY)
-        assert (answer.self_nearest, answer.world_nearest) == (state.self_nearest, state.world_nearest)
+    state = lit.evaluate(**STRETCHED)
+    for response in (questions.distances(), questions.distances((0, 0), max_pairs=1)):
+        assert response.self_distance == pytest.approx(OF_SELF, abs=ACCURACY)
+        assert response.world_distance == pytest.approx(OF_WORLD, abs=ACCURACY)
+        assert (response.self_nearest, response.world_nearest) == (state.self_nearest, state.world_nearest)
 
     near = questions.distances((0, 0), max_distance=1.0)
     assert (near.world_distance, near.world_nearest) == (inf, NOTHING)
@@ -233,6 +233,6 @@ def test_the_distances_of_a_state_begin_with_the_nearest_of_either_kind(lit):
 
 def test_a_robot_alone_in_the_dark(cell):
     """Without obstacles nothing is told of the world, and nothing else changes."""
-    answer = States(cell.peer, cell.node).check([(0, 0)], with_distance=True)
-    assert (list(answer.world_distances), list(answer.world_pair_a)) == ([inf], [-1])
-    assert list(answer.distances) == list(answer.self_distances)
+    response = States(cell.peer, cell.node).check([(0, 0)], with_distance=True)
+    assert (list(response.world_distances), list(response.world_pair_a)) == ([inf], [-1])
+    assert list(response.distances) == list(response.self_distances)

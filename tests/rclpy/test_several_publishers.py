@@ -64,7 +64,7 @@ def test_a_driver_that_starts_anew_takes_its_place(shoulder):
 
 def test_the_gripper_of_another_robot_makes_nothing_partial(cell):
     diagnostics = cell.peer.record(DiagnosticArray, "/diagnostics")
-    cell.judged(joint1=0, joint2=0)
+    cell.evaluate(joint1=0, joint2=0)
     with driver(cell, left_finger=0.02, right_finger=0.02):
         state = cell.states.ever(lambda state: state.warnings, "a warning")
         assert "'left_finger' and 'right_finger'" in state.warnings[0]

@@ -38,10 +38,10 @@ class Bag:
         with self._lock:
             self._time += self.step
             stamp = Time(nanoseconds=round(self._time * 1e9))
-        tell = [lambda: self._clock.publish(Clock(clock=stamp.to_msg()))]
+        send = [lambda: self._clock.publish(Clock(clock=stamp.to_msg()))]
         if self.drives:
-            tell.append(lambda: self._cell.driver.publish(ZERO, stamp))
-        for publish in tell if self.clock_first else reversed(tell):
+            send.append(lambda: self._cell.driver.publish(ZERO, stamp))
+        for publish in send if self.clock_first else reversed(send):
             publish()
 
     def play(self):
@@ -78,7 +78,7 @@ def free_after(cell, time):
     )
 
 
-def test_a_bag_that_is_played_twenty_times_as_fast_is_judged_all_the_time(bag):
+def test_a_bag_that_is_played_twenty_times_as_fast_is_evaluated_all_the_time(bag):
     bag.step = 0.2
     first = bag.cell.state_now()
     bag.reaches(END)
@@ -113,7 +113,7 @@ def test_a_bag_that_is_paused_is_not_free_for_ever(bag, clock):
 
 
 @pytest.mark.parametrize("clock_first", [True, False], ids=["the clock first", "the joint states first"])
-def test_a_bag_that_begins_again_is_judged_again(bag, clock_first):
+def test_a_bag_that_begins_again_is_evaluated_again(bag, clock_first):
     bag.clock_first = clock_first
     bag.step = 0.2
     for _ in range(3):

@@ -58,7 +58,7 @@ def demo(start):
     """The demo robot in its world, under the names that the pages use."""
     arguments = ["--srdf", "urdf/demo_arm/demo_arm.srdf", "--world", "config/demo_world.yaml"]
     cell = start(*arguments, urdf=Path("urdf/demo_arm/demo_arm.urdf"), name="clearance", namespace="")
-    cell.judged(**POSE)
+    cell.evaluate(**POSE)
     return cell
 
 

@@ -56,7 +56,7 @@ def test_what_is_near_is_slowed_in_proportion(slowing):
     assert sin(0.38) - 0.3 < STOP
     speed.becomes(0.0)
     # pairs that slow the robot down are told, beyond the influence distance too
-    assert cell.judged(**NEAR).pair_distances
+    assert cell.evaluate(**NEAR).pair_distances
 
 
 def test_what_approaches_is_slower_and_what_moves_away_is_free(slowing):
@@ -74,11 +74,11 @@ def test_what_approaches_is_slower_and_what_moves_away_is_free(slowing):
 
 def test_without_knowledge_there_is_no_speed(slowing):
     cell, speed = slowing
-    cell.judged(**FAR)
+    cell.evaluate(**FAR)
     speed.becomes(1.0)
-    cell.judged(**TOUCHING)
+    cell.evaluate(**TOUCHING)
     speed.becomes(0.0)
-    cell.judged(**FAR)
+    cell.evaluate(**FAR)
     speed.becomes(1.0)
     cell.grows_old()
     cell.driver.pause()
@@ -98,15 +98,15 @@ def test_without_knowledge_there_is_no_speed(slowing):
 def test_the_counts_keep_the_speed_from_chattering(slowing):
     cell, speed = slowing
     cell.parameters.succeed(slowdown_trigger_count=1000, slowdown_release_count=1)
-    cell.judged(**FAR)
+    cell.evaluate(**FAR)
     speed.becomes(1.0)
-    cell.judged(**NEAR)
+    cell.evaluate(**NEAR)
     speed.stays_within(1.0, 1.0)
     # a collision does not wait for a thousand states
-    cell.judged(**TOUCHING)
+    cell.evaluate(**TOUCHING)
     speed.becomes(0.0)
     cell.parameters.succeed(slowdown_trigger_count=1, slowdown_release_count=1000)
-    cell.judged(**FAR)
+    cell.evaluate(**FAR)
     speed.stays_within(0.0, 0.0)
     cell.parameters.succeed(slowdown_release_count=3)
     speed.becomes(1.0)
@@ -116,7 +116,7 @@ def test_thresholds_of_the_world_are_its_own(start):
     cell = start("--world", "tests/rclpy/beacon.yaml", parameters=SETTINGS)
     speed = Speed(cell)
     # the ball is 0.1 before the beacon, and the robot 0.7 from itself
-    assert cell.judged(**FAR).status == CollisionState.FREE
+    assert cell.evaluate(**FAR).status == CollisionState.FREE
     speed.becomes(1.0)
     cell.parameters.succeed(slowdown_distance_world=0.2)
     speed.becomes(0.5)

@@ -29,24 +29,24 @@ def witness_points(pair_distance):
     return {pair_distance.pair.body_a: on_a, pair_distance.pair.body_b: on_b}
 
 
-@pytest.mark.parametrize("answer", two_link.FREE, ids=str)
-def test_a_free_state_has_its_distance_pair_and_witness_points(cell, answer):
-    state = cell.judged(joint1=answer.joint1, joint2=answer.joint2)
+@pytest.mark.parametrize("response", two_link.FREE, ids=str)
+def test_a_free_state_has_its_distance_pair_and_witness_points(cell, response):
+    state = cell.evaluate(joint1=response.joint1, joint2=response.joint2)
 
     assert state.status == CollisionState.FREE
     assert state.colliding_pairs == []
     assert state.distance_known
-    assert state.nearest.distance == pytest.approx(answer.distance, abs=ACCURACY)
+    assert state.nearest.distance == pytest.approx(response.distance, abs=ACCURACY)
     assert links(state.nearest.pair) == {"base", "tip"}
     # Where the distance is flat to first order, points are known to the square root of the distance's accuracy.
     witnesses = witness_points(state.nearest)
-    assert witnesses["base"] == pytest.approx((*answer.on_base, 0), abs=1e-4)
-    assert witnesses["tip"] == pytest.approx((*answer.on_tip, 0), abs=1e-4)
+    assert witnesses["base"] == pytest.approx((*response.on_base, 0), abs=1e-4)
+    assert witnesses["tip"] == pytest.approx((*response.on_tip, 0), abs=1e-4)
 
 
 @pytest.mark.parametrize(("joint1", "joint2"), two_link.COLLIDING)
 def test_a_colliding_state_names_the_pair(cell, joint1, joint2):
-    state = cell.judged(joint1=joint1, joint2=joint2)
+    state = cell.evaluate(joint1=joint1, joint2=joint2)
 
     assert state.status == CollisionState.COLLIDING
     assert [links(pair) for pair in state.colliding_pairs] == [{"base", "tip"}]
@@ -56,8 +56,8 @@ def test_a_colliding_state_names_the_pair(cell, joint1, joint2):
 
 
 def test_the_status_changes_where_the_ball_reaches_the_cube(cell):
-    before = cell.judged(joint1=0, joint2=two_link.FIRST_TOUCH - 1e-6)
-    after = cell.judged(joint1=0, joint2=two_link.FIRST_TOUCH + 1e-6)
+    before = cell.evaluate(joint1=0, joint2=two_link.FIRST_TOUCH - 1e-6)
+    after = cell.evaluate(joint1=0, joint2=two_link.FIRST_TOUCH + 1e-6)
 
     assert before.status == CollisionState.FREE
     assert 0 < before.nearest.distance < 2e-6
@@ -65,8 +65,8 @@ def test_the_status_changes_where_the_ball_reaches_the_cube(cell):
 
 
 def test_pair_distances_are_those_within_the_influence_distance(cell):
-    near = cell.judged(joint1=0, joint2=5 * pi / 6)
-    far = cell.judged(joint1=0, joint2=0)
+    near = cell.evaluate(joint1=0, joint2=5 * pi / 6)
+    far = cell.evaluate(joint1=0, joint2=0)
 
     assert [pair.distance for pair in near.pair_distances] == [pytest.approx(0.2, abs=ACCURACY)]
     assert near.pair_distances[0].pair == near.nearest.pair
@@ -74,8 +74,8 @@ def test_pair_distances_are_those_within_the_influence_distance(cell):
     assert far.nearest.distance == pytest.approx(0.7, abs=ACCURACY)
 
 
-def test_a_state_says_what_was_judged_and_how(cell):
-    state = cell.judged(joint1=0, joint2=0)
+def test_a_state_says_what_was_evaluated_and_how(cell):
+    state = cell.evaluate(joint1=0, joint2=0)
 
     assert state.header.frame_id == "base"
     assert state.reason == state.reason_code == ""
@@ -90,16 +90,16 @@ def test_a_state_says_what_was_judged_and_how(cell):
     assert state.fidelity == "mesh"
 
 
-def test_the_stamp_is_that_of_the_judged_joint_state(cell):
-    cell.judged(joint1=0, joint2=0)
+def test_the_stamp_is_that_of_the_evaluated_joint_state(cell):
+    cell.evaluate(joint1=0, joint2=0)
     state = cell.evaluated({"joint1": 0, "joint2": pi})
     cell.driver.resume()
     assert state.status == CollisionState.COLLIDING
 
 
-def test_every_joint_state_is_judged_that_comes_when_the_last_one_is(cell):
+def test_every_joint_state_is_evaluated_that_comes_when_the_last_one_is(cell):
     """Those that come faster are merged, and counted in the diagnostics."""
-    cell.judged(joint1=0, joint2=0)
+    cell.evaluate(joint1=0, joint2=0)
     cell.driver.pause()
     for number in range(50):
         stamp = cell.peer.now()
@@ -111,9 +111,9 @@ def test_every_joint_state_is_judged_that_comes_when_the_last_one_is(cell):
 def test_the_standard_types_say_the_same(cell):
     """With every state, whatever it is: FREE, COLLIDING or UNKNOWN."""
     companions = Companions(cell)
-    first = cell.judged(joint1=0, joint2=0)
+    first = cell.evaluate(joint1=0, joint2=0)
     for joint2 in (pi, 5 * pi / 6, nan, 0):
-        cell.judged(joint1=0, joint2=joint2)
+        cell.evaluate(joint1=0, joint2=joint2)
 
     states = [first, *cell.states.after(first)]
     assert {state.status for state in states} == {CollisionState.FREE, CollisionState.COLLIDING, CollisionState.UNKNOWN}

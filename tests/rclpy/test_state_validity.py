@@ -14,7 +14,7 @@ from two_link import description, description_with_fine_base
 from two_link_srdf import ACCURACY, FOLDED, HELD, ON_BASE, STRETCHED, cell  # noqa: F401 (a fixture)
 
 
-def contacts(answer):
+def contacts(response):
     kinds = {
         ContactInformation.ROBOT_LINK: "link",
         ContactInformation.WORLD_OBJECT: "obstacle",
@@ -22,30 +22,30 @@ def contacts(answer):
     }
     return [
         {(kinds[contact.body_type_1], contact.contact_body_1), (kinds[contact.body_type_2], contact.contact_body_2)}
-        for contact in answer.contacts
+        for contact in response.contacts
     ]
 
 
 def test_a_free_state_is_valid(scene):
-    answer = scene.validity(FOLDED)
-    assert answer.valid
-    assert answer.contacts == []
+    response = scene.validity(FOLDED)
+    assert response.valid
+    assert response.contacts == []
 
 
 def test_a_colliding_state_has_a_contact_for_each_pair(scene):
     scene.change(ball("a", 0.2, 0, 0.3, radius=0.15))
-    answer = scene.validity(ON_BASE)
+    response = scene.validity(ON_BASE)
 
-    assert not answer.valid
-    touching = contacts(answer)
+    assert not response.valid
+    touching = contacts(response)
     assert {("link", "base"), ("link", "tip")} in touching
     assert {("link", "base"), ("obstacle", "a")} in touching
-    for contact in answer.contacts:
+    for contact in response.contacts:
         assert contact.header.frame_id == "base"
         assert contact.depth >= 0
         assert sum(number * number for number in xyz(contact.normal)) == pytest.approx(1)
     # of each pair, the deepest contact comes first
-    of_bodies = {(contact.contact_body_1, contact.contact_body_2): contact for contact in reversed(answer.contacts)}
+    of_bodies = {(contact.contact_body_1, contact.contact_body_2): contact for contact in reversed(response.contacts)}
     # the ball at the tip is in the middle of the cube
     assert of_bodies["base", "tip"].depth == pytest.approx(0.3)
     assert all(abs(number) <= 0.3 for number in xyz(of_bodies["base", "tip"].position))
@@ -72,16 +72,16 @@ def test_a_mesh_has_a_depth_and_a_normal(scene):
 
 
 def test_a_partial_state_overlays_the_current_one(cell, scene):
-    cell.judged(**ON_BASE)
+    cell.evaluate(**ON_BASE)
     assert not scene.validity({"joint1": 0.3}).valid
     assert scene.validity({"joint2": 0}).valid
     assert not scene.validity().valid
-    cell.judged(**STRETCHED)
+    cell.evaluate(**STRETCHED)
     assert scene.validity().valid
     assert not scene.validity({"joint2": pi}).valid
 
 
-def test_a_group_is_judged_by_the_links_that_it_moves(scene):
+def test_a_group_is_evaluated_by_the_links_that_it_moves(scene):
     # On the bar of the upper link, far from the tip.
     scene.change(ball("a", 0.5, 0, 0.06, radius=0.05))
     assert not scene.validity(STRETCHED).valid
@@ -93,9 +93,9 @@ def test_a_group_is_judged_by_the_links_that_it_moves(scene):
 def test_an_unknown_group_is_an_error(scene):
     assert scene.validity(STRETCHED).valid
     scene.complaints.forget()
-    answer = scene.validity(STRETCHED, group="elbow")
-    assert not answer.valid
-    assert answer.contacts == []
+    response = scene.validity(STRETCHED, group="elbow")
+    assert not response.valid
+    assert response.contacts == []
     scene.complaints.wait_for("elbow")
 
 
@@ -104,11 +104,11 @@ def test_an_unknown_group_is_an_error(scene):
     [({"joint1": 0, "joint2": nan}, "joint2"), ({"joint1": 0, "gripper": 0}, "gripper")],
     ids=["no number", "unknown joint"],
 )
-def test_a_state_that_cannot_be_judged_is_not_valid(scene, joints, named):
+def test_a_state_that_cannot_be_evaluated_is_not_valid(scene, joints, named):
     scene.complaints.forget()
-    answer = scene.validity(joints)
-    assert not answer.valid
-    assert answer.contacts == []
+    response = scene.validity(joints)
+    assert not response.valid
+    assert response.contacts == []
     scene.complaints.wait_for(named)
 
 
@@ -130,9 +130,9 @@ def test_a_state_of_a_wrong_form_is_not_valid(cell, scene, names, positions, com
     request = GetStateValidity.Request()
     request.robot_state.is_diff = True
     request.robot_state.joint_state.name, request.robot_state.joint_state.position = names, positions
-    answer = scene.call(GetStateValidity, "check_state_validity", request)
-    assert not answer.valid
-    assert answer.contacts == []
+    response = scene.call(GetStateValidity, "check_state_validity", request)
+    assert not response.valid
+    assert response.contacts == []
     assert len(scene.complaints.wait_for("check_state_validity", complaint)) < 1000
     assert scene.validity(STRETCHED).valid
 
@@ -140,9 +140,9 @@ def test_a_state_of_a_wrong_form_is_not_valid(cell, scene, names, positions, com
 def test_many_attached_objects_of_a_request_are_all_honoured(scene):
     parts = [attached("tip", ball(f"part{i}", 1, 0.4, radius=0.05, frame="tip"), ["tip"]) for i in range(1000)]
     assert scene.validity(STRETCHED, attached=parts).valid
-    answer = scene.validity(FOLDED, attached=parts)
-    assert not answer.valid
-    assert 0 < len(answer.contacts) < len(parts), "the answer does not grow with the request"
+    response = scene.validity(FOLDED, attached=parts)
+    assert not response.valid
+    assert 0 < len(response.contacts) < len(parts), "the answer does not grow with the request"
 
 
 def test_positions_outside_the_limits_are_no_contact(scene):
@@ -152,9 +152,9 @@ def test_positions_outside_the_limits_are_no_contact(scene):
 
 def test_an_attached_object_of_the_request_is_honoured(cell, scene):
     assert scene.validity(FOLDED).valid
-    answer = scene.validity(FOLDED, attached=[HELD])
-    assert not answer.valid
-    assert contacts(answer) == [{("link", "base"), ("attached", "part")}]
+    response = scene.validity(FOLDED, attached=[HELD])
+    assert not response.valid
+    assert contacts(response) == [{("link", "base"), ("attached", "part")}]
     # It was a question: the robot holds nothing.
     assert scene.validity(FOLDED).valid
     assert scene.get("ROBOT_STATE_ATTACHED_OBJECTS").robot_state.attached_collision_objects == []
@@ -170,12 +170,12 @@ def test_a_whole_state_holds_only_what_it_says(cell, scene):
 
 def test_what_a_request_takes_up_from_the_world_is_taken_up_where_the_robot_is_now(cell, scene):
     """Ahead of the tip; asked about a state in which that is elsewhere, it is elsewhere too."""
-    cell.judged(**STRETCHED)
+    cell.evaluate(**STRETCHED)
     scene.change(ball("part", 2.3), ball("wall", 0, 2.3))
     upright = {"joint1": pi / 2, "joint2": 0}
     assert scene.validity(upright).valid
-    answer = scene.validity(upright, attached=[attached("tip", "part")])
-    assert contacts(answer) == [{("obstacle", "wall"), ("attached", "part")}]
+    response = scene.validity(upright, attached=[attached("tip", "part")])
+    assert contacts(response) == [{("obstacle", "wall"), ("attached", "part")}]
 
 
 def test_what_a_request_lets_go_is_gone(cell, scene):
@@ -187,8 +187,8 @@ def test_what_a_request_lets_go_is_gone(cell, scene):
 
 
 def test_a_broken_attached_object_makes_the_state_invalid(scene):
-    answer = scene.validity(STRETCHED, attached=[attached("hand", ball("part", 1))])
-    assert not answer.valid
+    response = scene.validity(STRETCHED, attached=[attached("hand", ball("part", 1))])
+    assert not response.valid
 
 
 def test_constraints_are_never_passed_over(scene):
@@ -219,7 +219,7 @@ def test_nothing_is_valid_while_the_model_is_swapped(peer, start, tmp_path):
     cell = start("--package-path", tmp_path, urdf=None, namespace="/swapped")
     scene = SceneClient(cell)
     cell.has_model()
-    cell.judged(**STRETCHED)
+    cell.evaluate(**STRETCHED)
     assert scene.validity(STRETCHED).valid
     publisher.publish(String(data=description_with_fine_base(tmp_path)))
     cell.unknown("model_swap")
@@ -227,7 +227,7 @@ def test_nothing_is_valid_while_the_model_is_swapped(peer, start, tmp_path):
     assert not scene.validity(STRETCHED).valid
     scene.complaints.wait_for("check_state_validity", "its model is still being built")
     cell.has_model(2)
-    cell.judged(**STRETCHED)
+    cell.evaluate(**STRETCHED)
     assert scene.validity(STRETCHED).valid
 
 
@@ -245,38 +245,38 @@ def test_the_states_go_on_while_many_ask_at_once(cell):
     start = cell.state_now()
     for turn in range(20):
         asked = [(client.ask_validity(FOLDED if number % 2 else ON_BASE), number % 2) for number, client in enumerate(clients, turn)]
-        for answer, valid in asked:
-            assert cell.peer.result(answer).valid == valid
+        for response, valid in asked:
+            assert cell.peer.result(response).valid == valid
     after = cell.peer.wait_for(lambda: cell.states.after(start), "states meanwhile")
     assert {state.status for state in after} == {CollisionState.FREE}
-    assert distance(cell.judged(**FOLDED), "base", "tip") == pytest.approx(0.2, abs=ACCURACY)
+    assert distance(cell.evaluate(**FOLDED), "base", "tip") == pytest.approx(0.2, abs=ACCURACY)
 
 
 MOST_WAITING = 64  # requests
 
 
-def test_who_asks_when_too_many_wait_is_told_that_nothing_is_valid(start):
+def test_a_request_while_too_many_wait_is_answered_as_not_valid(start):
     """With so many obstacles a request that holds something takes longer than it takes to come."""
     cell = start()
     scene = SceneClient(cell)
-    cell.judged(**STRETCHED)
+    cell.evaluate(**STRETCHED)
     ring = [pose(3 * cos(angle), 3 * sin(angle)) for angle in (2 * pi * i / 3000 for i in range(3000))]
     assert scene.apply(diff(*(obstacle(f"ball {i}", sphere(0.1), at=at) for i, at in enumerate(ring))))
     assert scene.validity(STRETCHED, attached=[HELD]).valid
     scene.complaints.forget()
     start = cell.state_now()
     asked = []
-    rejected = lambda: any(answer.done() and not answer.result().valid for answer in asked)
+    rejected = lambda: any(response.done() and not response.result().valid for response in asked)
     # more at a time than may wait, but no more than the network library holds while the node gets no processor
-    is_next = lambda: rejected() or sum(not answer.done() for answer in asked) < MOST_WAITING + 4
+    is_next = lambda: rejected() or sum(not response.done() for response in asked) < MOST_WAITING + 4
     while not rejected():
         asked.append(scene.ask_validity(STRETCHED, attached=[HELD]))
         cell.peer.wait_for(is_next, "an answer")
-    answers = [cell.peer.result(answer) for answer in asked]
+    responses = [cell.peer.result(response) for response in asked]
 
-    refused = [answer for answer in answers if not answer.valid]
-    assert refused and len(answers) - len(refused) >= MOST_WAITING
-    assert all(answer.contacts == [] for answer in refused)
+    invalid = [response for response in responses if not response.valid]
+    assert invalid and len(responses) - len(invalid) >= MOST_WAITING
+    assert all(response.contacts == [] for response in invalid)
     scene.complaints.wait_for("check_state_validity", "64 requests are waiting already")
     after = cell.peer.wait_for(lambda: cell.states.after(start), "states: the monitor went on")
     assert {state.status for state in after} == {CollisionState.FREE}

@@ -95,7 +95,7 @@ def test_ctrl_c_leaves_one_table_behind(domain_id):
 
 
 @pytest.mark.parametrize("world", ["nowhere.yaml", "Cargo.toml"])
-def test_the_address_of_a_view_that_is_never_served_is_not_told(domain_id, world):
+def test_the_address_of_a_view_that_is_never_served_is_not_reported(domain_id, world):
     command = [BINARY, "node", "--urdf", "urdf/two_link/two_link.urdf", "--world", world, "--view", "0"]
     environment = environment_of_node(domain_id, {})
     result = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=EXIT_DEADLINE)

@@ -65,7 +65,7 @@ class Load:
     def described(self, *arguments, **options):
         """A node that has judged its robot."""
         cell = self.start(*arguments, **options)
-        assert cell.judged(joint1=0, joint2=0).status == CollisionState.FREE
+        assert cell.evaluate(joint1=0, joint2=0).status == CollisionState.FREE
         return cell
 
 
@@ -177,7 +177,7 @@ class BlockedPipe(Load):
     def __enter__(self):
         self.output, pipe = os.pipe()
         self.cell = self.start(output=pipe)
-        self.cell.judged(joint1=0, joint2=0)
+        self.cell.evaluate(joint1=0, joint2=0)
         fcntl.fcntl(pipe, fcntl.F_SETFL, os.O_NONBLOCK)
         try:
             while True:

@@ -57,7 +57,7 @@ def test_the_time_to_contact_of_a_collision_is_zero_and_without_velocities_it_is
 
 def test_the_look_ahead_is_off_unless_it_is_asked_for(cell):
     cell.driver.velocities = (0, 0)
-    state = cell.judged(joint1=0, joint2=0)
+    state = cell.evaluate(joint1=0, joint2=0)
     cell.driver.velocities = ()
 
     assert not state.time_to_contact_known

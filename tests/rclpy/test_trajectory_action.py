@@ -68,7 +68,7 @@ class Goals:
 
 @pytest.fixture
 def goals(peer, cell):
-    cell.judged(joint1=0, joint2=0)
+    cell.evaluate(joint1=0, joint2=0)
     return Goals(peer, cell.node)
 
 
@@ -112,7 +112,7 @@ def test_a_bad_goal_is_aborted_with_the_reason(goals):
         assert named in ended.result.message
 
 
-def test_progress_is_told_and_grows(peer, goals):
+def test_progress_is_reported_and_grows(peer, goals):
     handle, feedback = goals.send(turning(SEGMENTS))
     peer.wait_for(lambda: len(feedback) >= 3, "progress")
     goals.cancel(handle)
@@ -129,8 +129,8 @@ def test_progress_is_told_and_grows(peer, goals):
 def test_a_cancelled_check_stops_with_what_is_known(peer, cell, goals):
     handle, feedback = goals.send(turning(SEGMENTS))
     peer.wait_for(lambda: feedback and feedback[-1].segments_free >= 1, "the first segment")
-    answer = goals.cancel(handle)
-    assert [bytes(goal.goal_id.uuid) for goal in answer.goals_canceling] == [bytes(handle.goal_id.uuid)]
+    response = goals.cancel(handle)
+    assert [bytes(goal.goal_id.uuid) for goal in response.goals_canceling] == [bytes(handle.goal_id.uuid)]
     ended = goals.result(handle)
 
     assert ended.status == GoalStatus.STATUS_CANCELED
@@ -163,10 +163,10 @@ def test_a_goal_that_waits_is_cancelled_at_once(peer, goals):
 def test_what_has_ended_cannot_be_cancelled(goals):
     handle, _ = goals.send(trajectory((0, 0), (1, 0)))
     goals.result(handle)
-    answer = goals.cancel(handle)
+    response = goals.cancel(handle)
 
-    assert answer.return_code == answer.ERROR_GOAL_TERMINATED
-    assert answer.goals_canceling == []
+    assert response.return_code == response.ERROR_GOAL_TERMINATED
+    assert response.goals_canceling == []
     # The result is kept for who asks once more.
     assert goals.result(handle).status == GoalStatus.STATUS_SUCCEEDED
 

@@ -32,7 +32,7 @@ class Localization:
         turn.z, turn.w = sin(theta / 2), cos(theta / 2)
         self._publisher.publish(TFMessage(transforms=[message]))
 
-    def tell(self, x, y=0.0, z=0.0, theta=0.0):
+    def send(self, x, y=0.0, z=0.0, theta=0.0):
         self._place = x, y, z, theta
 
     def fall_silent(self):
@@ -55,39 +55,39 @@ def free_at(cell, distance):
     )
 
 
-def test_the_base_stands_where_tf_tells(rover):
+def test_the_base_stands_where_tf_places_it(rover):
     localization = Localization(rover)
     reason = rover.unknown("no_transform").reason
     assert "'drive'" in reason
     assert "from 'odom' to 'base'" in reason
 
     # the wall's face is at x = -1, and the ball 0.5 before the base
-    localization.tell(2.0, 3.0)
+    localization.send(2.0, 3.0)
     free_at(rover, 2.0 + 0.5 - 0.1 + 1.0)
-    localization.tell(2.0, theta=pi)
+    localization.send(2.0, theta=pi)
     free_at(rover, 2.0 - 0.5 - 0.1 + 1.0)
-    localization.tell(-0.45, theta=pi)
+    localization.send(-0.45, theta=pi)
     rover.becomes(CollisionState.COLLIDING, "a collision with the wall")
 
 
 def test_a_localization_that_falls_silent_or_leaves_the_plane_is_named(rover):
     localization = Localization(rover)
-    localization.tell(2.0)
+    localization.send(2.0)
     free_at(rover, 3.4)
     localization.fall_silent()
     reason = rover.unknown("no_transform").reason
     assert "s old, and transform_ttl is 1 s" in reason
 
-    localization.tell(2.0)
+    localization.send(2.0)
     free_at(rover, 3.4)
-    localization.tell(2.0, z=0.1)
+    localization.send(2.0, z=0.1)
     reason = rover.unknown("no_transform").reason
     assert "leaves the joint's plane by 0.1000" in reason
 
 
-def test_without_the_wish_joint_states_tell(start):
+def test_by_default_joint_states_decide(start):
     cell = start(urdf=ROVER, parameters={"distance_limit": 20.0})
-    Localization(cell).tell(9.0)
+    Localization(cell).send(9.0)
     cell.driver.report(lift=0.0)
     assert "'drive/x', 'drive/y' and 'drive/theta'" in cell.unknown("partial").reason
     # in the joint's frame, which is at x = 1

@@ -31,21 +31,21 @@ def settles(cell, status):
     return state
 
 
-def test_each_judges_its_own_robot(arms):
+def test_each_evaluates_its_own_robot(arms):
     left, right = arms
-    assert left.judged(joint1=0, joint2=0).nearest.distance == pytest.approx(0.7)
-    first = right.judged(joint1=0, joint2=0)
+    assert left.evaluate(joint1=0, joint2=0).nearest.distance == pytest.approx(0.7)
+    first = right.evaluate(joint1=0, joint2=0)
     assert first.nearest.distance == pytest.approx(0.5)
 
-    assert left.judged(joint1=0, joint2=pi).status == COLLIDING
+    assert left.evaluate(joint1=0, joint2=pi).status == COLLIDING
     settles(right, FREE)
     assert {state.status for state in right.states.after(first)} == {FREE}
 
 
 def test_what_befalls_one_leaves_the_other_alone(arms):
     left, right = arms
-    assert left.judged(joint1=0, joint2=0).status == FREE
-    first = right.judged(joint1=0, joint2=0)
+    assert left.evaluate(joint1=0, joint2=0).status == FREE
+    first = right.evaluate(joint1=0, joint2=0)
     assert first.status == FREE
 
     left.grows_old()
@@ -84,7 +84,7 @@ def twins(peer, start):
     driver.disconnect()
 
 
-def test_equal_robots_on_the_same_topics_are_told_apart_by_their_names(twins):
+def test_equal_robots_on_the_same_topics_are_distinguished_by_their_names(twins):
     driver, left, right = twins
     state = settles(left, FREE)
     assert state.header.frame_id == "left/base"
@@ -112,4 +112,4 @@ def test_a_prefix_that_changes_makes_another_robot(twins):
 def test_nodes_that_start_at_once_are_all_met(start):
     cells = [start() for _ in range(4)]
     for cell in cells:
-        assert cell.judged(joint1=0, joint2=0).status == FREE
+        assert cell.evaluate(joint1=0, joint2=0).status == FREE

@@ -48,7 +48,7 @@ SCENES = {
 def test_what_a_message_announced_that_cannot_be_decoded_is_missing(start, topic):
     kind, message, remedy = SCENES[topic]
     cell = start()
-    cell.judged(**ZERO)
+    cell.evaluate(**ZERO)
     scene = SceneClient(cell)
     publisher = scene.topic(kind, topic)
     begin = cell.peer.now()

@@ -14,7 +14,7 @@ def cell(start):
 
 
 def test_an_obstacle_is_named_as_one(cell):
-    state = cell.judged(joint1=0, joint2=0)
+    state = cell.evaluate(joint1=0, joint2=0)
 
     assert state.status == CollisionState.FREE
     # base - tip, and each of the three links against the beacon.
@@ -28,7 +28,7 @@ def test_an_obstacle_is_named_as_one(cell):
 
 
 def test_padding_changes_live(cell):
-    assert cell.judged(joint1=0, joint2=0).nearest.distance == pytest.approx(0.1)
+    assert cell.evaluate(joint1=0, joint2=0).nearest.distance == pytest.approx(0.1)
 
     cell.parameters.succeed(padding=0.04)
     state = cell.states.ever(lambda state: state.nearest.distance == pytest.approx(0.06), "a padded distance")
@@ -41,7 +41,7 @@ def test_padding_changes_live(cell):
 
 def test_a_message_with_every_field_filled_arrives_whole(start):
     cell = start("--world", BEACON, parameters={"influence_distance": 1.0, "padding": 0.11})
-    state = cell.judged(joint1=0, joint2=0, gripper=0.3)
+    state = cell.evaluate(joint1=0, joint2=0, gripper=0.3)
 
     assert state.header.frame_id == "base"
     assert state.status == CollisionState.COLLIDING

@@ -29,7 +29,7 @@ def waits_for_both(state):
 
 def test_nothing_is_free_until_what_was_received_is_in_force(start):
     cell = start(parameters={"heartbeat_rate": 50.0})
-    assert cell.judged(**ZERO).status == CollisionState.FREE
+    assert cell.evaluate(**ZERO).status == CollisionState.FREE
     companions = Companions(cell)
     scene = SceneClient(cell)
     for _ in range(ATTEMPTS):
@@ -55,17 +55,17 @@ def test_nothing_is_free_until_what_was_received_is_in_force(start):
 
 def test_services_prove_nothing_about_a_world_that_is_being_built(start):
     cell = start()
-    assert cell.judged(**ZERO).status == CollisionState.FREE
+    assert cell.evaluate(**ZERO).status == CollisionState.FREE
     scene, states, motions = SceneClient(cell), States(cell.peer, cell.node), Motions(cell.peer, cell.node)
     fine = [obstacle(f"fine {i}", fine_mesh(FINE), at=pose(9.0 + i)) for i in range(3)]
     begin = cell.peer.now()
     applied = scene.request(ApplyPlanningScene, "apply_planning_scene", ApplyPlanningScene.Request(scene=diff(*fine)))
     cell.states.wait_for(is_late, "UNKNOWN for a world that is being built", begin, PATIENCE)
-    answers = [states.check([(0, 0)]), motions.check([], [0.1], joints=("joint1",))]
+    responses = [states.check([(0, 0)]), motions.check([], [0.1], joints=("joint1",))]
     # an answer that came while it was being built
     assert not applied.done()
-    assert [answer.reason_code for answer in answers] == ["world_update"] * 2
-    assert answers[0].verdict == CheckStates.Response.ERROR
+    assert [response.reason_code for response in responses] == ["world_update"] * 2
+    assert responses[0].verdict == CheckStates.Response.ERROR
     cell.peer.wait_for(applied.done, "the scene in force", PATIENCE)
     assert applied.result().success
     # what follows the response is of the new world

@@ -32,5 +32,5 @@ def cell(start, tmp_path):
     path = tmp_path / "two_link.srdf"
     path.write_text(SRDF)
     cell = start("--srdf", path, parameters=NEARBY)
-    cell.judged(**STRETCHED)
+    cell.evaluate(**STRETCHED)
     return cell

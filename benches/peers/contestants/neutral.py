@@ -132,7 +132,7 @@ class Contestant(Protocol):
     def calls(self, question: str, states: str) -> tuple[Callable[[object], object], list[object]] | None:
         """What is timed: a function, and what it is called with; None for a question it does not know."""
 
-    def answers(self, question: str, states: str) -> Iterable[str]: ...
+    def responses(self, question: str, states: str) -> Iterable[str]: ...
 
 
 @runtime_checkable
@@ -170,7 +170,7 @@ def _reply(contestant: Contestant, words: list[str]) -> str:
     if calls is None:
         return "unsupported"
     if words[0] == "answers":
-        return "ok\t" + "\t".join(contestant.answers(words[1], words[2]))
+        return "ok\t" + "\t".join(contestant.responses(words[1], words[2]))
     call, arguments = calls
     gc.collect()
     gc.disable()

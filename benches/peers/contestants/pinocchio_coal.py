@@ -81,7 +81,7 @@ class PinocchioCoal:
             return None
         return call, neutral.first_few(self.states, states)
 
-    def answers(self, question: str, states: str) -> Iterable[str]:
+    def responses(self, question: str, states: str) -> Iterable[str]:
         call, arguments = self.calls(question, states) or (None, [])
         for q in arguments:
             found = call(q)

@@ -64,7 +64,7 @@ class PythonFcl:
             return ways[question], [self._sweep(edge) for edge in neutral.first_few(self.edges, states)]
         return (self._touches, self._placed(states)) if question == "free" else None
 
-    def answers(self, question: str, states: str) -> Iterable[str]:
+    def responses(self, question: str, states: str) -> Iterable[str]:
         call, arguments = self.calls(question, states) or (None, [])
         hit = question == "free"  # of a state it is told whether it touches, of an edge whether it is free
         return ("0" if call(argument) == hit else "1" for argument in arguments)

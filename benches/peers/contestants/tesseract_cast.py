@@ -111,7 +111,7 @@ class TesseractCast:
         step = float("inf") if word == "whole" else float(word)
         return self._free_along, [self._steps(edge, step) for edge in neutral.first_few(self.edges, states)]
 
-    def answers(self, question: str, states: str) -> Iterable[str]:
+    def responses(self, question: str, states: str) -> Iterable[str]:
         call, arguments = self.calls(question, states) or (None, [])
         return ("1" if call(steps) else "0" for steps in arguments)
 

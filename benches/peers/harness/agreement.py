@@ -37,17 +37,17 @@ def compare(voices: list[Voice], question: str, states: str) -> list[Agreement]:
     found: list[Agreement] = []
     reference: list[str] | None = None
     for voice in voices:
-        answers = voice.child.ask("answers", question + voice.manner, states)
-        if answers is None:
+        responses = voice.child.ask("answers", question + voice.manner, states)
+        if responses is None:
             continue
         if reference is None:
-            reference = answers
+            reference = responses
             continue
-        if len(answers) != len(reference):
+        if len(responses) != len(reference):
             other = "another number of answers"
             found.append(Agreement(voice.name, len(reference), len(reference), float("inf"), other))
             continue
-        off = [differs(question, r, a) for r, a in zip(reference, answers)]
+        off = [differs(question, r, a) for r, a in zip(reference, responses)]
         wrong = [i for i, d in enumerate(off) if d > DISTANCE_TOLERANCE]
         example = f"state {wrong[0]}: {reference[wrong[0]]} here, {answers[wrong[0]]} there" if wrong else ""
         found.append(Agreement(voice.name, len(off), len(wrong), max(off, default=0.0), example))

@@ -72,16 +72,16 @@ class EdgeComparison:
             return EdgeMeasured(count)
         measured = EdgeMeasured(count, undecided=ours.count("undecided"))
         judge = f"coal_cpp every {JUDGED_EVERY} rad"
-        measured.agreements.append(_agreement(judge, True, ours, [_judged(measure.kind)] * count))
+        measured.agreements.append(_agreement(judge, True, ours, [_kind_of_check(measure.kind)] * count))
         voices = [Voice("clearance", self.clearance)]
         for peer in measure.peers:
-            if peer.contestant in self._children and (theirs := self._answers(peer, measure.question, some)):
+            if peer.contestant in self._children and (theirs := self._responses(peer, measure.question, some)):
                 measured.agreements.append(_agreement(peer.name, peer.samples, ours, theirs))
                 voices.append(Voice(peer.name, self._children[peer.contestant], peer.manner))
         measured.timings = race(voices, measure.question, some, count, self.extent.rounds, self.extent.patience)
         return measured
 
-    def _answers(self, peer: EdgePeer, question: str, some: str) -> list[str] | None:
+    def _responses(self, peer: EdgePeer, question: str, some: str) -> list[str] | None:
         try:
             return self._children[peer.contestant].ask("answers", question + peer.manner, some)
         except Failed as failure:
@@ -90,7 +90,7 @@ class EdgeComparison:
             return None
 
 
-def _judged(kind: str) -> str:
+def _kind_of_check(kind: str) -> str:
     return "1" if kind == "free" else "0"
 
 

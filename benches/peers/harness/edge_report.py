@@ -25,7 +25,7 @@ def edges(results: Results) -> list[str]:
         *([""] if results.edge_notes else []),
         *(line for key, measure in EDGE_MEASURES.items() for line in _times(results, key, measure)),
         *_certificates(results),
-        *_answers(results),
+        *_responses(results),
     ]
 
 
@@ -66,10 +66,10 @@ def _certificate(robot: RobotResult) -> list[str]:
     return [robot.name, str(count), f"{intervals / count:.0f}", microseconds(making), microseconds(verifying), multiple]
 
 
-def _answers(results: Results) -> list[str]:
+def _responses(results: Results) -> list[str]:
     """Every disagreement is told; what samples miss and what hulls invent is counted."""
     rows: dict[str, list[int]] = {}
-    told: list[str] = []
+    reported: list[str] = []
     undecided: dict[tuple[str, str, float], tuple[int, int]] = {}
     for robot in results.robots:
         for (key, length), measured in robot.edges.items():
@@ -83,7 +83,7 @@ def _answers(results: Results) -> list[str]:
                 rows[agreement.voice] = [a + b for a, b in zip(counts, found)]
                 if agreement.disagreements:
                     asked = f"{measure.kind} edges of {length:g} rad, {agreement.example}"
-                    told.append(f"- **{robot.name}, {asked}: free here, a hit of `{agreement.voice}`.**")
+                    reported.append(f"- **{robot.name}, {asked}: free here, a hit of `{agreement.voice}`.**")
     count, asked_about = (sum(numbers) for numbers in zip(*undecided.values()))
     return [
         "### Answers about edges",
@@ -97,6 +97,6 @@ def _answers(results: Results) -> list[str]:
             ["contestant", "answers", "disagreements", "missed", "false alarms"],
             [[f"`{voice}`", *map(str, counts)] for voice, counts in rows.items()],
         ),
-        *told,
-        *([""] if told else []),
+        *reported,
+        *([""] if reported else []),
     ]

@@ -151,8 +151,8 @@ def _build_fcl(version: str) -> Path:
 def _fcl_version() -> str | None:
     if shutil.which("pkg-config") is None:
         return None
-    told = subprocess.run(["pkg-config", "--modversion", "fcl"], capture_output=True, text=True, check=False)
-    return told.stdout.strip() if told.returncode == 0 else None
+    reported = subprocess.run(["pkg-config", "--modversion", "fcl"], capture_output=True, text=True, check=False)
+    return reported.stdout.strip() if reported.returncode == 0 else None
 
 
 def _build_clearance() -> Path:

@@ -76,9 +76,9 @@ def _edges(results: Results, name: str, key: str, peer: str, least: float, aim: 
 
 def _disagreements(results: Results) -> Requirement:
     """An edge that is free here and in which a sample hits."""
-    answers = [a for robot in results.robots for measured in robot.edges.values() for a in measured.agreements]
-    name, count = "Edges called free in which a sample hits", sum(a.disagreements for a in answers)
-    if not answers:
+    responses = [a for robot in results.robots for measured in robot.edges.values() for a in measured.agreements]
+    name, count = "Edges called free in which a sample hits", sum(a.disagreements for a in responses)
+    if not responses:
         return Requirement(name, "0", "0", "not measured", "–")
     measured = f"{count} of {sum(a.compared for a in answers)}"
     return Requirement(name, "0", "0", measured, verdict(count == 0, count == 0))

@@ -52,8 +52,8 @@ class WorldComparison:
                     known[name] = child
             except Failed as failure:
                 result.problems.append(f"{source.name}: {failure}")
-        answers = self.clearance.ask("answers", "free-world", "random") or []
-        world.free = answers.count("1") / max(1, len(answers))
+        responses = self.clearance.ask("answers", "free-world", "random") or []
+        world.free = responses.count("1") / max(1, len(responses))
         short = int(facts["objects"]) <= MOST_LISTED
         voices = self._voices(source.kind, known, short)
         world.measures["free"] = self._measured(voices, "free", states)
@@ -63,13 +63,13 @@ class WorldComparison:
             world.measures["distance"] = self._measured(self._distance_voices(known), "distance", count)
         if source.truth:
             for question in world.measures:
-                told = answers if question == "free" else self._answers("distance-world")
-                world.truth[question] = against_truth(told, question, source.truth)
+                reported = responses if question == "free" else self._responses("distance-world")
+                world.truth[question] = against_truth(reported, question, source.truth)
         if source.kind == "cloud":
             world.latencies = [float(word) for word in self.clearance.ask("latency") or []]
         return world
 
-    def _answers(self, question: str) -> list[str]:
+    def _responses(self, question: str) -> list[str]:
         return self.clearance.ask("answers", question, "random") or []
 
     def _voices(self, kind: str, known: dict[str, Child], short: bool) -> list[Voice]:

@@ -53,7 +53,7 @@ def worlds(found: list[WorldsResult], conditions: list[str]) -> list[str]:
         *_times(found, "cloud", "free", "Boolean, a cloud of 100 000 points of 1 cm radius"),
         *_latencies(found),
         *_growth(found),
-        *_answers(found),
+        *_responses(found),
         END,
         "",
     ]
@@ -112,7 +112,7 @@ def _growth(found: list[WorldsResult]) -> list[str]:
     return ["### As the world grows", "", text, "", *table(head, rows)]
 
 
-def _answers(found: list[WorldsResult]) -> list[str]:
+def _responses(found: list[WorldsResult]) -> list[str]:
     """Every answer that differs is told, except of those that put cubes in the place of points: they are counted."""
     same: list[tuple[str, Agreement]] = []
     cubes: list[list[str]] = []

@@ -40,7 +40,7 @@ def _against(
 
 
 def _informative(ratios: dict[str, float]) -> Requirement:
-    return Requirement("… and against careful Coal in C++", "–", "–", _told(ratios), "–")
+    return Requirement("… and against careful Coal in C++", "–", "–", _printed(ratios), "–")
 
 
 def _each(found: list[WorldsResult], kind: str) -> list[tuple[str, WorldResult]]:
@@ -51,8 +51,8 @@ def _fastest(
     found: list[WorldsResult], kind: str, question: str, careful: bool, own: str = "clearance"
 ) -> dict[str, float]:
     """Ratios of the fastest contestant, by robot and world."""
-    told = [(where, world.fastest(question, careful, own)) for where, world in _each(found, kind)]
-    return {f"{where}, `{best[0]}`": best[1] for where, best in told if best}
+    reported = [(where, world.fastest(question, careful, own)) for where, world in _each(found, kind)]
+    return {f"{where}, `{best[0]}`": best[1] for where, best in reported if best}
 
 
 def _octree(found: list[WorldsResult], voice: str) -> dict[str, float]:
@@ -72,10 +72,10 @@ def _ratios(name: str, ratios: dict[str, float], least: float, aim: float) -> Re
     """Every robot and world must reach what is required."""
     worst = min(ratios.values(), default=None)
     reached = "–" if worst is None else verdict(worst >= least, worst >= aim)
-    return Requirement(name, f"{least}x", f"{aim}x", _told(ratios), reached)
+    return Requirement(name, f"{least}x", f"{aim}x", _printed(ratios), reached)
 
 
-def _told(ratios: dict[str, float]) -> str:
+def _printed(ratios: dict[str, float]) -> str:
     if not ratios:
         return "not measured"
     worst = min(ratios, key=lambda where: ratios[where])

@@ -43,13 +43,13 @@ def worlds_of(robot: RobotSource) -> list[WorldSource]:
     ]
 
 
-def against_truth(answers: list[str], question: str, truth: Path) -> Agreement:
+def against_truth(responses: list[str], question: str, truth: Path) -> Agreement:
     """How this library's answers about the truth's states compare with the truth."""
-    told = json.loads(truth.read_text())
+    reported = json.loads(truth.read_text())
     if question == "free":
-        off = [float("inf") if int(a) == hit else 0.0 for a, hit in zip(answers, told["hit"])]
+        off = [float("inf") if int(a) == hit else 0.0 for a, hit in zip(responses, reported["hit"])]
     else:
-        off = [abs(float(a) - least) for a, least in zip(answers, told["min_distance"])]
+        off = [abs(float(a) - least) for a, least in zip(responses, reported["min_distance"])]
     wrong = [i for i, d in enumerate(off) if d > TRUTH_TOLERANCE]
     example = f"state {wrong[0]}: {answers[wrong[0]]} here" if wrong else ""
     return Agreement("truth", len(off), len(wrong), max(off, default=0.0), example)

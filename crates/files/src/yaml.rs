@@ -192,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn long_lists_are_read_and_limits_are_told_in_words() {
+    fn long_lists_are_read_and_limits_are_reported_in_words() {
         let numbers = "0.125, ".repeat(300_000);
         for text in [format!("[{numbers}1]"), format!("- {}", "0.125\n- ".repeat(300_000)) + "1\n"] {
             assert_eq!(from_text::<Vec<f64>>(&text).unwrap().len(), 300_001);

@@ -145,7 +145,7 @@ mod tests {
         monitor
     }
 
-    fn heard(monitor: &mut Monitor, milliseconds: i64, joints: &[(&str, f64)]) -> Evaluation {
+    fn received(monitor: &mut Monitor, milliseconds: i64, joints: &[(&str, f64)]) -> Evaluation {
         let stamp = time(milliseconds);
         let (names, positions) =
             joints.iter().map(|(name, position)| ((*name).to_owned(), *position)).unzip();
@@ -155,7 +155,7 @@ mod tests {
     }
 
     fn evaluated(revision: &Arc<Revision>, milliseconds: i64, [turn, slide]: [f64; 2]) -> Evaluation {
-        heard(&mut monitor(revision), milliseconds, &[("turn", turn), ("slide", slide)])
+        received(&mut monitor(revision), milliseconds, &[("turn", turn), ("slide", slide)])
     }
 
     #[test]
@@ -167,9 +167,9 @@ mod tests {
             #[expect(clippy::cast_precision_loss, reason = "few")]
             let position = 1e-3 * milliseconds as f64;
             if i % 40 == 0 {
-                joint_state_history.note(&heard(&mut monitor, milliseconds, &[("slide", position)]));
+                joint_state_history.note(&received(&mut monitor, milliseconds, &[("slide", position)]));
             }
-            joint_state_history.note(&heard(&mut monitor, milliseconds, &[("turn", position)]));
+            joint_state_history.note(&received(&mut monitor, milliseconds, &[("turn", position)]));
         }
         let (_, told) = joint_state_history.at(time(605)).unwrap();
         let apart = told.positions().iter().map(|position| (position - 0.605).abs());

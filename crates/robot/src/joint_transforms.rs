@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_joint_can_not_make_is_refused_by_name() {
+    fn what_a_joint_can_not_make_is_rejected_by_name() {
         let robot = robot("0 0 1");
         let error =
             |joint: &str, pose: Pose| robot.positions_of_transform(joint, &pose).unwrap_err().to_string();

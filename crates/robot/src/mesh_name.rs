@@ -128,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn tricks_are_refused_by_name() {
+    fn tricks_are_rejected_by_name() {
         for (uri, word) in [
             ("package://../../etc/passwd", "no package"),
             ("package://p/%2e%2e/%2e%2e/etc/passwd", "climbs"),

@@ -373,7 +373,7 @@ mod tests {
     }
 
     #[test]
-    fn entities_are_refused() {
+    fn entities_are_rejected() {
         let (result, _) = root_line("\n<!DOCTYPE a [<!ENTITY x 'y'>]><a>&x;</a>");
         assert!(result.unwrap_err().starts_with("f.xml:2: a DOCTYPE"));
     }

@@ -67,7 +67,7 @@ impl Cell {
     }
 
     /// A rejected message names its error and changes nothing.
-    fn refused(&mut self, update: &SceneUpdate, object: Option<&str>, named: &str) {
+    fn assert_rejected(&mut self, update: &SceneUpdate, object: Option<&str>, named: &str) {
         let before = format!("{:?}", self.scene);
         let refusal = self.apply(update).unwrap_err();
         assert_eq!(refusal.object.as_deref(), object, "{refusal}");
@@ -77,12 +77,12 @@ impl Cell {
 
     fn refuses_object(&mut self, change: ObjectChange, named: &str) {
         let id = Some(change.id.clone()).filter(|id| !id.is_empty());
-        self.refused(&SceneUpdate::Object(Box::new(change)), id.as_deref(), named);
+        self.assert_rejected(&SceneUpdate::Object(Box::new(change)), id.as_deref(), named);
     }
 
     fn refuses_attached(&mut self, change: AttachedChange, named: &str) {
         let id = Some(change.object.id.clone()).filter(|id| !id.is_empty());
-        self.refused(&SceneUpdate::Attached(Box::new(change)), id.as_deref(), named);
+        self.assert_rejected(&SceneUpdate::Attached(Box::new(change)), id.as_deref(), named);
     }
 
     /// Poses of the shapes of an obstacle.
@@ -225,7 +225,7 @@ fn a_move_may_say_where_shapes_are() {
 }
 
 #[test]
-fn broken_object_changes_are_refused_by_name() {
+fn broken_object_changes_are_rejected_by_name() {
     let mut cell = Cell::new();
     cell.object(add("a", "", at(1.0, 0.0, 0.0))).unwrap();
     cell.scene.set_sensed("/cloud", Some(Obstacle::of_shape("/cloud", Pose::identity(), ball())));
@@ -367,7 +367,7 @@ fn a_robot_state_that_is_no_difference_lets_go_of_everything_if_it_says_somethin
     let mut cell = Cell::new();
     let change = state(false, true, vec![hold("hand", remove("old"))]);
     let change = SceneChange { robot_state: change, ..difference(vec![], vec![]) };
-    cell.refused(&SceneUpdate::Scene(Box::new(change)), Some("old"), "only ADD is possible");
+    cell.assert_rejected(&SceneUpdate::Scene(Box::new(change)), Some("old"), "only ADD is possible");
 }
 
 #[test]
@@ -426,7 +426,7 @@ fn a_matrix_takes_the_place_of_the_one_before_and_loses_what_is_removed() {
     assert!(!allows(&cell, "a", "hand"));
     let mut broken = entries(&["b", "hand"], true);
     broken.entry_values.pop();
-    cell.refused(
+    cell.assert_rejected(
         &SceneUpdate::Scene(Box::new(with(broken))),
         None,
         "allowed_collision_matrix: 2 entry_names",
@@ -461,7 +461,7 @@ fn sizes_of_links_and_fixed_frames_are_checked() {
         (sized("hand", 0.02, f64::INFINITY), "link_scale of 'hand' is inf"),
         (sized("hand", 0.02, 1e308), "link_scale of 'hand' is 1e308"),
     ] {
-        cell.refused(&SceneUpdate::Scene(Box::new(change)), None, named);
+        cell.assert_rejected(&SceneUpdate::Scene(Box::new(change)), None, named);
     }
     for (name, parent, named) in [
         ("f", "hand", "its parent 'hand' moves with the robot"),
@@ -470,7 +470,7 @@ fn sizes_of_links_and_fixed_frames_are_checked() {
     ] {
         let frame = FixedFrame { name: name.into(), parent: parent.into(), pose_pf: Pose::identity() };
         let change = SceneChange { fixed_frames: vec![frame], ..difference(vec![], vec![]) };
-        cell.refused(&SceneUpdate::Scene(Box::new(change)), None, named);
+        cell.assert_rejected(&SceneUpdate::Scene(Box::new(change)), None, named);
     }
 }
 

@@ -362,7 +362,7 @@ fn format_1_is_read() {
 }
 
 #[test]
-fn answers_for_programs_tell_the_same() {
+fn json_output_reports_the_same() {
     let case = Case::new();
     let certificate = case.certify(&SHORT);
     let answer = |arguments: &[&str]| -> Value {

@@ -309,7 +309,7 @@ fn what_is_accepted_is_free_and_expected() {
 
 /// Whatever a text holds: an answer, and no panic.
 #[test]
-fn broken_texts_are_answered() {
+fn broken_texts_get_a_response() {
     let base = followers().into_iter().next().unwrap();
     let text = base.certificate.to_json();
     let scene = &base.scene;

@@ -138,7 +138,7 @@ impl Ledger {
 
     /// Tells the family's row; fails on any disagreement, missed collision or error beyond the stated accuracy.
     pub fn finish(self, family: &Family, expected: usize) {
-        tell(self.row(family));
+        append(self.row(family));
         let mut tally = Tally::new(&format!("soundness, {}", family.name));
         tally.add_all(self.poses, self.disagreements);
         tally.finish(expected);
@@ -163,7 +163,7 @@ impl Ledger {
 }
 
 /// Prints a row, and leaves the table so far in a file.
-fn tell(row: String) {
+fn append(row: String) {
     static ROWS: Mutex<Vec<String>> = Mutex::new(Vec::new());
     let header = "| family | poses | element pairs | touching | undecided | missed | too far (m) | too near (m) \
                   | error / reach | error / distance | stated accuracy | error / stated |";

@@ -56,7 +56,7 @@ impl Turned {
     /// `corners` and the answer in its own frame.
     pub fn nearest_of_triangle(&self, [a, b, c]: &[Point; 3]) -> Nearest {
         let at = |u: f64, v: f64| a + (b - a) * (u * (1.0 - v)) + (c - a) * (u * v);
-        self.told(least(0.0, 1.0, |u| {
+        self.rounded(least(0.0, 1.0, |u| {
             least(0.0, 1.0, |v| {
                 let p = at(u, v);
                 (self.distance(&p), p)
@@ -67,7 +67,7 @@ impl Turned {
     /// `into_own_frame` leads from the other's frame into this one's, in which the answer is.
     pub fn nearest_of_turned(&self, other: &Self, into_own_frame: impl Fn(&Point) -> Point) -> Nearest {
         let h = other.half_length;
-        self.told(least(-h, h, |z| {
+        self.rounded(least(-h, h, |z| {
             let r = other.radius(z);
             least(-r, r, |x| {
                 let width = ((r - x) * (r + x)).max(0.0).sqrt();
@@ -79,7 +79,7 @@ impl Turned {
         }))
     }
 
-    fn told(&self, (distance, p): (f64, Point)) -> Nearest {
+    fn rounded(&self, (distance, p): (f64, Point)) -> Nearest {
         let direction: Vector = p - self.nearest_point(&p);
         Nearest { squared: distance * distance, direction }
     }

@@ -304,7 +304,7 @@ mod tests {
     }
 
     #[test]
-    fn a_world_that_is_refused_changes_nothing() {
+    fn a_world_that_is_rejected_changes_nothing() {
         let robot = chain(4);
         let ball = |name: &str, x: f64| {
             let shape = Shape::Primitive(Primitive::Sphere { radius: 0.05 });

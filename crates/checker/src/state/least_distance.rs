@@ -101,7 +101,7 @@ mod tests {
     }
 
     #[test]
-    fn what_paddings_bring_in_touch_is_told_as_by_every_other_question() {
+    fn contacts_by_padding_agree_with_every_other_query() {
         let robot = Arc::new(RobotModel::from_urdf(URDF, &MeshFiles::default()).unwrap());
         let mut random = Random::new(7);
         for of_triangles in [false, true] {

@@ -94,7 +94,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lists_that_echo_has_cut_are_told() {
+    fn lists_that_echo_has_cut_are_reported() {
         for (text, line) in [
             ("- 1\n- '...'\n", 2),
             ("[1, '...']", 1),
@@ -114,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn texts_that_end_within_a_number_are_told() {
+    fn texts_that_end_within_a_number_are_reported() {
         for text in ["- 1\n- 0.", "- 1\n- -12.", "- 1\n- 3.5e", "- 1\n- 3.5e-"] {
             let message = from_text::<Vec<f64>>(text).unwrap_err();
             assert!(message.contains("line 2") && message.contains("is cut"), "{message}");
@@ -125,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_of_echo_between_messages_are_left_out_and_told() {
+    fn lines_of_echo_between_messages_are_left_out_and_reported() {
         let text = "WARNING: topic [/j] does not appear to be published yet\na: 1\n---\nA message was lost!!!\n\ttotal count change:1\n\t\
                     total count: 3---\na: 2\n---\n";
         let (kept, remarks) = without_remarks_of_echo(text);

@@ -13,7 +13,7 @@ use draft::{Draft, bicone, random_shell, winding};
 const CENTRE: [f64; 3] = [0.01, 0.02, 0.03];
 
 #[test]
-fn a_cube_with_faces_in_both_windings_is_solid_and_that_is_said() {
+fn a_cube_with_faces_in_both_windings_is_solid_and_that_is_reported() {
     let cube = Draft::cube(0.5);
     for double in
         [cube.clone().and(&cube.clone().inward()), cube.unwelded().and(&cube.clone().inward().unwelded())]
@@ -124,7 +124,7 @@ fn only_a_shell_wholly_inside_and_wound_inward_is_a_cavity() {
 
 /// The search for contact is limited by a number of steps, not by time.
 #[test]
-fn shells_of_slivers_too_close_to_compare_are_solid_and_that_is_said() {
+fn shells_of_slivers_too_close_to_compare_are_solid_and_that_is_reported() {
     let few = bicone(12, 1.0).and(&bicone(12, 0.5).inward());
     assert!(!few.encloses(CENTRE) && few.encloses([0.0, 0.0, 0.7]) && few.remarks().contains("are cavities"));
     let many = bicone(2000, 1.0).and(&bicone(2000, 0.999).inward());
@@ -170,7 +170,7 @@ fn points_that_share_an_answer_have_that_answer() {
 }
 
 #[test]
-fn what_is_open_is_a_surface_and_that_is_said() {
+fn what_is_open_is_a_surface_and_that_is_reported() {
     let mut lid_off = Draft::cube(0.5);
     lid_off.faces.pop();
     assert!(!lid_off.encloses(CENTRE));

@@ -73,7 +73,7 @@ fn may_be_free(heard: &[(JointStateInput, Now)], now: Now) -> bool {
 
 proptest! {
     #[test]
-    fn nothing_panics_and_free_is_never_said_without_a_whole_fresh_joint_state(
+    fn nothing_panics_and_free_is_never_reported_without_a_whole_fresh_joint_state(
         happenings in prop::collection::vec((happening(), now()), 0..30)
     ) {
         let mut monitor = look_ahead();

@@ -211,7 +211,7 @@ fn mimic_joints_of_every_kind_are_compared_with_where_they_are_checked() {
 }
 
 #[test]
-fn of_many_mimic_contradictions_one_is_told_and_the_rest_counted() {
+fn of_many_mimic_contradictions_one_is_reported_and_the_rest_counted() {
     let mimic_joint = |i: usize| {
         format!(
             r#"<link name="l{i}"/><joint name="f{i}" type="continuous"><parent link="l"/><child link="l{i}"/><mimic joint="j"/></joint>"#

@@ -123,7 +123,7 @@ fn code(evaluation: &Evaluation) -> &'static str {
 }
 
 #[test]
-fn what_is_right_is_judged() {
+fn what_is_right_is_evaluated() {
     let mut monitor = monitor();
     let free = monitor.on_joint_state(state(0.0, FREE), at(0.01));
     assert_eq!(code(&free), "FREE");
@@ -169,7 +169,7 @@ fn what_is_wrong_is_unknown_and_named() {
 }
 
 #[test]
-fn what_is_odd_is_judged_with_a_warning() {
+fn what_is_odd_is_evaluated_with_a_warning() {
     let whole = [("shoulder", 0.0), ("elbow", 0.0)];
     let with = |name, value| [whole[0], whole[1], (name, value)];
     let unstamped = JointStateInput { stamp: Time::ZERO, ..state(0.0, FREE) };
@@ -208,7 +208,7 @@ fn nothing_is_known_before_there_is_a_model_a_joint_state_and_a_clock() {
 }
 
 #[test]
-fn a_heartbeat_repeats_the_last_judgement_until_it_is_stale() {
+fn a_heartbeat_repeats_the_last_evaluation_until_it_is_stale() {
     let mut monitor = monitor();
     monitor.on_joint_state(state(0.0, FREE), at(0.0));
     for (seconds, expected) in [(0.1, "FREE"), (0.5, "FREE"), (0.51, "stale"), (9.0, "stale")] {
@@ -221,7 +221,7 @@ fn a_heartbeat_repeats_the_last_judgement_until_it_is_stale() {
 
 /// A query during a long check must not return an outdated status.
 #[test]
-fn a_judgement_ages_while_the_monitor_is_busy() {
+fn an_evaluation_ages_while_the_monitor_is_busy() {
     let mut monitor = monitor();
     let evaluation = monitor.on_joint_state(state(0.0, FREE), at(0.0));
     let fresh = evaluation.clone().aged(at(0.49));
@@ -264,7 +264,7 @@ fn silence_is_noticed_when_time_stands_still_or_jumps_back() {
 }
 
 #[test]
-fn a_stamp_before_the_last_judged_one_of_its_publisher_is_out_of_order() {
+fn a_stamp_before_the_last_evaluated_one_of_its_publisher_is_out_of_order() {
     let mut monitor = monitor();
     assert_eq!(code(&monitor.on_joint_state(state(0.1, FREE), at(0.1))), "FREE");
     assert_eq!(code(&monitor.on_joint_state(state(0.05, FREE), at(0.12))), "out_of_order");
@@ -287,7 +287,7 @@ fn a_clock_that_was_set_back_orders_anew() {
 }
 
 #[test]
-fn what_was_heard_before_the_clock_was_set_far_back_counts_no_more() {
+fn states_received_before_the_clock_was_set_far_back_are_dropped() {
     let mut monitor = monitor();
     monitor.on_joint_state(state(100.0, FREE), at(100.0));
     // a step back within the tolerance has no effect
@@ -352,7 +352,7 @@ fn a_check_that_takes_too_long_is_unknown_unless_it_found_a_collision() {
 
 /// With a tolerance, a reported distance is never larger than the true one, and a free state stays FREE.
 #[test]
-fn distances_within_a_tolerance_are_told_too_small_if_anything() {
+fn distances_within_a_tolerance_are_reported_too_small_if_anything() {
     let mut exact = monitor();
     let mut tolerant = monitor();
     let allowed = |settings: &mut MonitorSettings| {
@@ -379,7 +379,7 @@ fn distances_within_a_tolerance_are_told_too_small_if_anything() {
 }
 
 #[test]
-fn a_new_model_or_setting_judges_the_last_joint_state_anew() {
+fn a_new_model_or_setting_evaluates_the_last_joint_state_anew() {
     let mut monitor = monitor();
     let evaluation = monitor.on_joint_state(state(0.0, FREE), at(0.0));
     assert_eq!(evaluation.revision.unwrap().model, 1);
@@ -399,7 +399,7 @@ fn a_new_model_or_setting_judges_the_last_joint_state_anew() {
 }
 
 #[test]
-fn the_next_heartbeat_is_due_after_its_period_or_when_the_judgement_turns_stale() {
+fn the_next_heartbeat_is_due_after_its_period_or_when_the_evaluation_turns_stale() {
     let mut monitor = monitor();
     assert_eq!(monitor.time_to_heartbeat(at(0.0)), Duration::ZERO);
     monitor.on_joint_state(state(0.0, FREE), at(0.0));
@@ -459,7 +459,7 @@ fn a_world_that_nobody_has_seen_lately_is_unknown() {
 }
 
 #[test]
-fn what_was_refused_of_the_world_is_told() {
+fn what_was_rejected_of_the_world_is_reported() {
     let mut monitor = monitor();
     monitor.note_world_faults(vec!["object 'a': no shapes".to_owned()], None);
     assert_eq!(&*monitor.on_joint_state(state(0.0, FREE), at(0.0)).warnings, ["object 'a': no shapes"]);

@@ -3,7 +3,7 @@
 use super::*;
 
 #[test]
-fn nothing_is_known_until_another_model_is_there_or_refused() {
+fn nothing_is_known_until_another_model_is_there_or_rejected() {
     let mut monitor = monitor();
     monitor.on_joint_state(state(0.0, FREE), at(0.0));
     monitor.note_model_swap();

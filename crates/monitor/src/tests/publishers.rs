@@ -66,7 +66,7 @@ fn of_each_joint_the_last_word_counts() {
 }
 
 #[test]
-fn a_played_bag_is_one_publisher_that_says_what_several_said() {
+fn a_played_bag_is_one_publisher_with_the_states_of_several() {
     let mut monitor = monitor();
     monitor.on_joint_state(part(1, 0.10, &[("shoulder", 0.0)]), at(0.1));
     assert_eq!(code(&monitor.on_joint_state(part(1, 0.09, &[("elbow", 0.0)]), at(0.1))), "FREE");
@@ -76,7 +76,7 @@ fn a_played_bag_is_one_publisher_that_says_what_several_said() {
 }
 
 #[test]
-fn what_is_only_heard_is_judged_with_the_next() {
+fn what_is_only_received_is_evaluated_with_the_next_state() {
     let mut monitor = monitor();
     monitor.receive(part(1, 0.0, &[("shoulder", 0.0)]), at(0.0));
     assert_eq!(code(&monitor.on_joint_state(part(2, 0.0, &[("elbow", 0.0)]), at(0.0))), "FREE");
@@ -178,7 +178,7 @@ fn whole_turns_of_a_continuous_joint_contradict_nobody() {
 
 /// A joint is reported once, however many publishers contradict each other about it.
 #[test]
-fn a_joint_is_told_of_once_whoever_contradicts() {
+fn a_joint_is_reported_once_whichever_publisher_contradicts() {
     let mut monitor = monitor();
     for source in 1..=5 {
         let elbow = 0.2 * f64::from(source);
@@ -196,7 +196,7 @@ fn a_joint_is_told_of_once_whoever_contradicts() {
 
 /// A chain of prismatic joints.
 #[test]
-fn of_many_contradictions_one_is_told_and_the_rest_counted() {
+fn of_many_contradictions_one_is_reported_and_the_rest_counted() {
     const JOINTS: usize = 12;
     let joint = |i: usize| {
         format!(

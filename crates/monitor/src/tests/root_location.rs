@@ -19,7 +19,7 @@ impl Room {
         let (scene, transforms) = (Scene::default(), TransformTree::default());
         let mut room =
             Self { robot: Arc::clone(revision(1).checker.robot()), monitor: monitor(), scene, transforms };
-        room.tell(0.0, 0.0);
+        room.send(0.0, 0.0);
         let pillar =
             ObjectChange { frame: "map".to_owned(), ..ObjectChange::named("pillar", Operation::Add) };
         let ball = clearance_geometry::Shape::Primitive(clearance_geometry::Primitive::sphere(0.1).unwrap());
@@ -32,14 +32,14 @@ impl Room {
     fn in_use() -> Self {
         let mut room = Self::new();
         for seconds in [0.0, 0.5] {
-            room.tell(0.0, seconds);
+            room.send(0.0, seconds);
             room.evaluated(seconds);
         }
         room
     }
 
     /// Publishes the position of the root along x on `tf`.
-    fn tell(&mut self, x: f64, seconds: f64) {
+    fn send(&mut self, x: f64, seconds: f64) {
         let stamp = Some(time(START + seconds));
         let pose_pf = Pose::translation(x, 0.0, 0.0);
         self.transforms.insert("base", Transform { parent: "map".to_owned(), pose_pf, stamp });
@@ -81,7 +81,7 @@ impl Room {
 }
 
 #[test]
-fn a_root_that_was_told_of_once_may_be_told_of_never_again() {
+fn a_root_pose_published_once_stays_known() {
     let mut room = Room::new();
     for seconds in [0.0, 0.5, 5.0, 500.0] {
         assert_eq!(code(&room.evaluated(seconds)), "FREE");
@@ -89,11 +89,11 @@ fn a_root_that_was_told_of_once_may_be_told_of_never_again() {
 }
 
 #[test]
-fn a_root_that_is_told_of_again_and_again_is_not_known_when_that_ends() {
+fn a_root_pose_published_repeatedly_is_unknown_when_that_ends() {
     let mut room = Room::new();
     for seconds in [0.0, 0.5, 1.0] {
         // the root is at rest
-        room.tell(0.0, seconds);
+        room.send(0.0, seconds);
         assert_eq!(code(&room.evaluated(seconds)), "FREE");
     }
     assert_eq!(code(&room.evaluated(1.99)), "FREE");
@@ -101,7 +101,7 @@ fn a_root_that_is_told_of_again_and_again_is_not_known_when_that_ends() {
     assert_eq!(code(&silent), "stale_world");
     assert!(silent.status.reason().unwrap().to_string().contains("the robot's root in map"));
     // the same is detected while ROS time stands still
-    room.tell(0.0, 3.0);
+    room.send(0.0, 3.0);
     assert_eq!(code(&room.evaluated(3.0)), "FREE");
     room.monitor.note_transforms(&room.transforms);
     let standing = Now { steady: Duration::from_secs(5), ..at(3.0) };
@@ -122,12 +122,12 @@ fn without_obstacles_nobody_has_to_know_where_the_root_is() {
         vec![clearance_scene::ObstacleShape { pose_os: Pose::translation(9.0, 0.0, 0.0), shape: ball }];
     room.change(ObjectChange { shapes, ..ObjectChange::named("crate", Operation::Add) });
     assert_eq!(code(&room.evaluated(9.2)), "stale_world");
-    room.tell(0.0, 9.3);
+    room.send(0.0, 9.3);
     assert_eq!(code(&room.evaluated(9.3)), "FREE");
 }
 
 #[test]
-fn what_is_told_once_on_the_way_hides_no_silence_about_the_rest() {
+fn one_transform_on_the_path_hides_no_missing_ones() {
     let mut room = Room::new();
     let of_map =
         Transform { parent: "room".to_owned(), pose_pf: Pose::identity(), stamp: Some(time(START - 3.0)) };
@@ -139,7 +139,7 @@ fn what_is_told_once_on_the_way_hides_no_silence_about_the_rest() {
         ..pillar
     });
     for seconds in [0.0, 0.5, 1.0] {
-        room.tell(0.0, seconds);
+        room.send(0.0, seconds);
         assert_eq!(code(&room.evaluated(seconds)), "FREE");
     }
     assert_eq!(code(&room.evaluated(2.1)), "stale_world");
@@ -158,9 +158,9 @@ fn the_moment_at_which_tf_has_been_silent_for_too_long_is_news() {
     assert!((0.9..0.91).contains(&due), "{due}");
     assert_eq!(code(&room.monitor.on_heartbeat(at(0.6 + due))), "stale_world");
     // the same for obstacles that are not moved to follow `tf`
-    room.tell(3.0, 2.0);
+    room.send(3.0, 2.0);
     room.evaluated(2.0);
-    room.tell(3.1, 2.5);
+    room.send(3.1, 2.5);
     room.evaluated(2.5);
     let due = room.monitor.time_to_heartbeat(at(2.5)).as_secs_f64();
     assert!(due < 1.0, "{due}");
@@ -170,14 +170,14 @@ fn the_moment_at_which_tf_has_been_silent_for_too_long_is_news() {
 fn obstacles_that_nobody_puts_where_they_belong_are_not_known() {
     let mut room = Room::new();
     for (x, seconds) in [(0.0, 0.0), (1.0, 0.1), (2.0, 0.9)] {
-        room.tell(x, seconds);
+        room.send(x, seconds);
         assert_eq!(code(&room.evaluated(seconds)), "FREE", "they are on their way");
     }
-    room.tell(3.0, 1.2);
+    room.send(3.0, 1.2);
     let late = room.evaluated(1.2);
     assert_eq!(code(&late), "stale_world");
     assert!(late.status.reason().unwrap().to_string().contains("where tf has them"));
-    room.tell(7.0, 1.3);
+    room.send(7.0, 1.3);
     room.follow();
     // the ball is at (2, 0, 0), and the pillar has moved there too
     assert_eq!(code(&room.evaluated(1.3)), "COLLIDING");
@@ -187,7 +187,7 @@ fn obstacles_that_nobody_puts_where_they_belong_are_not_known() {
 fn obstacles_that_took_long_to_build_are_as_old_as_what_they_were_placed_by() {
     let mut room = Room::new();
     for i in 0..10_u32 {
-        room.tell(0.2 * f64::from(i), 0.2 * f64::from(i));
+        room.send(0.2 * f64::from(i), 0.2 * f64::from(i));
         room.evaluated(0.2 * f64::from(i));
     }
     // the obstacles match the root's pose at 0 s, whenever the checker is set
@@ -241,7 +241,7 @@ fn drive(settings: MonitorSettings, speed: f64, seconds: f64) -> (Room, Evaluati
     let mut last = None;
     for i in 0..=100 {
         let share = f64::from(i) / 100.0;
-        room.tell(seconds * speed * share, seconds * share);
+        room.send(seconds * speed * share, seconds * share);
         room.follow();
         room.monitor.note_transforms(&room.transforms);
         last = Some(
@@ -281,10 +281,10 @@ fn of_a_root_that_moves_no_time_to_contact_is_certain() {
     assert!(evaluation.time_to_contact() <= 0.0);
     assert!(evaluation.warnings.iter().any(|warning| warning.contains("the robot's root moves in map")));
     // the root stops, without a new joint state
-    room.tell(2.0, 2.1);
+    room.send(2.0, 2.1);
     room.monitor.note_transforms(&room.transforms);
     assert!(room.monitor.on_heartbeat(at(2.1)).time_to_contact() > 0.0);
-    room.tell(2.1, 2.2);
+    room.send(2.1, 2.2);
     room.monitor.note_transforms(&room.transforms);
     assert!(room.monitor.on_heartbeat(at(2.2)).time_to_contact() <= 0.0, "it moves on");
 }

@@ -32,7 +32,7 @@ fn are_near(found: [f64; 2], expected: [f64; 2]) -> bool {
 }
 
 #[test]
-fn both_are_told_whichever_is_nearer() {
+fn both_are_reported_whichever_is_nearer() {
     let mut monitor = among(&[[2.0, 3.0, 0.0]]);
     let evaluation = monitor.on_joint_state(state(0.0, FREE), at(0.0));
     assert!(are_near(distances(&evaluation), [1.7, 2.8]), "{:?}", distances(&evaluation));

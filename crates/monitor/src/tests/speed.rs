@@ -72,7 +72,7 @@ fn tolerances_leave_the_speed_as_it_is() {
 }
 
 #[test]
-fn without_velocities_the_last_state_tells_the_way() {
+fn without_velocities_the_last_state_gives_the_direction() {
     let mut monitor = governed(SPEED);
     let speeds: Vec<f64> = [(0.0, 2.6), (0.1, 2.61), (0.2, 2.6), (0.3, 2.6)]
         .map(|(t, elbow)| monitor.on_joint_state(state(t, [0.0, elbow]), at(t)).speed_scale)
@@ -87,7 +87,7 @@ fn without_velocities_the_last_state_tells_the_way() {
 
 /// Two drivers, one of them without velocities: their messages alternate.
 #[test]
-fn drivers_that_tell_no_velocities_hide_none_of_others() {
+fn drivers_without_velocities_hide_none_of_others() {
     let arm = |seconds: f64, elbow: f64, velocity: f64| JointStateInput {
         velocities: vec![velocity],
         ..input(seconds, &[("elbow", elbow)])

@@ -53,7 +53,7 @@ fn pose(xyz: [f64; 3], rpy: [f64; 3]) -> clearance_geometry::math::Pose {
 }
 
 #[test]
-fn a_base_stands_where_tf_tells() {
+fn a_base_stands_where_tf_places_it() {
     for (kind, there) in [
         ("planar", pose([3.0, 2.0, 0.0], [0.0, 0.0, 2.5])),
         ("planar", pose([3.0, 2.0, 0.0], [0.0, 0.0, -3.1])),
@@ -112,7 +112,7 @@ fn a_transform_that_is_old_or_leaves_the_plane_places_nothing() {
 }
 
 #[test]
-fn a_wish_for_transforms_that_cannot_be_fulfilled_is_told() {
+fn a_wish_for_transforms_that_cannot_be_fulfilled_is_reported() {
     let transform_joints = vec!["drive".to_owned(), "lift".to_owned(), "wing".to_owned()];
     let mut monitor = rover("floating");
     monitor.set_settings(MonitorSettings { transform_joints, ..MonitorSettings::default() });

@@ -68,7 +68,7 @@ fn messages_that_wait_behind_one_that_takes_long_count_from_their_own_receipt() 
 
 /// Thirty messages a second; each is in force 20 ms later.
 #[test]
-fn ordinary_updates_are_never_told() {
+fn ordinary_updates_are_never_reported() {
     let mut monitor = monitor();
     for update in 0..300 {
         let seconds = 0.033 * f64::from(update);

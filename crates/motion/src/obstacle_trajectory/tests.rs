@@ -137,7 +137,7 @@ fn floating_joints_turn_on_through_cuts() {
 }
 
 #[test]
-fn what_is_no_way_is_refused() {
+fn what_is_no_way_is_rejected() {
     let still = |times: &[f64]| {
         let poses: Vec<_> = times.iter().map(|t| (*t, Pose::identity())).collect();
         ObstacleTrajectory::through("a", &poses)

@@ -108,7 +108,7 @@ fn goals_of_actions_are_trajectories() {
 }
 
 #[test]
-fn the_start_tells_joints_that_the_trajectory_does_not_name() {
+fn the_start_gives_joints_that_the_trajectory_does_not_name() {
     let of_robot = format!("joint_trajectory:\n{}", indented(&points("2.5"), "  "));
     let text = format!(
         "trajectory:\n{}trajectory_start:\n  joint_state: {{name: [k, j], position: [0.75, 0.0]}}\n",

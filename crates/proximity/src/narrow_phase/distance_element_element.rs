@@ -222,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn a_first_look_tells_what_the_search_tells_and_a_common_point() {
+    fn a_first_approximation_agrees_with_the_search_and_gives_a_common_point() {
         let mut random = Random::new(77);
         let mut touching = 0;
         for _ in 0..20_000 {

@@ -12,7 +12,7 @@ fn robot() -> RobotModel {
 }
 
 #[test]
-fn joints_beyond_their_limits_are_told() {
+fn joints_beyond_their_limits_are_reported() {
     let of = |positions: [f64; 3]| -> Vec<String> {
         robot().outside_limits(&positions).map(|joint| joint.to_string()).collect()
     };
@@ -26,7 +26,7 @@ fn joints_beyond_their_limits_are_told() {
 }
 
 #[test]
-fn of_many_the_first_is_told_and_how_many_there_are() {
+fn of_many_the_first_is_reported_and_how_many_there_are() {
     let robot = robot();
     let q = |turn: f64| robot.configuration(&[turn, 0.0, 0.0]).unwrap();
     let states = [q(0.0), q(2.1), q(1.0), q(-300.0)];

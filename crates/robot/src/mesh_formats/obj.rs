@@ -417,7 +417,7 @@ mod tests {
     }
 
     #[test]
-    fn foreign_lines_are_told() {
+    fn foreign_lines_are_reported() {
         let read = read(&format!("648 216\n{SQUARE}f 1 2 3")).unwrap();
         assert!(read.remarks[0].contains("line 1;"), "{:?}", read.remarks);
     }

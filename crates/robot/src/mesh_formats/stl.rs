@@ -296,7 +296,7 @@ mod tests {
     }
 
     #[test]
-    fn a_text_that_is_no_stl_is_told_apart_from_a_cut_binary() {
+    fn a_text_that_is_no_stl_is_distinguished_from_a_cut_binary() {
         let facets = FACET.repeat(3);
         assert!(
             read_binary(facets.clone().into_bytes())

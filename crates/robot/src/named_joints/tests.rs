@@ -83,7 +83,7 @@ fn a_contradiction_names_both_joints_and_both_values() {
 }
 
 #[test]
-fn numbers_that_are_none_and_names_given_twice_are_refused() {
+fn numbers_that_are_none_and_names_given_twice_are_rejected() {
     let robot = chain();
     assert!(error(&robot, &[("back", f64::NAN)]).contains("'back'"));
     assert!(error(&robot, &[("stands", f64::INFINITY)]).contains("'stands'"));

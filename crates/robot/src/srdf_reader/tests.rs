@@ -88,7 +88,7 @@ fn foreign_namespaces_are_no_srdf() {
 }
 
 #[test]
-fn unknown_links_are_told_once_with_their_first_line() {
+fn unknown_links_are_reported_once_with_their_first_line() {
     let (srdf, warnings) = srdf(
         "<disable_collisions link1='a' link2='x'/>\n<disable_collisions link1='x' link2='b'/>\n\
          <disable_collisions link1='a' link2='a'/>",
@@ -190,7 +190,7 @@ fn deeply_nested_and_large_circles_of_groups_need_no_stack() {
 }
 
 #[test]
-fn odd_groups_are_told() {
+fn odd_groups_are_reported() {
     let (srdf, warnings) =
         srdf("<group name='g'><group name='x'/><joint name='y'/></group>\n<group name='g'/>\n<group/>");
     assert_eq!(srdf.groups.len(), 1);
@@ -201,7 +201,7 @@ fn odd_groups_are_told() {
 }
 
 #[test]
-fn odd_named_states_are_told() {
+fn odd_named_states_are_reported() {
     let state = |group: &str, joints: &str| {
         let groups = "<group name='g'><joint name='ab'/><joint name='cd'/></group>";
         let text = format!("{groups}\n<group_state name='s' group='{group}'>{joints}</group_state>");
@@ -290,7 +290,7 @@ fn foreign_elements_and_text_are_no_fault() {
 }
 
 #[test]
-fn another_robots_srdf_is_told_and_a_urdf_refused() {
+fn another_robots_srdf_is_reported_and_a_urdf_rejected() {
     let text = |srdf| RobotText { urdf: URDF, srdf: Some(srdf), ..RobotText::default() };
     let other = RobotModel::from_text(&text("<robot name='other'/>"), &MeshFiles::default()).unwrap();
     assert!(other.warnings()[0].to_string().contains("'other'"));

@@ -25,7 +25,7 @@ fn accepted(text: &str) -> RobotModel {
 }
 
 /// Asserts that the text is rejected, with all words in the message.
-fn refused(text: &str, words: &[&str]) {
+fn assert_rejected(text: &str, words: &[&str]) {
     let message = match RobotModel::from_urdf(text, &MeshFiles::default()) {
         Ok(_) => panic!("accepted:\n{text}"),
         Err(error) => error.to_string(),
@@ -59,7 +59,7 @@ fn warnings_of(in_link: &str, joint_attributes: &str, in_joint: &str, in_robot: 
 const BALL: &str = "<geometry><sphere radius='1'/></geometry>";
 
 #[test]
-fn misspelt_elements_and_attributes_are_told_with_what_was_meant() {
+fn misspelt_elements_and_attributes_are_reported_with_what_was_meant() {
     let ball = |more: &str| format!("<collision>{more}{BALL}</collision>");
     let shape = |text: &str| format!("<collision><geometry>{text}</geometry></collision>");
     let in_link = [
@@ -106,7 +106,7 @@ fn misspelt_elements_and_attributes_are_told_with_what_was_meant() {
 }
 
 #[test]
-fn misspelt_limits_and_scales_are_told() {
+fn misspelt_limits_and_scales_are_reported() {
     let limit = revolute("").replace("lower=", "lowr=");
     warned(&limit, &["'lowr' of <limit>", "did you mean 'lower'"]);
     let mesh = collision("<mesh filename='package://p/t.stl' scal='2 2 2'/>");
@@ -123,7 +123,7 @@ fn misspelt_limits_and_scales_are_told() {
 }
 
 #[test]
-fn links_and_joints_that_stand_in_other_elements_are_told() {
+fn links_and_joints_that_stand_in_other_elements_are_reported() {
     for (text, words) in [
         ("<lnik name='c'/>", "did you mean 'link'"),
         ("<Joint name='c'/>", "did you mean 'joint'"),
@@ -183,7 +183,7 @@ fn foreign_namespaces_are_no_urdf() {
         <geometry><sphere radius='1'/></geometry></collision></link></robot>",
     );
     assert!(told.len() == 1 && told[0].contains("'xyz' of <origin> has a namespace of its own"), "{told:?}");
-    refused(&collision("<q:sphere radius='1'/>"), &["another XML namespace only", "one of box"]);
+    assert_rejected(&collision("<q:sphere radius='1'/>"), &["another XML namespace only", "one of box"]);
 }
 
 #[test]
@@ -198,7 +198,10 @@ fn joints_do_not_share_names_of_positions() {
                  <joint name='{name}' type='{other}'><parent link='a'/><child link='b'/>{limit}</joint>
                  <joint name='f' type='{kind}'><parent link='a'/><child link='c'/></joint></robot>"
             );
-            refused(&text, &["line 2: ", &format!("joint '{name}'"), "position of joint 'f'", "rename"]);
+            assert_rejected(
+                &text,
+                &["line 2: ", &format!("joint '{name}'"), "position of joint 'f'", "rename"],
+            );
             accepted(&text.replace(&format!("'{name}'"), "'f/other'"));
         }
     }
@@ -216,7 +219,7 @@ fn names_that_are_not_read_do_not_flood() {
 }
 
 #[test]
-fn links_that_are_only_displayed_are_told_in_one_warning() {
+fn links_that_are_only_displayed_are_reported_in_one_warning() {
     let visual = "<visual><geometry><sphere radius='1'/></geometry></visual>";
     warned(&urdf(visual, "fixed", ""), &["line 4: 1 link has <visual>", "no <collision>", "'b'"]);
     let both =
@@ -249,7 +252,7 @@ fn every_shape_is_read() {
 }
 
 #[test]
-fn bad_shapes_are_refused_by_link_shape_and_dimension() {
+fn bad_shapes_are_rejected_by_link_shape_and_dimension() {
     for (geometry, words) in [
         ("<box size='1 2'/>", &["link 'b'", "box size", "2 numbers"][..]),
         ("<box/>", &["box size is missing"]),
@@ -265,19 +268,19 @@ fn bad_shapes_are_refused_by_link_shape_and_dimension() {
         ("", &["<geometry> is empty"]),
         ("<box size='1 1 1'/><sphere radius='1'/>", &["more than one shape"]),
     ] {
-        refused(&collision(geometry), words);
+        assert_rejected(&collision(geometry), words);
     }
-    refused(
+    assert_rejected(
         &urdf("<collision name='tip'/>", "fixed", ""),
         &["line 4: ", "link 'b' collision 'tip'", "no <geometry>"],
     );
 }
 
 #[test]
-fn a_dimension_of_zero_is_told() {
+fn a_dimension_of_zero_is_reported() {
     warned(&collision("<sphere radius='0'/>"), &["sphere radius is 0"]);
     let strict = collision("<sphere radius='0'/>").replace("1.1", "1.2");
-    refused(&strict, &["sphere radius is 0"]);
+    assert_rejected(&strict, &["sphere radius is 0"]);
 }
 
 #[test]
@@ -292,13 +295,19 @@ fn what_collisions_do_not_need_is_not_looked_at() {
 
 #[test]
 fn joints_need_type_and_two_known_links() {
-    refused(&urdf("", "hinge", ""), &["joint 'j'", "'hinge'", "revolute"]);
-    refused(&urdf("", "fixed", "").replace("type='fixed'", ""), &["has no type"]);
-    refused(&urdf("", "fixed", "").replace("<child link='b'/>", ""), &["no <child>"]);
-    refused(&urdf("", "fixed", "").replace("<child link='b'/>", "<child/>"), &["<child> names no link"]);
-    refused(&urdf("", "fixed", "").replace("parent link='a'", "parent link='x'"), &["parent link 'x'"]);
+    assert_rejected(&urdf("", "hinge", ""), &["joint 'j'", "'hinge'", "revolute"]);
+    assert_rejected(&urdf("", "fixed", "").replace("type='fixed'", ""), &["has no type"]);
+    assert_rejected(&urdf("", "fixed", "").replace("<child link='b'/>", ""), &["no <child>"]);
+    assert_rejected(
+        &urdf("", "fixed", "").replace("<child link='b'/>", "<child/>"),
+        &["<child> names no link"],
+    );
+    assert_rejected(
+        &urdf("", "fixed", "").replace("parent link='a'", "parent link='x'"),
+        &["parent link 'x'"],
+    );
     let second_root = urdf("", "fixed", "").replace("</robot>", "<link name='c'/></robot>");
-    refused(&second_root, &["2 links have no parent", "'a'", "'c'"]);
+    assert_rejected(&second_root, &["2 links have no parent", "'a'", "'c'"]);
 }
 
 #[test]
@@ -313,21 +322,21 @@ fn all_faults_come_at_once() {
 
 #[test]
 fn names_must_be_there_and_differ() {
-    refused(
+    assert_rejected(
         &urdf("", "fixed", "").replace("link name='a'", "link name=' '"),
         &["line 3: ", "a link has no name"],
     );
-    refused(
+    assert_rejected(
         &urdf("", "fixed", "").replace("link name='b'", "link name='a'"),
         &["line 4: ", "link 'a'", "line 3"],
     );
-    refused(&urdf("", "fixed", "").replace("link name='b'", "link name='${p}b'"), &["xacro"]);
+    assert_rejected(&urdf("", "fixed", "").replace("link name='b'", "link name='${p}b'"), &["xacro"]);
     warned(&urdf("", "fixed", "").replace("robot name='r'", "robot"), &["no name"]);
 }
 
 #[test]
 fn an_axis_needs_a_direction_only() {
-    refused(&revolute("<axis xyz='0 0 0'/>"), &["joint 'j'", "axis"]);
+    assert_rejected(&revolute("<axis xyz='0 0 0'/>"), &["joint 'j'", "axis"]);
     let model = warned(&revolute("<axis xyz='0 0 10'/>"), &["joint 'j'", "axis", "length 10"]);
     assert_eq!(model.joints()[0].kind, JointKind::Revolute(clearance_geometry::math::Vector::z_axis()));
     accepted(&revolute("<axis xyz='0 0.7071 0.7071'/>"));
@@ -339,10 +348,16 @@ fn an_axis_needs_a_direction_only() {
 
 #[test]
 fn limits_are_as_urdfdom_takes_them() {
-    refused(&urdf("", "revolute", ""), &["joint 'j'", "no <limit>"]);
-    refused(&urdf("", "prismatic", "<limit lower='1' upper='0' velocity='1'/>"), &["lower 1", "upper 0"]);
-    refused(&urdf("", "revolute", "<limit lower='-inf' upper='1'/>"), &["limit lower", "not finite"]);
-    refused(&urdf("", "revolute", "<limit velocity='-1' lower='0' upper='1'/>"), &["velocity is negative"]);
+    assert_rejected(&urdf("", "revolute", ""), &["joint 'j'", "no <limit>"]);
+    assert_rejected(
+        &urdf("", "prismatic", "<limit lower='1' upper='0' velocity='1'/>"),
+        &["lower 1", "upper 0"],
+    );
+    assert_rejected(&urdf("", "revolute", "<limit lower='-inf' upper='1'/>"), &["limit lower", "not finite"]);
+    assert_rejected(
+        &urdf("", "revolute", "<limit velocity='-1' lower='0' upper='1'/>"),
+        &["velocity is negative"],
+    );
     let still = warned(&urdf("", "revolute", "<limit effort='1' velocity='2'/>"), &["'j'", "limit"]);
     let limits = still.joints()[0].limits.unwrap();
     assert_eq!((limits.lower, limits.upper, limits.velocity), (0.0, 0.0, 2.0));
@@ -354,11 +369,11 @@ fn limits_are_as_urdfdom_takes_them() {
 
 #[test]
 fn mimics_are_checked() {
-    refused(&revolute("<mimic joint='x'/>"), &["joint 'j'", "'x'"]);
-    refused(&revolute("<mimic/>"), &["names no joint"]);
-    refused(&revolute("<mimic joint='j'/>"), &["'j' mimics 'j'"]);
-    refused(&revolute("<mimic joint='j' offset='inf'/>"), &["mimic offset"]);
-    refused(&urdf("", "planar", "<mimic joint='j'/>"), &["planar joint cannot mimic"]);
+    assert_rejected(&revolute("<mimic joint='x'/>"), &["joint 'j'", "'x'"]);
+    assert_rejected(&revolute("<mimic/>"), &["names no joint"]);
+    assert_rejected(&revolute("<mimic joint='j'/>"), &["'j' mimics 'j'"]);
+    assert_rejected(&revolute("<mimic joint='j' offset='inf'/>"), &["mimic offset"]);
+    assert_rejected(&urdf("", "planar", "<mimic joint='j'/>"), &["planar joint cannot mimic"]);
     warned(&urdf("", "fixed", "<mimic joint='nobody'/>"), &["fixed", "ignored"]);
 }
 
@@ -372,13 +387,13 @@ fn a_quaternion_is_a_rotation_from_1_1_on() {
         (turned.translation.vector - clearance_geometry::math::Vector::new(1.0, 2.0, 3.0)).norm() < 1e-15
     );
     warned(&text.replace("1.1", "1.0"), &["quat_xyzw is ignored"]);
-    refused(&text.replace("xyz='1 2 3'", "rpy='0 0 0'"), &["both"]);
-    refused(&text.replace("0.70710678119", "nan"), &["quat_xyzw"]);
-    refused(&text.replace("0.70710678118", "0").replace("0.70710678119", "0"), &["no length"]);
+    assert_rejected(&text.replace("xyz='1 2 3'", "rpy='0 0 0'"), &["both"]);
+    assert_rejected(&text.replace("0.70710678119", "nan"), &["quat_xyzw"]);
+    assert_rejected(&text.replace("0.70710678118", "0").replace("0.70710678119", "0"), &["no length"]);
 }
 
 #[test]
-fn repeated_elements_are_told() {
+fn repeated_elements_are_reported() {
     warned(&urdf("", "fixed", "<origin xyz='1 0 0'/><origin xyz='2 0 0'/>"), &["second <origin>"]);
 }
 
@@ -390,15 +405,15 @@ fn odd_names_reach_the_model_unchanged() {
 
 #[test]
 fn no_urdf_at_all() {
-    refused("", &["empty"]);
-    refused("<sdf/>", &["<sdf>", "<robot>"]);
-    refused("<robot name='r'/>", &["no <link>"]);
-    refused("<robot version='2.0'><link name='a'/></robot>", &["version '2.0'"]);
-    refused("<robot name='r'><xacro:macro/></robot>", &["xacro"]);
-    refused(&("<robot name='r'>".to_owned() + &"<x>".repeat(100_000)), &["nested"]);
+    assert_rejected("", &["empty"]);
+    assert_rejected("<sdf/>", &["<sdf>", "<robot>"]);
+    assert_rejected("<robot name='r'/>", &["no <link>"]);
+    assert_rejected("<robot version='2.0'><link name='a'/></robot>", &["version '2.0'"]);
+    assert_rejected("<robot name='r'><xacro:macro/></robot>", &["xacro"]);
+    assert_rejected(&("<robot name='r'>".to_owned() + &"<x>".repeat(100_000)), &["nested"]);
     let long = "n".repeat(1025);
-    refused(&format!("<robot name='{long}'><link name='a'/></robot>"), &["robot", "1025 bytes"]);
-    refused(&format!("<robot name='r'><link name='{long}'/></robot>"), &["link", "1025 bytes"]);
+    assert_rejected(&format!("<robot name='{long}'><link name='a'/></robot>"), &["robot", "1025 bytes"]);
+    assert_rejected(&format!("<robot name='r'><link name='{long}'/></robot>"), &["link", "1025 bytes"]);
     warned("<robot name='r' version='1'><link name='a'/></robot>", &["version '1'"]);
 }
 
@@ -438,9 +453,9 @@ proptest! {
 }
 
 #[test]
-fn an_srdf_is_told_from_a_urdf_and_a_xacro() {
+fn an_srdf_is_distinguished_from_a_urdf_and_a_xacro() {
     let srdf = "<robot name='r'>\n<group name='g'/>\n<disable_collisions link1='a' link2='b' reason='Never'/></robot>";
-    refused(srdf, &["is an SRDF", "<group>", "--srdf"]);
+    assert_rejected(srdf, &["is an SRDF", "<group>", "--srdf"]);
     let xacro = "<robot name='r' xmlns:xacro='http://www.ros.org/wiki/xacro'><xacro:macro name='m'/></robot>";
     let text = crate::RobotText { urdf: &urdf("", "fixed", ""), srdf: Some(xacro), ..Default::default() };
     let error = RobotModel::from_text(&text, &MeshFiles::default()).unwrap_err().to_string();

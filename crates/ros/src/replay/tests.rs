@@ -424,7 +424,7 @@ fn what_was_passed_over_turned_off_slowed_or_late_is_so_again() {
 }
 
 #[test]
-fn an_answer_that_is_not_the_recorded_one_is_told_and_its_part_shows_it_too() {
+fn a_result_that_differs_from_the_recorded_one_is_reported_also_by_its_part() {
     let folder = tempfile::tempdir().unwrap();
     let mut cell = Cell::start(folder.path());
     run(&mut cell);

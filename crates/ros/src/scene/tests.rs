@@ -175,7 +175,7 @@ fn poses_of_objects_and_shapes_are_composed_as_in_moveit() {
 }
 
 #[test]
-fn broken_objects_are_refused_by_name_and_field() {
+fn broken_objects_are_rejected_by_name_and_field() {
     type Break = fn(&mut CollisionObject);
     let broken: [(Break, &str); 13] = [
         (|o| o.operation = 9, "operation is 9"),
@@ -208,7 +208,7 @@ fn broken_objects_are_refused_by_name_and_field() {
 }
 
 #[test]
-fn what_is_told_of_a_scene_makes_the_same_scene() {
+fn a_published_scene_makes_the_same_scene() {
     let mut thing = ball("thing", at(3.0, 1.0, 0.0), 0.25, "base");
     thing.type_.key = "crate".to_owned();
     thing.primitives.extend([
@@ -245,7 +245,7 @@ fn what_is_told_of_a_scene_makes_the_same_scene() {
 }
 
 #[test]
-fn only_the_components_that_are_asked_for_are_told() {
+fn only_the_components_that_are_asked_for_are_reported() {
     let scene = scene(&[difference(vec![ball("a", at(2.5, 0.0, 0.0), 0.1, "")], vec![part()])]);
     let robot = robot();
     let told =
@@ -379,7 +379,7 @@ fn zeros_that_stand_for_no_return_are_no_places_but_the_only_cell_of_a_map_there
 }
 
 #[test]
-fn broken_clouds_are_refused_by_field() {
+fn broken_clouds_are_rejected_by_field() {
     type Break = fn(&mut PointCloud2);
     let broken: [(Break, &str); 9] = [
         (|c| c.fields.truncate(3), "no field 'y'"),

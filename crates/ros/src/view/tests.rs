@@ -64,19 +64,19 @@ fn evaluation(elbow: f64) -> Evaluation {
 }
 
 /// The update that a page receives `later` after the evaluation.
-fn told(evaluation: &Evaluation, later: Duration) -> Value {
-    told_with(evaluation, settings(), later)
+fn update_of(evaluation: &Evaluation, later: Duration) -> Value {
+    update_with(evaluation, settings(), later)
 }
 
-fn told_with(evaluation: &Evaluation, settings: MonitorSettings, later: Duration) -> Value {
+fn update_with(evaluation: &Evaluation, settings: MonitorSettings, later: Duration) -> Value {
     let at = Instant::now();
     let timed_evaluation = TimedEvaluation { evaluation: evaluation.clone(), at, settings };
     serde_json::from_str(&update(Some(&timed_evaluation), at + later)).unwrap()
 }
 
 #[test]
-fn a_free_state_is_told_with_distances_and_poses() {
-    let told = told(&evaluation(0.0), Duration::ZERO);
+fn a_free_state_is_reported_with_distances_and_poses() {
+    let told = update_of(&evaluation(0.0), Duration::ZERO);
     assert_eq!((&told["status"], &told["reason"]), (&"FREE".into(), &Value::Null));
     assert_eq!((told["model"].as_u64(), told["world"].as_u64()), (Some(3), Some(7)));
     assert_eq!(told["nearest"]["bodies"], serde_json::json!([["link", "base"], ["link", "ball"]]));
@@ -90,15 +90,15 @@ fn a_free_state_is_told_with_distances_and_poses() {
 }
 
 #[test]
-fn colliding_pairs_are_told() {
-    let told = told(&evaluation(std::f64::consts::PI), Duration::ZERO);
+fn colliding_pairs_are_reported() {
+    let told = update_of(&evaluation(std::f64::consts::PI), Duration::ZERO);
     assert_eq!(told["status"], "COLLIDING");
     assert_eq!(told["colliding"], serde_json::json!([[["link", "base"], ["link", "ball"]]]));
     assert_eq!(told["colliding_count"], 1);
 }
 
 #[test]
-fn contacts_are_told_where_they_are_computed() {
+fn contacts_are_reported_where_they_are_computed() {
     let mut monitor = Monitor::new(MonitorSettings { contacts_per_pair: 2, ..settings() }, || Duration::ZERO);
     monitor.set_checker(revision(&World::default(), Settings::default()));
     let input = JointStateInput {
@@ -108,20 +108,20 @@ fn contacts_are_told_where_they_are_computed() {
         positions: vec![std::f64::consts::PI - 0.25_f64.asin()],
         ..JointStateInput::default()
     };
-    let with_contacts = told(&monitor.on_joint_state(input, now()), Duration::ZERO);
+    let with_contacts = update_of(&monitor.on_joint_state(input, now()), Duration::ZERO);
     let contacts = with_contacts["contacts"].as_array().unwrap();
     assert_eq!((contacts[0]["pair"].as_u64(), with_contacts["colliding_count"].as_u64()), (Some(0), Some(1)));
     assert!((contacts[0]["depth"].as_f64().unwrap() - 0.05).abs() < 1e-6, "{with_contacts}");
     let length: f64 =
         contacts[0]["normal"].as_array().unwrap().iter().map(|n| n.as_f64().unwrap().powi(2)).sum();
     assert!((length - 1.0).abs() < 1e-6, "{with_contacts}");
-    let without = told(&evaluation(std::f64::consts::PI), Duration::ZERO);
+    let without = update_of(&evaluation(std::f64::consts::PI), Duration::ZERO);
     assert!(without.get("contacts").is_none());
 }
 
 #[test]
 fn what_is_unknown_has_its_reason_and_no_distance() {
-    let told = told(&evaluation(f64::NAN), Duration::ZERO);
+    let told = update_of(&evaluation(f64::NAN), Duration::ZERO);
     assert_eq!((&told["status"], &told["reason_code"]), (&"UNKNOWN".into(), &"non_finite".into()));
     assert!(told["reason"].as_str().unwrap().contains("elbow"), "{told}");
     assert!(told["poses"].is_null() && told.get("nearest").is_none());
@@ -130,8 +130,8 @@ fn what_is_unknown_has_its_reason_and_no_distance() {
 #[test]
 fn silence_of_the_monitor_is_not_shown_as_free() {
     let free = evaluation(0.0);
-    assert_eq!(told(&free, Duration::from_millis(200))["status"], "FREE");
-    let silent = told(&free, Duration::from_millis(1201));
+    assert_eq!(update_of(&free, Duration::from_millis(200))["status"], "FREE");
+    let silent = update_of(&free, Duration::from_millis(1201));
     assert_eq!((&silent["status"], &silent["reason_code"]), (&"UNKNOWN".into(), &"silent".into()));
     assert!(silent["poses"].is_null() && silent.get("nearest").is_none());
     let nothing: Value = serde_json::from_str(&update(None, Instant::now())).unwrap();
@@ -142,8 +142,8 @@ fn silence_of_the_monitor_is_not_shown_as_free() {
 fn what_has_become_stale_since_is_not_shown_as_free() {
     let free = evaluation(0.0);
     let settings = MonitorSettings { stale_after: 0.1, ..settings() };
-    assert_eq!(told_with(&free, settings.clone(), Duration::from_millis(98))["status"], "FREE");
-    let stale = told_with(&free, settings, Duration::from_millis(100));
+    assert_eq!(update_with(&free, settings.clone(), Duration::from_millis(98))["status"], "FREE");
+    let stale = update_with(&free, settings, Duration::from_millis(100));
     assert_eq!((&stale["status"], &stale["reason_code"]), (&"UNKNOWN".into(), &"stale".into()));
     assert!(stale["poses"].is_null() && stale.get("nearest").is_none());
 }
@@ -287,7 +287,7 @@ fn pages_are_served_and_nothing_else() {
 }
 
 #[test]
-fn judgements_reach_browsers_while_others_read_nothing() {
+fn evaluations_reach_browsers_while_others_read_nothing() {
     let (view, socket) = view();
     let mut observer = view.observer();
     let request = "GET /updates HTTP/1.1\r\nHost: localhost\r\n\r\n";

@@ -76,7 +76,7 @@ mod tests {
     }
 
     #[test]
-    fn broken_data_is_refused() {
+    fn broken_data_is_rejected() {
         for (packed, size) in [
             (&[1u8, b'a'][..], 2),
             (&[1 << 5, 0], 3),

@@ -144,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn counts_that_the_bytes_do_not_hold_are_refused_first() {
+    fn counts_that_the_bytes_do_not_hold_are_rejected_first() {
         let column = |first| Column { first, stride: 12, kind: NumberKind::F32 };
         let columns = Columns { xyz: [column(0), column(4), column(8)], order: ByteOrder::Little };
         for count in [2, usize::MAX / 12, usize::MAX] {

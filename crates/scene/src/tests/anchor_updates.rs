@@ -80,7 +80,7 @@ fn what_stands_below_the_planning_frame_waits_for_the_root_to_be_found_there() {
 }
 
 #[test]
-fn frames_that_a_scene_told_of_stay_where_they_are() {
+fn frames_of_an_earlier_scene_stay_where_they_are() {
     let mut cell = Cell::new();
     drive(&mut cell, 1.0);
     let station =
@@ -194,7 +194,7 @@ fn what_files_placed_stays_in_the_room_when_they_are_read_again() {
 }
 
 #[test]
-fn of_things_in_one_frame_the_one_that_knows_most_tells_whether_it_is_lost() {
+fn whether_a_frame_is_lost_is_decided_by_its_best_known_object() {
     let mut cell = Cell::new();
     drive(&mut cell, 1.0);
     cell.object(add("z", "map", at(5.0, 0.0, 0.0))).unwrap();
@@ -270,7 +270,7 @@ fn what_stands_far_away_is_put_once() {
 }
 
 #[test]
-fn a_circle_of_frames_above_the_root_tells_nothing() {
+fn a_circle_of_frames_above_the_root_places_nothing() {
     let mut cell = Cell::new();
     cell.transforms.insert("base", transform("p", 1.0, None));
     cell.transforms.insert("p", transform("q", 1.0, None));
@@ -305,7 +305,7 @@ fn a_planning_frame_far_below_the_root_does_not_count_as_where_the_root_is() {
 }
 
 #[test]
-fn a_frame_in_itself_tells_nothing() {
+fn a_frame_in_itself_places_nothing() {
     let mut cell = Cell::new();
     cell.object(add("box", "", at(5.0, 0.0, 0.0))).unwrap();
     cell.transforms.insert("/base", transform("base", 1.0, None));

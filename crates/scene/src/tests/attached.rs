@@ -79,7 +79,7 @@ fn all_objects_of_a_link_or_of_the_robot_are_put_down_together() {
     }
     let mut without = Cell { poses: None, ..Cell::new() };
     without.scene = cell.scene.clone();
-    without.refused(
+    without.assert_rejected(
         &SceneUpdate::Attached(Box::new(hold("", remove("")))),
         Some("a"),
         "link_name: link 'hand' moves",
@@ -92,7 +92,7 @@ fn all_objects_of_a_link_or_of_the_robot_are_put_down_together() {
 }
 
 #[test]
-fn broken_attachments_are_refused_by_name() {
+fn broken_attachments_are_rejected_by_name() {
     let mut cell = Cell::new();
     cell.attach(hold("hand", add("held", "hand", Pose::identity()))).unwrap();
     let bare = |id: &str, operation| ObjectChange::named(id, operation);

@@ -406,7 +406,7 @@ fn a_motion_that_hits_cannot_pass() {
 }
 
 #[test]
-fn what_lies_inside_a_closed_mesh_is_refused_where_meshes_are_solid() {
+fn what_lies_inside_a_closed_mesh_is_rejected_where_meshes_are_solid() {
     let robot = two_link();
     let mut world = World::default();
     let ends = [[9., 0., 0.], [-9., 0., 0.], [0., 9., 0.], [0., -9., 0.], [0., 0., 9.], [0., 0., -9.]];

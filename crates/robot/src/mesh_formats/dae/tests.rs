@@ -39,7 +39,7 @@ fn fault(text: &str) -> String {
 }
 
 #[test]
-fn the_unit_counts_and_the_up_axis_is_told() {
+fn the_unit_counts_and_the_up_axis_is_reported() {
     let read = read(&file(r#"<unit meter="0.0254"/><up_axis>Y_UP</up_axis>"#, TRIANGLES, NODE)).unwrap();
     assert!((extent(&read) - Vector::new(0.0254, 0.0254, 0.0)).norm() < 1e-15);
     assert!(read.remarks[0].contains("Y_UP"), "{:?}", read.remarks);
@@ -87,7 +87,7 @@ fn all_kinds_of_polygons() {
 }
 
 #[test]
-fn a_lying_count_is_told() {
+fn a_lying_count_is_reported() {
     let lie = TRIANGLES.replace("count=\"2\"", "count=\"1000000\"");
     let read = read(&file("", &lie, NODE)).unwrap();
     assert_eq!(read.mesh.triangles().len(), 2);
@@ -195,7 +195,7 @@ fn params_name_the_coordinates() {
 
 /// No part of a primitive is ignored without a remark.
 #[test]
-fn primitives_without_indices_are_told() {
+fn primitives_without_indices_are_reported() {
     for (primitive, words) in [
         (
             format!(
@@ -278,7 +278,7 @@ fn polygons_of_fewer_than_three_corners_are_skipped_and_counted() {
 }
 
 #[test]
-fn lines_splines_and_holes_are_told() {
+fn lines_splines_and_holes_are_reported() {
     let input = r##"<input semantic="VERTEX" source="#v" offset="0"/>"##;
     let lines = format!("<lines count='1'>{input}<p>0 1</p></lines>{TRIANGLES}");
     let spline = file("", TRIANGLES, &(NODE.to_owned() + r##"<node><instance_geometry url="#sp"/></node>"##));

@@ -64,7 +64,7 @@ fn the_manual_holds_every_parameter_with_its_default_unit_and_range() {
 }
 
 #[test]
-fn a_refused_value_is_named_with_its_reason_and_changes_nothing() {
+fn a_rejected_value_is_named_with_its_reason_and_changes_nothing() {
     for (name, value, reason) in [
         ("padding", Value::Double(-0.1), "from 0 to 1 m, but -0.1"),
         ("padding", Value::Double(f64::NAN), "NaN"),

@@ -5,7 +5,7 @@ use clearance_geometry::testing::Random;
 use super::*;
 
 #[test]
-fn a_file_that_is_cut_off_is_run_as_far_as_it_goes_and_a_broken_one_is_refused() {
+fn a_file_that_is_cut_off_is_run_as_far_as_it_goes_and_a_broken_one_is_rejected() {
     let folder = tempfile::tempdir().unwrap();
     let mut cell = Cell::start(folder.path());
     run(&mut cell);

@@ -191,7 +191,7 @@ fn planar_joints_are_read_from_transforms() {
 }
 
 #[test]
-fn a_group_is_judged_by_the_links_that_it_moves() {
+fn a_group_is_evaluated_by_the_links_that_it_moves() {
     // an obstacle on the bar of the upper link
     let scene = in_force(scene(&[difference(vec![ball("a", at(0.5, 0.0, 0.06), 0.05, "")], vec![])]), vec![]);
     let of = |group: &str, positions| {

@@ -154,7 +154,7 @@ fn without_a_model_nothing_is_checked() {
 }
 
 #[test]
-fn broken_requests_are_refused_by_name() {
+fn broken_requests_are_rejected_by_name() {
     type Break = fn(&mut CheckMotionRequest);
     let broken: [(Break, &str); 17] = [
         (|r| r.joint_names[1] = "wrist".into(), "joint_names: the robot has no joint 'wrist'"),
@@ -217,7 +217,7 @@ fn trajectories_say_which_segment_and_when() {
 }
 
 #[test]
-fn broken_trajectories_are_refused_by_name() {
+fn broken_trajectories_are_rejected_by_name() {
     type Break = fn(&mut JointTrajectory);
     let broken: [(Break, &str); 8] = [
         (|t| t.points.clear(), "at least two points, but it has 0"),

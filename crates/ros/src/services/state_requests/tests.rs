@@ -46,7 +46,7 @@ fn monitor(world: &World, settings: MonitorSettings) -> Monitor {
 }
 
 /// The monitor's evaluation of the robot at these positions; without positions, no joint state is received.
-fn judged(monitor: &mut Monitor, positions: &[f64]) -> Evaluation {
+fn evaluate(monitor: &mut Monitor, positions: &[f64]) -> Evaluation {
     let now = Now { ros: Some(Time::from_nanoseconds(5)), steady: Duration::ZERO };
     let names = names(&JOINTS[..positions.len()]);
     if positions.is_empty() {
@@ -57,7 +57,7 @@ fn judged(monitor: &mut Monitor, positions: &[f64]) -> Evaluation {
 }
 
 fn evaluation(world: &World, positions: &[f64]) -> Evaluation {
-    judged(&mut monitor(world, MonitorSettings::default()), positions)
+    evaluate(&mut monitor(world, MonitorSettings::default()), positions)
 }
 
 fn batch(states: &[[f64; 2]]) -> CheckStatesRequest {
@@ -78,7 +78,7 @@ fn ask_distances(request: &GetDistancesRequest) -> GetDistancesResponse {
     evaluate_distances(request, Some(&evaluation(&with_ball(), &[0.0, 0.0])), &mut None)
 }
 
-fn told_pair(response: &GetDistancesResponse, i: usize) -> [&str; 2] {
+fn reported_pair(response: &GetDistancesResponse, i: usize) -> [&str; 2] {
     let BodyPair { body_a, body_b, .. } = &response.pairs[i].pair;
     let mut pair = [body_a.as_str(), body_b.as_str()];
     pair.sort_unstable();
@@ -118,9 +118,9 @@ fn every_state_gets_its_answer() {
 #[test]
 fn while_another_robot_is_built_nothing_is_checked() {
     let mut monitor = monitor(&World::default(), MonitorSettings::default());
-    judged(&mut monitor, &[0.0, 0.0]);
+    evaluate(&mut monitor, &[0.0, 0.0]);
     monitor.note_model_swap();
-    let evaluation = judged(&mut monitor, &[]);
+    let evaluation = evaluate(&mut monitor, &[]);
     let answer = evaluate_states(&batch(&[NEAR]), Some(&evaluation), &mut None);
     assert_eq!((answer.verdict, answer.reason_code.as_str()), (CheckStatesResponse::ERROR, "no_model"));
     assert!(answer.message.contains("still being built"), "{}", answer.message);
@@ -129,7 +129,7 @@ fn while_another_robot_is_built_nothing_is_checked() {
 #[test]
 fn where_only_the_check_was_late_the_robot_stands_where_it_is() {
     let settings = MonitorSettings { check_deadline: 1e-9, ..MonitorSettings::default() };
-    let evaluation = judged(&mut monitor(&World::default(), settings), &[0.0, PI]);
+    let evaluation = evaluate(&mut monitor(&World::default(), settings), &[0.0, PI]);
     assert_eq!(evaluation.status.reason().map(Reason::code), Some("deadline"));
     let request = CheckStatesRequest {
         joint_names: names(&["joint1"]),
@@ -228,7 +228,7 @@ fn joints_that_are_not_named_stand_where_they_are() {
 fn pairs_come_nearest_first() {
     let answer = ask_distances(&at(&[0.0, 0.0]));
     assert_eq!((answer.verdict, answer.message.as_str()), (FREE, ""));
-    assert_eq!(told_pair(&answer, 0), ["ball", "tip"]);
+    assert_eq!(reported_pair(&answer, 0), ["ball", "tip"]);
     assert!((answer.pairs[0].distance - 0.5).abs() < 1e-9, "{answer:?}");
     assert!((answer.pairs[1].distance - 0.7).abs() < 1e-9, "{answer:?}");
     assert!(answer.pairs.is_sorted_by(|a, b| a.distance <= b.distance));
@@ -236,11 +236,11 @@ fn pairs_come_nearest_first() {
     let all = answer.pairs.len();
 
     let near = ask_distances(&GetDistancesRequest { max_distance: 0.6, ..at(&[0.0, 0.0]) });
-    assert_eq!((near.pairs.len(), told_pair(&near, 0)), (1, ["ball", "tip"]));
+    assert_eq!((near.pairs.len(), reported_pair(&near, 0)), (1, ["ball", "tip"]));
     let one = ask_distances(&GetDistancesRequest { max_pairs: 1, ..at(&[0.0, 0.0]) });
     assert_eq!((one.pairs.len(), one.pairs_found as usize), (1, all));
     let of_base = ask_distances(&GetDistancesRequest { bodies: names(&["base"]), ..at(&[0.0, 0.0]) });
-    assert!((0..of_base.pairs.len()).all(|i| told_pair(&of_base, i).contains(&"base")));
+    assert!((0..of_base.pairs.len()).all(|i| reported_pair(&of_base, i).contains(&"base")));
     assert!(!of_base.pairs.is_empty() && of_base.pairs.len() < all);
 
     // the status always covers the whole robot, also if only some bodies are reported
@@ -288,7 +288,7 @@ fn both_kinds_of_pairs_have_their_least_distance() {
 }
 
 #[test]
-fn the_nearest_of_each_kind_is_told_listed_or_not() {
+fn the_nearest_of_each_kind_is_reported_listed_or_not() {
     let all = ask_distances(&at(&[0.0, 0.0]));
     let one = ask_distances(&GetDistancesRequest { max_pairs: 1, ..at(&[0.0, 0.0]) });
     for answer in [&all, &one] {
@@ -319,7 +319,7 @@ fn without_a_model_nothing_is_checked() {
 }
 
 #[test]
-fn broken_requests_are_refused_by_name() {
+fn broken_requests_are_rejected_by_name() {
     type Break = fn(&mut CheckStatesRequest);
     let broken: [(Break, &str); 11] = [
         (|r| r.joint_names.clear(), "joint_names is empty"),
@@ -345,7 +345,7 @@ fn broken_requests_are_refused_by_name() {
 }
 
 #[test]
-fn broken_questions_for_distances_are_refused_by_name() {
+fn broken_questions_for_distances_are_rejected_by_name() {
     type Break = fn(&mut GetDistancesRequest);
     let broken: [(Break, &str); 5] = [
         (|r| r.positions.truncate(1), "positions has 1 numbers, but joint_names has 2 names"),
@@ -446,7 +446,7 @@ fn gradients_follow_the_listed_pairs() {
 fn bodies_that_overlap_have_minus_their_depth() {
     let answer = ask_distances(&with_gradients(&ONTO));
     assert_eq!((answer.verdict, answer.pairs[0].distance), (COLLIDING, 0.0));
-    assert_eq!(told_pair(&answer, 0), ["base", "tip"]);
+    assert_eq!(reported_pair(&answer, 0), ["base", "tip"]);
     assert!(answer.signed_distances[0] <= answer.signed_distances_upper[0]);
     assert!((answer.signed_distances[0] + 0.3).abs() < 1e-6, "{answer:?}");
     let normal = &answer.normals[0];

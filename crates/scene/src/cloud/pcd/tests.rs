@@ -136,7 +136,7 @@ fn points_that_are_no_numbers_are_dropped() {
 }
 
 #[test]
-fn the_viewpoint_is_told_and_not_applied() {
+fn the_viewpoint_is_reported_and_not_applied() {
     let text = format!(
         "VERSION 0.7\r\n{HEAD}WIDTH 1\r\nHEIGHT 1\r\nVIEWPOINT 0 0 1 1 0 0 0\r\nDATA ascii\r\n1 2 3\r\n"
     );

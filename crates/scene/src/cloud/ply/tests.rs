@@ -127,7 +127,7 @@ fn faults_are_named() {
 }
 
 #[test]
-fn what_the_header_does_not_announce_is_told() {
+fn what_the_header_does_not_announce_is_reported() {
     let xyz = "property float x\nproperty float y\nproperty float z\n";
     let head = |format: &str, more: &str| {
         format!("ply\nformat {format} 1.0\nelement vertex 1\n{xyz}{more}end_header\n")

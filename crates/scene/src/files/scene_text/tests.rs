@@ -24,7 +24,7 @@ fn scene(newer: bool) -> String {
 }
 
 #[test]
-fn both_dialects_are_told_apart_by_the_line_after_the_first_id() {
+fn both_dialects_are_distinguished_by_the_line_after_the_first_id() {
     for newer in [false, true] {
         let read = read(&scene(newer)).unwrap();
         let table = read.scene.world.obstacle_by_name("table top").unwrap();
@@ -75,7 +75,7 @@ fn faults_name_object_and_line() {
 }
 
 #[test]
-fn what_is_odd_is_told() {
+fn what_is_odd_is_reported() {
     let empty = read("s\n.\n\n").unwrap();
     assert!(empty.warnings[0].contains("no objects"));
     let bare = read("s\n* o\n0 0 0\n0 0 0 2\n0\n0\n.\n").unwrap();
@@ -92,7 +92,7 @@ fn the_format_is_known_by_its_marks() {
 }
 
 #[test]
-fn cut_files_are_refused() {
+fn cut_files_are_rejected() {
     for newer in [false, true] {
         let text = scene(newer);
         for end in 0..text.trim_end().len() {

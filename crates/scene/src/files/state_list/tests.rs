@@ -103,7 +103,7 @@ fn faults_name_the_state_or_the_line() {
 }
 
 #[test]
-fn what_echo_leaves_out_or_adds_is_told() {
+fn what_echo_leaves_out_or_adds_is_reported() {
     let cut = echo(0.5).replace("- 0.5\n", "- 0.5\n- '...'\n");
     let message = read(&(echo(0.25) + &cut)).unwrap_err();
     assert!(message.contains("line 22") && message.contains("--full-length"), "{message}");
