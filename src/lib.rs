@@ -37,8 +37,8 @@
 //!
 //! **Threads.** [`RobotModel`], [`World`] and [`CollisionChecker`] are `Send` and `Sync`. A [`Workspace`] belongs to one thread at a time.
 //!
-//! **Features.** `cli` builds the program, `ros` the node. With `default-features = false` the library has no dependency on DDS, terminal or
-//! command line crates.
+//! **Features.** `cli` builds the program, `ros` the node, `monitor` the module of that name; all are on by default. With
+//! `default-features = false` the library has no dependency on DDS, terminal or command line crates.
 //!
 //! The modules are crates of the workspace, from shapes ([`geometry`]) to the checker ([`checker`]). The most used names are re-exported
 //! here. The node (`clearance-ros`) and the readers of bounded input files (`clearance-files`) are not part of this interface.
@@ -93,6 +93,7 @@ pub use clearance_verifier as verifier;
 
 /// Evaluation of a stream of joint states: merged states, staleness, speed scale. The node consists of this and of its I/O.
 #[doc(inline)]
+#[cfg(feature = "monitor")]
 pub use clearance_monitor as monitor;
 
 pub use clearance_checker::{
