@@ -66,7 +66,7 @@ impl BroadPhase for HashGrid {
         }
     }
 
-    fn overlapping(&mut self, with: &AxisBox, found: &mut Vec<u32>) {
+    fn overlapping(&mut self, _: u32, with: &AxisBox, found: &mut Vec<u32>) {
         self.search += 1;
         let Self { edge, cells, large, boxes, seen, search } = &mut *self;
         let mut look = |item: u32| {

@@ -1,6 +1,8 @@
 //! `clearance bench`: measures the time of a check with this robot, world and machine, and compares broad phase structures.
 
 mod hash_grid;
+mod k_d_tree;
+mod loose_octree;
 mod scatter;
 mod structures;
 mod sweep_and_prune;
@@ -20,8 +22,13 @@ use super::model_args::{self, ModelArgs, WorldArgs};
 use super::run_args::{Format, internal, print_line};
 use super::timing;
 use hash_grid::HashGrid;
+use k_d_tree::KdTree;
+use loose_octree::LooseOctree;
 use structures::{BroadPhase, Tree, overlap};
 use sweep_and_prune::SweepAndPrune;
+
+/// Joint space distance (rad or m) of successive states: an arm at 2 rad/s, a state every millisecond.
+const STEP: f64 = 0.002;
 
 /// Number of passes; the fastest one counts.
 const PASSES: u32 = 5;
@@ -73,16 +80,18 @@ struct WorldResult {
     distance_us: f64,
     /// Pairs of a robot part and an obstacle whose boxes overlap (per state).
     overlaps: f64,
-    broad_phases: Vec<BroadPhaseAnswer>,
+    broad_phases: Vec<BroadPhaseResult>,
 }
 
 #[derive(Serialize)]
-struct BroadPhaseAnswer {
+struct BroadPhaseResult {
     name: &'static str,
     /// Time to build the structure from all boxes (µs).
     build_us: f64,
-    /// Time to find the boxes that overlap the boxes of all parts (µs per state).
+    /// Time to find the boxes that overlap the boxes of all parts, in random states (µs per state).
     query_us: f64,
+    /// The same for successive states of a motion.
+    successive_us: f64,
     /// Time to move an obstacle by a small distance (µs).
     move_us: f64,
     /// Time to remove an obstacle and insert it again (µs).
@@ -143,9 +152,13 @@ fn measure_world(checker: &CollisionChecker, states: &[Configuration]) -> Result
         }
     });
     let parts: Vec<Vec<AxisBox>> = states.iter().map(|q| checker.part_boxes(q, &mut workspace)).collect();
+    let successive: Vec<Vec<AxisBox>> =
+        motion(checker, states).iter().map(|q| checker.part_boxes(q, &mut workspace)).collect();
     let items = checker.world_boxes();
-    let truth = brute_force(&items, &parts);
-    let overlaps: usize = truth.iter().map(Vec::len).sum();
+    let random = Queries { truth: brute_force(&items, &parts), parts };
+    let successive = Queries { truth: brute_force(&items, &successive), parts: successive };
+    let overlaps: usize = random.truth.iter().map(Vec::len).sum();
+    let queries = [&random, &successive];
     Ok(WorldResult {
         obstacles: checker.world().len(),
         boxes: items.len(),
@@ -154,11 +167,31 @@ fn measure_world(checker: &CollisionChecker, states: &[Configuration]) -> Result
         distance_us,
         overlaps: overlaps as f64 / states.len() as f64,
         broad_phases: vec![
-            race::<Tree>(&items, &parts, &truth)?,
-            race::<SweepAndPrune>(&items, &parts, &truth)?,
-            race::<HashGrid>(&items, &parts, &truth)?,
+            race::<Tree>(&items, queries)?,
+            race::<SweepAndPrune>(&items, queries)?,
+            race::<HashGrid>(&items, queries)?,
+            race::<LooseOctree>(&items, queries)?,
+            race::<KdTree>(&items, queries)?,
         ],
     })
+}
+
+/// Boxes of all robot parts in several states.
+struct Queries {
+    parts: Vec<Vec<AxisBox>>,
+    /// The items that overlap them in each state.
+    truth: Vec<Vec<u32>>,
+}
+
+/// As many states as there are, each [`STEP`] from the one before, on the way from one of them to the next.
+#[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, clippy::cast_sign_loss)] // few steps
+fn motion(checker: &CollisionChecker, states: &[Configuration]) -> Vec<Configuration> {
+    let robot = checker.robot();
+    let along = states.iter().zip(states.iter().skip(1)).flat_map(|(from, to)| {
+        let steps = (robot.joint_space_distance(from, to) / STEP).ceil().clamp(1.0, 1e6) as usize;
+        (0..steps).map(move |i| robot.interpolate(from, to, i as f64 / steps as f64))
+    });
+    along.take(states.len()).collect()
 }
 
 /// For each state: the overlapping items, from a comparison of all boxes with all boxes.
@@ -178,20 +211,13 @@ fn sorted(mut items: Vec<u32>) -> Vec<u32> {
 /// Measures one structure. Checks that its results are correct, before and after all items have moved forth and back.
 fn race<B: BroadPhase>(
     items: &[(u32, AxisBox)],
-    parts: &[Vec<AxisBox>],
-    truth: &[Vec<u32>],
-) -> Result<BroadPhaseAnswer, Failure> {
+    [random, successive]: [&Queries; 2],
+) -> Result<BroadPhaseResult, Failure> {
     let build_us = best(1, || drop(black_box(B::build(items))));
     let mut structure = B::build(items);
-    agree(&mut structure, parts, truth)?;
-    let mut found = Vec::new();
-    let query_us = best(parts.len(), || {
-        for part in parts.iter().flatten() {
-            found.clear();
-            structure.overlapping(part, &mut found);
-            black_box(&found);
-        }
-    });
+    random.agree(&mut structure)?;
+    let query_us = random.time(&mut structure);
+    let successive_us = successive.time(&mut structure);
     let move_us = best(2 * items.len(), || {
         for by in [0.01, 0.0] {
             for (item, bounds) in items {
@@ -205,8 +231,38 @@ fn race<B: BroadPhase>(
             structure.set(*item, bounds);
         }
     });
-    agree(&mut structure, parts, truth)?;
-    Ok(BroadPhaseAnswer { name: B::NAME, build_us, query_us, move_us, replace_us })
+    random.agree(&mut structure)?;
+    successive.agree(&mut structure)?;
+    Ok(BroadPhaseResult { name: B::NAME, build_us, query_us, successive_us, move_us, replace_us })
+}
+
+impl Queries {
+    /// Microseconds a state.
+    fn time<B: BroadPhase>(&self, structure: &mut B) -> f64 {
+        let mut found = Vec::new();
+        best(self.parts.len(), || {
+            for parts in &self.parts {
+                for (query, part) in (0..).zip(parts) {
+                    found.clear();
+                    structure.overlapping(query, part, &mut found);
+                    black_box(&found);
+                }
+            }
+        })
+    }
+
+    fn agree<B: BroadPhase>(&self, structure: &mut B) -> Result<(), Failure> {
+        for (parts, truth) in self.parts.iter().zip(&self.truth) {
+            let mut found = Vec::new();
+            for (query, part) in (0..).zip(parts) {
+                structure.overlapping(query, part, &mut found);
+            }
+            if sorted(found) != *truth {
+                return Err(Failure::Internal(format!("{} does not find the boxes that overlap", B::NAME)));
+            }
+        }
+        Ok(())
+    }
 }
 
 /// The box, moved by `by` (m) along the first axis.
@@ -216,23 +272,6 @@ fn shifted(bounds: &AxisBox, by: f32) -> AxisBox {
         (moved.lo[0], moved.hi[0]) = (bounds.lo[0] + by, bounds.hi[0] + by);
     }
     moved
-}
-
-fn agree<B: BroadPhase>(
-    structure: &mut B,
-    parts: &[Vec<AxisBox>],
-    truth: &[Vec<u32>],
-) -> Result<(), Failure> {
-    for (parts, truth) in parts.iter().zip(truth) {
-        let mut found = Vec::new();
-        for part in parts {
-            structure.overlapping(part, &mut found);
-        }
-        if sorted(found) != *truth {
-            return Err(Failure::Internal(format!("{} does not find the boxes that overlap", B::NAME)));
-        }
-    }
-    Ok(())
 }
 
 fn best(pieces: usize, pass: impl FnMut()) -> f64 {
@@ -251,12 +290,13 @@ fn print_text(output: &BenchOutput) -> Result<(), Failure> {
             100.0 * free
         ))?;
         print_line(&format!(
-            "  {:<16} {:>12} {:>12} {:>12} {:>12}   ({overlaps:.1} overlaps a state)",
-            "broad phase", "query/state", "move", "replace", "build"
+            "  {:<16} {:>12} {:>12} {:>12} {:>12} {:>12}   ({overlaps:.1} overlaps a state)",
+            "broad phase", "random state", "next state", "move", "replace", "build"
         ))?;
-        for BroadPhaseAnswer { name, build_us, query_us, move_us, replace_us } in broad_phases {
+        for BroadPhaseResult { name, build_us, query_us, successive_us, move_us, replace_us } in broad_phases
+        {
             print_line(&format!(
-                "  {name:<16} {query_us:>12.3} {move_us:>12.3} {replace_us:>12.3} {build_us:>12.1}"
+                "  {name:<16} {query_us:>12.3} {successive_us:>12.3} {move_us:>12.3} {replace_us:>12.3} {build_us:>12.1}"
             ))?;
         }
     }

@@ -14,8 +14,9 @@ pub trait BroadPhase {
 
     fn remove(&mut self, item: u32);
 
-    /// Appends each item whose box overlaps `with` to `found`, once.
-    fn overlapping(&mut self, with: &AxisBox, found: &mut Vec<u32>);
+    /// Appends each item whose box overlaps `with` to `found`, once. `query` is the number of the robot part: its next box is often near
+    /// this one.
+    fn overlapping(&mut self, query: u32, with: &AxisBox, found: &mut Vec<u32>);
 }
 
 /// The tree that all checks use.
@@ -40,7 +41,7 @@ impl BroadPhase for Tree {
         self.boxes.remove(item);
     }
 
-    fn overlapping(&mut self, with: &AxisBox, found: &mut Vec<u32>) {
+    fn overlapping(&mut self, _: u32, with: &AxisBox, found: &mut Vec<u32>) {
         self.boxes.overlapping(self.level, with, &mut self.stack, found);
     }
 }
