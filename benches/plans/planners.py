@@ -86,7 +86,7 @@ class Roboplan:
 
 
 def contestants(problem):
-    """All planners, on a problem."""
+    """All planners with the meshes of the robot, on a problem."""
     return [
         Ompl("OMPL, default", problem),
         Ompl("OMPL, default, not simplified", problem, is_simplified=False),
