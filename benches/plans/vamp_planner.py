@@ -49,10 +49,18 @@ class Vamp:
         """Whether a state (rad) is valid for VAMP's spheres."""
         return self.robot.validate(state.tolist(), self.environment)
 
-    def plan(self, seed, seconds=None):
-        """States (k, 7), or None. The search ends by VAMP's number of iterations: it has no limit of time."""
+    def random(self, seed):
+        """A source of random states: VAMP has no seeds, but may leave out the first states."""
         random = self.robot.xorshift()
         random.skip(10_000 * (seed - 1))
+        return random
+
+    def plan(self, seed, seconds=None):
+        """States (k, 7), or None. The search ends by VAMP's number of iterations: it has no limit of time."""
+        return self.search(self.random(seed))
+
+    def search(self, random):
+        """As `plan`."""
         ends = self._problem.start.tolist(), self._problem.goal.tolist()
         found = self._search(*ends, self.environment, self._settings, random)
         if not found.solved:
