@@ -28,10 +28,12 @@ class LongEdges:
             q0, q1 = _edges(problem.checker, planner, length)
             valid = [planner.robot.validate_motion(a.tolist(), b.tolist(), planner.environment) for a, b in zip(q0, q1)]
             q0, q1, counts = q0[valid], q1[valid], self._counts[length]
-            verdicts = problem.checker.check_edges(q0, q1).verdicts
+            reports = problem.checker.check_edges(q0, q1)
             counts["valid"] += len(q0)
-            for i in np.flatnonzero(verdicts == cl.Verdict.CONTACT):
-                states = q0[i] + np.linspace(0, 1, int(length / STEP) + 1)[:, None] * (q1[i] - q0[i])
+            for i in np.flatnonzero(reports.verdicts == cl.Verdict.CONTACT):
+                # with the contact itself, which the steps may miss
+                t = np.append(np.linspace(0, 1, int(length / STEP) + 1), reports.t[i, 1])
+                states = q0[i] + t[:, None] * (q1[i] - q0[i])
                 counts["colliding"] += 1
                 counts["confirmed"] += _collides(problem.checker, oracle, states)
                 counts["invalid"] += not all(planner.is_valid(state) for state in states)
@@ -46,10 +48,10 @@ class LongEdges:
 
 
 def _collides(checker, oracle, states):
-    """Whether Coal finds a colliding state; of those that collide here, the deepest."""
+    """Whether one of the deepest colliding states collides for Coal, too."""
     hit = states[~checker.is_free(states)]
     if not len(hit):
-        return False
+        hit = states[-1:]
     near = checker.distance(hit, 0.0, gradients=True)
     signed = np.minimum(near.self_distance, near.world_distance)
     return bool(oracle.collide(hit[np.argsort(signed)[:5]]).any())
