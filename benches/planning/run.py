@@ -75,7 +75,7 @@ def overhead(shared, folder, bench, is_short):
         if of_rust[0] != count:
             sys.exit(f"Rust finds {of_rust[0]} states free, Python {count}")
         for name, values in {"rust": of_rust[1:], "python": of_python}.items():
-            new = dict(zip(["batch", "threads", "single"], map(float, values)))
+            new = dict(zip(["batch", "threads", "single", "rows"], map(float, values)))
             best[name] = {key: min(value, best.get(name, new)[key]) for key, value in new.items()}
     return best
 
