@@ -69,7 +69,7 @@ def overhead(shared, folder, bench, is_short):
     """Seconds of 10⁶ states, in Rust and from Python: the fastest of some rounds, in turn."""
     files = python("overhead.py", folder, shared, "make").splitlines()
     best = {}
-    for _ in range(1 if is_short else 5):
+    for _ in range(1 if is_short else 3):
         of_rust = run([bench, *files], {CORE}).split()
         count, *of_python = python("overhead.py", folder, shared, "measure").split()
         if of_rust[0] != count:
@@ -114,13 +114,15 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--shared", type=Path, required=True, help="folder with robots/ and scenes/")
     parser.add_argument("--output", type=Path, default=ROOT / "docs/planning_benchmarks.md", help="page that is written")
+    parser.add_argument("--problems", type=int, default=100, help="most problems of each scene")
+    parser.add_argument("--seeds", type=int, default=5, help="searches of each problem")
     parser.add_argument("--short", action="store_true", help="few problems, to try it out")
     arguments = parser.parse_args()
     sys.path[:0] = [str(HERE), str(HERE.parent / "plans")]
     from page import write
 
     shared, load = arguments.shared.resolve(), os.getloadavg()[0]
-    problems_per_scene, seeds = (1, 1) if arguments.short else (100, 5)
+    problems_per_scene, seeds = (1, 1) if arguments.short else (arguments.problems, arguments.seeds)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         bench, program = built_bench(), built_race(folder)
