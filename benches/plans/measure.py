@@ -6,9 +6,11 @@ import sys
 import numpy as np
 
 import clearance as cl
+from long_edges import LongEdges
 from oracle import Oracle
 from planners import contestants
 from problems import problems
+from vamp_planner import Vamp, problem_of_vamp
 
 COLLIDING_STEP = 1e-3  # rad, between states of colliding edges
 AGREEMENT = 200  # states of each problem
@@ -18,6 +20,7 @@ FREE_STEP = 1e-2  # rad, between states of free paths that Coal checks
 class Tally:
     def __init__(self):
         self.counts, self.depths, self.lengths = collections.Counter(), [], []
+        self.has_own_model = False
 
     def row(self, name):
         paths, colliding = self.counts["paths"], self.counts["colliding"]
@@ -25,12 +28,13 @@ class Tally:
         longest = f"{max(self.lengths):.3f}" if self.lengths else ""
         share = f"{100 * colliding / paths:.1f} %" if paths else ""
         cells = [name, paths, self.counts["none"], colliding, share, median, deepest, longest, self.counts["confirmed"]]
-        return "| " + " | ".join(map(str, [*cells, self.counts["undecided"], self.counts["contradicted"]])) + " |"
+        cells += [self.counts["undecided"], self.counts["contradicted"], self.counts["valid"] if self.has_own_model else ""]
+        return "| " + " | ".join(map(str, cells)) + " |"
 
 
 HEAD = (
     "| planner | paths | no path | colliding | share | median depth (mm) | largest depth (mm) | largest colliding length of a path (rad) "
-    "| confirmed by Coal | undecided | contradicted by Coal |\n|---|" + "---:|" * 10
+    "| confirmed by Coal | undecided | contradicted by Coal | valid for the planner's own model |\n|---|" + "---:|" * 11
 )
 
 
@@ -39,8 +43,8 @@ def states_of(q0, q1, step):
     return q0 + np.linspace(0, 1, count)[:, None] * (q1 - q0)
 
 
-def examine(checker, oracle, path, tally):
-    """Counts a path."""
+def examine(checker, oracle, path, tally, is_valid=None):
+    """Counts a path. `is_valid` checks a state with the planner's own model of the robot, if it has one."""
     tally.counts["paths"] += 1
     report = checker.check_trajectory(None, path)
     if report.verdict == cl.Verdict.FREE:
@@ -52,7 +56,7 @@ def examine(checker, oracle, path, tally):
         return
     tally.counts["colliding"] += 1
     edges = checker.check_edges(path[:-1], path[1:])
-    confirmed, depth, length = False, 0.0, 0.0
+    confirmed, depth, length, deepest = False, -np.inf, 0.0, None
     for i in np.flatnonzero(edges.verdicts == cl.Verdict.CONTACT):
         ends = path[i], path[i + 1]
         states = states_of(*ends, COLLIDING_STEP)
@@ -62,10 +66,13 @@ def examine(checker, oracle, path, tally):
         colliding = np.concatenate([states[hit], [ends[0] + edges.t[i, 1] * (ends[1] - ends[0])]])
         near = checker.distance(colliding, 0.0, gradients=True)
         signed = np.minimum(near.self_distance, near.world_distance)
-        depth = max(depth, -signed.min())
+        if -signed.min() > depth:
+            depth, deepest = -signed.min(), colliding[signed.argmin()]
         confirmed = confirmed or oracle.collide(colliding[np.argsort(signed)[:20]]).any()
     tally.counts["confirmed"] += confirmed
-    tally.depths.append(depth)
+    if is_valid is not None and deepest is not None:
+        tally.counts["valid"] += is_valid(deepest)
+    tally.depths.append(max(depth, 0.0))
     tally.lengths.append(length)
 
 
@@ -76,23 +83,48 @@ def check_agreement(problem, oracle):
         sys.exit(f"{problem.name}: clearance and Coal differ on a state")
 
 
-def measure(arguments):
-    """The table of all planners on all problems, and a line about the run."""
-    tallies, count, step = collections.defaultdict(Tally), 0, 0.0
-    for problem in problems(arguments.shared, arguments.problems):
-        count += 1
+class Measurement:
+    def __init__(self, arguments):
+        self._arguments, self._tallies, self._edges = arguments, collections.defaultdict(Tally), LongEdges()
+        self._problems, self._step = 0, 0.0
+
+    def run(self):
+        """The tables of all planners and of long edges on all problems, and a line about the run."""
+        for problem in problems(self._arguments.shared, self._arguments.problems):
+            self._problems += 1
+            oracle = self._oracle(problem)
+            for planner in contestants(problem):
+                self._step = max(self._step, getattr(planner, "step", 0.0))
+                self._search(planner, problem, oracle)
+            self._measure_vamp(problem_of_vamp(problem))
+            found = ", ".join(f"{t.counts['colliding']}/{t.counts['paths']}" for t in self._tallies.values())
+            print(f"{problem.name}: {found}", file=sys.stderr)
+        about = (
+            f"{self._problems} problems, {self._arguments.seeds} searches of each planner on each; "
+            f"OMPL's default step is {self._step:.3f} rad"
+        )
+        rows = [tally.row(name) for name, tally in self._tallies.items()]
+        return about, "\n".join([HEAD, *rows, "", self._edges.table()])
+
+    def _measure_vamp(self, problem):
+        if problem is None:
+            return
+        oracle = self._oracle(problem)
+        for planner in Vamp("VAMP, default", problem), Vamp("VAMP, default, not simplified", problem, is_simplified=False):
+            self._search(planner, problem, oracle)
+        self._edges.measure(problem, oracle)
+
+    def _oracle(self, problem):
         oracle = Oracle(problem)
         check_agreement(problem, oracle)
-        for planner in contestants(problem):
-            tally = tallies[planner.name]
-            step = max(step, getattr(planner, "step", 0.0))
-            for seed in range(1, arguments.seeds + 1):
-                path = planner.plan(seed, arguments.seconds)
-                if path is None:
-                    tally.counts["none"] += 1
-                else:
-                    examine(problem.checker, oracle, path, tally)
-        found = ", ".join(f"{t.counts['colliding']}/{t.counts['paths']}" for t in tallies.values())
-        print(f"{problem.name}: {found}", file=sys.stderr)
-    about = f"{count} problems, {arguments.seeds} searches of each planner on each; OMPL's default step is {step:.3f} rad"
-    return about, "\n".join([HEAD, *(tally.row(name) for name, tally in tallies.items())])
+        return oracle
+
+    def _search(self, planner, problem, oracle):
+        tally, is_valid = self._tallies[planner.name], getattr(planner, "is_valid", None)
+        tally.has_own_model = is_valid is not None
+        for seed in range(1, self._arguments.seeds + 1):
+            path = planner.plan(seed, self._arguments.seconds)
+            if path is None:
+                tally.counts["none"] += 1
+            else:
+                examine(problem.checker, oracle, path, tally, is_valid)

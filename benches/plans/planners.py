@@ -51,42 +51,42 @@ class Roboplan:
     def __init__(self, name, problem):
         self.name, self._problem = name, problem
         description = core.loadUrdfSceneDescription(problem.urdf, [problem.packages])
-        self._scene = core.Scene("panda", description)
-        self._scene.importSrdf(problem.srdf.read_text())
+        self.scene = core.Scene("panda", description)
+        self.scene.importSrdf(problem.srdf.read_text())
         color = np.ones(4)
         for obstacle in problem.obstacles:
             shape, pose = obstacle["shape"], np.asfortranarray(matrix(obstacle))
             if shape["type"] == "box":
-                self._scene.addBoxGeometry(obstacle["name"], "universe", core.Box(*shape["size"]), pose, color)
+                self.scene.addBoxGeometry(obstacle["name"], "universe", core.Box(*shape["size"]), pose, color)
             else:
                 cylinder = core.Cylinder(shape["radius"], shape["length"])
-                self._scene.addCylinderGeometry(obstacle["name"], "universe", cylinder, pose, color)
+                self.scene.addCylinderGeometry(obstacle["name"], "universe", cylinder, pose, color)
         # it also checks obstacles against each other, some of which touch
         names = [obstacle["name"] for obstacle in problem.obstacles]
         touching = [*itertools.combinations(names, 2), *problem.allowed_pairs]
-        self._scene.setCollisions(touching, False)
-        positions = self._scene.getCurrentJointPositions()
-        for name in self._scene.getJointNames():
+        self.scene.setCollisions(touching, False)
+        positions = self.scene.getCurrentJointPositions()
+        for name in self.scene.getJointNames():
             if name in problem.other_joints:
-                positions[self._scene.getJointPositionIndices([name])] = problem.other_joints[name]
-        self._scene.setJointPositions(positions)
+                positions[self.scene.getJointPositionIndices([name])] = problem.other_joints[name]
+        self.scene.setJointPositions(positions)
 
     def plan(self, seed, seconds):
         names = self._problem.checker.joint_names
         options = rrt.RRTOptions(group_name=GROUP, rrt_connect=True, max_nodes=100_000, max_planning_time=seconds)
-        planner = rrt.RRT(self._scene, options)
+        planner = rrt.RRT(self.scene, options)
         planner.setRngSeed(seed)
         ends = [core.JointConfiguration(names, q) for q in (self._problem.start, self._problem.goal)]
         try:
             path = planner.plan(*ends)
         except RuntimeError:
             return None
-        path = core.PathShortcutter(self._scene, core.PathShortcuttingOptions(group_name=GROUP, seed=seed)).shortcut(path)
+        path = core.PathShortcutter(self.scene, core.PathShortcuttingOptions(group_name=GROUP, seed=seed)).shortcut(path)
         return np.array(path.positions)
 
 
 def contestants(problem):
-    """All planners, on a problem."""
+    """All planners with the meshes of the robot, on a problem."""
     return [
         Ompl("OMPL, default", problem),
         Ompl("OMPL, default, not simplified", problem, is_simplified=False),

@@ -1,7 +1,7 @@
 """Planning problems of a folder of scenes, for clearance."""
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +14,7 @@ GROUP = "panda_arm"
 @dataclass
 class Problem:
     name: str
+    scene: str
     urdf: Path
     srdf: Path
     packages: Path
@@ -23,6 +24,14 @@ class Problem:
     start: np.ndarray
     goal: np.ndarray
     checker: cl.Checker
+
+    def with_fingers_at(self, position):
+        """The same with open fingers (m); None if start or goal then collide. The position may be beyond the limits of the joints."""
+        fixed = dict.fromkeys(self.other_joints, position)
+        options = dict(group=GROUP, fixed=fixed, allowed_collisions=self.allowed_pairs)
+        checker = cl.Checker(self.checker.robot, world_of(self.obstacles), **options)
+        is_free = checker.is_free([self.start, self.goal]).all()
+        return replace(self, other_joints=fixed, checker=checker) if is_free else None
 
 
 def problems(shared, per_scene):
@@ -45,8 +54,8 @@ def problems(shared, per_scene):
             inside = all(((checker.lower <= q) & (q <= checker.upper)).all() for q in ends)
             if inside and checker.is_free(ends).all() and count < per_scene:
                 count += 1
-                name = f"{file.stem.removeprefix('panda-')} {given['id']}"
-                yield Problem(name, urdf, srdf, robots, obstacles, allowed, given["other_joints"], *ends, checker)
+                title = file.stem.removeprefix("panda-")
+                yield Problem(f"{title} {given['id']}", title, urdf, srdf, robots, obstacles, allowed, given["other_joints"], *ends, checker)
 
 
 def world_of(obstacles):

@@ -15,12 +15,12 @@ def main():
     parser.add_argument("--seeds", type=int, default=3, help="searches of each planner on each problem")
     parser.add_argument("--problems", type=int, default=4, help="problems of each scene")
     parser.add_argument("--seconds", type=float, default=5.0, help="limit of a search")
-    parser.add_argument("--output", type=Path, help="file for the table")
+    parser.add_argument("--output", type=Path, help="file for the tables")
     arguments = parser.parse_args()
     # what it needs is imported after --help
-    from measure import measure
+    from measure import Measurement
 
-    about, table = measure(arguments)
+    about, table = Measurement(arguments).run()
     print(f"{about}\n\n{table}")
     if arguments.output:
         arguments.output.write_text(table + "\n")

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use clearance::robot::{Configuration, ConfigurationError, JointId, RobotModel, UnknownGroup};
+use clearance::robot::{Configuration, ConfigurationError, JointGroup, JointId, RobotModel, UnknownGroup};
 
 /// Converts positions in the order of a group to configurations of the whole robot.
 #[derive(Debug)]
@@ -13,6 +13,8 @@ pub struct JointSpace {
     /// The robot's position of each column; none if they are the same.
     columns: Option<Vec<usize>>,
     names: Vec<String>,
+    /// The joints of the columns, if these are in the order of the robot.
+    in_order: Option<JointGroup>,
 }
 
 /// Reason why there are no such states.
@@ -52,7 +54,7 @@ impl JointSpace {
     #[must_use]
     pub fn whole(robot: Arc<RobotModel>) -> Self {
         let (rest, names) = (robot.default_configuration(), robot.position_names().to_vec());
-        Self { robot, rest, columns: None, names }
+        Self { robot, rest, columns: None, names, in_order: None }.with_order()
     }
 
     /// The positions of a group of the SRDF, in the order of the group; `fixed` are values of other joints by name.
@@ -80,7 +82,17 @@ impl JointSpace {
         }
         let given = fixed.iter().map(|(joint, value)| (joint.as_str(), *value));
         let rest = robot.configuration_from_names(given).map_err(JointSpaceError::Fixed)?;
-        Ok(Self { robot, rest, columns, names })
+        Ok(Self { robot, rest, columns, names, in_order: None }.with_order())
+    }
+
+    fn with_order(mut self) -> Self {
+        let group = JointGroup::of_joints(&self.robot, "states", &self.joints());
+        let is_in_order = match &self.columns {
+            Some(columns) => group.positions() == columns,
+            None => group.len() == self.names.len(),
+        };
+        self.in_order = is_in_order.then_some(group);
+        self
     }
 
     /// Names of the columns.
@@ -119,6 +131,23 @@ impl JointSpace {
             scratch[position] = value;
         }
         self.robot.configuration_into(scratch, q)
+    }
+
+    /// As [`Self::read_into`], into a configuration that was made from [`Self::rest`]: where the columns are in the order of the robot,
+    /// only these are validated and written.
+    ///
+    /// # Errors
+    /// If the positions are not valid.
+    pub fn move_into(
+        &self,
+        row: &[f64],
+        scratch: &mut Vec<f64>,
+        q: &mut Configuration,
+    ) -> Result<(), ConfigurationError> {
+        match &self.in_order {
+            Some(group) => group.set(q, row),
+            None => self.read_into(row, scratch, q),
+        }
     }
 
     /// The configuration of the whole robot for a row, which has a position for each column.

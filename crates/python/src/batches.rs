@@ -191,7 +191,7 @@ impl<F> Batch<'_, F> {
             memory.block.extend(std::iter::repeat_n(self.core.space.rest(), missing).cloned());
             for (i, q) in memory.block[..results.len()].iter_mut().enumerate() {
                 let row = self.table.row(first + i);
-                if self.core.space.read_into(row, &mut memory.row, q).is_err() {
+                if self.core.space.move_into(row, &mut memory.row, q).is_err() {
                     self.first_error.fetch_min(first + i, Ordering::Relaxed);
                     return;
                 }

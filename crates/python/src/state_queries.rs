@@ -57,7 +57,7 @@ fn is_single_free(py: Python<'_>, core: &CheckerCore, row: &[f64]) -> PyResult<b
     with_memory(core, |memory| {
         let QueryMemory { workspace, block, row: scratch, last_check, single_checks, .. } = memory;
         let q = &mut block[0];
-        core.space.read_into(row, scratch, q).map_err(|why| error(format!("q: {why}")))?;
+        core.space.move_into(row, scratch, q).map_err(|why| error(format!("q: {why}")))?;
         let is_short = *last_check <= SHORT;
         let is_measured = single_checks.is_multiple_of(MEASURED);
         *single_checks += 1;
