@@ -41,7 +41,10 @@ pub fn run(args: &ViewCommandArgs) -> Result<ExitStatus, Failure> {
     let positions: Vec<usize> = (0..robot.position_names().len()).collect();
     let (stop, stopped) = std::sync::mpsc::channel();
     // further signals while the server stops have no receiver
-    ctrlc::set_handler(move || drop(stop.send(()))).map_err(Failure::input)?;
+    let handler = move || {
+        let _ = stop.send(());
+    };
+    ctrlc::set_handler(handler).map_err(Failure::input)?;
     let view =
         StateView::open(&args.address, checker, &positions, state.positions()).map_err(Failure::input)?;
     if !args.address.is_private() {
