@@ -36,6 +36,7 @@ mod states;
 mod summary;
 mod timing;
 mod verify;
+mod view;
 #[cfg(feature = "ros")]
 mod view_args;
 
@@ -81,6 +82,8 @@ enum Command {
     Plan(Box<plan::PlanArgs>),
     /// Verify a certificate that a motion is free, with code that is independent of the checker
     Verify(Box<verify::VerifyArgs>),
+    /// Show a robot and its world in a web browser, with a slider for each joint
+    View(Box<view::ViewCommandArgs>),
     /// Measure the time of checks of a robot in a world, and compare broad-phase structures
     Bench(bench::BenchArgs),
     /// Run the ROS 2 node: subscribes to joint states, publishes collisions and distances
@@ -150,6 +153,10 @@ fn dispatch(arguments: Arguments) -> Result<ExitStatus, Failure> {
         Some(Command::Verify(args)) => {
             log_to_stderr(arguments.log_level.unwrap_or(LevelFilter::Warn));
             verify::run(&args)
+        }
+        Some(Command::View(args)) => {
+            log_to_stderr(arguments.log_level.unwrap_or(LevelFilter::Warn));
+            view::run(&args)
         }
         Some(Command::Bench(args)) => {
             log_to_stderr(arguments.log_level.unwrap_or(LevelFilter::Warn));

@@ -457,7 +457,10 @@ fn bench_reports_costs_of_checks_and_compares_broad_phases() {
     assert_eq!(counts, [5, 50]);
     for world in worlds {
         let names = world["broad_phases"].as_array().unwrap().iter().map(|b| b["name"].as_str().unwrap());
-        assert_eq!(names.collect::<Vec<_>>(), ["tree", "sweep and prune", "hash grid", "loose octree", "k-d tree"]);
+        assert_eq!(
+            names.collect::<Vec<_>>(),
+            ["tree", "sweep and prune", "hash grid", "loose octree", "k-d tree"]
+        );
         assert!(world["boolean_us"].as_f64().unwrap() > 0.0);
     }
     let given = bench(&["--world", "config/demo_world.yaml"]);

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 /// The crates, and those of them that each may use.
-const CRATES: [(&str, &[&str]); 14] = [
+const CRATES: [(&str, &[&str]); 15] = [
     ("geometry", &[]),
     ("files", &[]),
     ("proximity", &["geometry"]),
@@ -14,10 +14,11 @@ const CRATES: [(&str, &[&str]); 14] = [
     ("planner", &["robot", "motion", "checker"]),
     ("verifier", &["geometry", "robot", "scene", "motion"]),
     ("monitor", &["geometry", "proximity", "robot", "scene", "checker"]),
-    ("ros", &["geometry", "files", "proximity", "robot", "scene", "motion", "checker", "monitor"]),
+    ("view", &["geometry", "robot", "scene", "checker", "monitor"]),
+    ("ros", &["geometry", "files", "proximity", "robot", "scene", "motion", "checker", "monitor", "view"]),
     // above the root package, which it uses like any other program
     ("bindings", &[]),
-    ("python", &["bindings", "files"]),
+    ("python", &["bindings", "files", "view"]),
     ("c", &["bindings", "files"]),
 ];
 
@@ -48,7 +49,7 @@ const MODULES: [(&str, &[&str]); 16] = [
 ];
 
 /// Foreign crates that one manifest alone depends on.
-const HOME_CRATES: [(&str, &str); 12] = [
+const HOME_CRATES: [(&str, &str); 11] = [
     ("fearless_simd", "geometry"),
     ("urdf-rs", "robot"),
     ("roxmltree", "robot"),
@@ -56,9 +57,8 @@ const HOME_CRATES: [(&str, &str); 12] = [
     ("sha2", "motion"),
     ("ros2-client", "ros"),
     ("rustdds", "ros"),
-    ("smol", "ros"),
     ("ros2-interfaces-jazzy-serde", "ros"),
-    ("hyper", "ros"),
+    ("hyper", "view"),
     ("pyo3", "python"),
     ("numpy", "python"),
 ];
@@ -71,10 +71,10 @@ const HOMES: [(&str, &str); 20] = [
     ("parry3d_f64", "crates/proximity/src/penetration_depth/tests.rs"),
     ("stl_io", "crates/robot/src/mesh_formats/"),
     ("tobj", "crates/robot/src/mesh_formats/"),
-    ("hyper", "crates/ros/src/view/"),
-    ("smol_hyper", "crates/ros/src/view/"),
-    ("http_body_util", "crates/ros/src/view/"),
-    ("arc_swap", "crates/ros/src/view/"),
+    ("hyper", "crates/view/src/"),
+    ("smol_hyper", "crates/view/src/"),
+    ("http_body_util", "crates/view/src/"),
+    ("arc_swap", "crates/view/src/"),
     ("mcap", "crates/ros/src/recording/"),
     ("hdrhistogram", "crates/ros/src/topics/activity.rs"),
     ("strsim", "crates/ros/src/parameters/"),

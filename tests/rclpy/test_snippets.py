@@ -32,6 +32,7 @@ NOT_HERE = {
     "cmake -S": "builds the release",
     "python3 benches/plans/run.py --shared": "takes an hour, and needs the other planners",
     "python examples/roadmap_ray.py": "runs in tests/python, on a cluster",
+    "clearance view": "runs in tests/view, in a browser",
     "crates/python/build_wheels.sh": "builds the release",
     "clearance replay run.mcap --save-test": "needs a recording that differs, as test_recording.py makes one",
 }

@@ -337,3 +337,33 @@ test("an address that others reach is served only when it is named, with a warni
   assert.equal(await wrong.ended, 2);
   assert.match(wrong.output, /IP:PORT/);
 });
+
+test("without a node: a slider moves the robot, and the distance changes", { timeout: TIMEOUT }, async (t) => {
+  const node = new NodeProcess("view", "--urdf", TWO_LINK, "--address", "0");
+  t.after(() => node.kill());
+  const { page, faults } = await open(t, await node.url());
+  const says = (word, distance) => async () => {
+    const now = await seen(page);
+    return now.status === word && now.distance === distance && now;
+  };
+  await until(says("FREE", "700.0 mm"), "the stretched robot");
+  await until(async () => (await page.locator("#sliders input").count()) === 2, "two sliders");
+  assert.equal(await page.isVisible("#age"), false);
+  const slide = (position) =>
+    page.locator('#sliders input[data-joint="joint2"]').evaluate((input, position) => {
+      input.value = position;
+      input.dispatchEvent(new Event("input"));
+    }, position);
+
+  await slide((5 * Math.PI) / 6);
+  await until(says("FREE", "200.0 mm"), "the robot folded");
+  assert.match(await text(page, "sliders"), /150\.0°/);
+  await until(async () => colours(await picture(page, "#scene")) > 100, "a picture of the robot");
+  const red = count(await picture(page, "#scene"), isRed);
+  await slide(Math.PI);
+  const collision = await until(says("COLLIDING", "0.0 mm"), "the collision");
+  assert.match(collision.pairs, /^base – tiptouches, 300\.0 mm deep/);
+  await until(async () => count(await picture(page, "#scene"), isRed) > red + 500, "colliding links in red");
+  assert.deepEqual(faults, []);
+  assert.equal(await node.stop(), 0, node.output);
+});

@@ -1,10 +1,11 @@
-// The live view of `clearance node --view`.
+// The live view of `clearance node --view`, and the view without a node, which has sliders.
 
 import { Chart } from "./chart";
 import { Geometry } from "./geometry";
 import type { Update } from "./messages";
 import { pictureNote } from "./note";
 import { showGeometry, showPadding, showUpdate } from "./panel";
+import { Sliders } from "./sliders";
 import { Stage } from "./stage";
 import { follow } from "./updates";
 
@@ -15,6 +16,10 @@ const note = document.getElementById("scene-note") as HTMLElement;
 const fit = document.getElementById("fit") as HTMLButtonElement;
 const stage = openStage();
 const chart = new Chart(document.getElementById("chart") as HTMLElement);
+const sliders = new Sliders(
+  document.getElementById("sliders") as HTMLElement,
+  document.getElementById("slider-fault") as HTMLElement,
+);
 const geometry = new Geometry(() => {
   stage?.set(geometry);
   showGeometry(geometry);
@@ -45,6 +50,7 @@ frame();
 /** Numbers, labels and picture change together. */
 function present(update: Update): void {
   showUpdate(update);
+  sliders.show(update);
   chart.draw();
   if (!stage) return;
   const drawn = stage.show(update);

@@ -1,4 +1,4 @@
-// What the node sends: /updates (src/node/view/update.rs), /robot and /world (src/node/view/scene.rs).
+// What the server sends: /updates (crates/view/src/update_message.rs), /robot and /world (geometry_documents.rs there).
 
 export type Status = "FREE" | "COLLIDING" | "UNKNOWN";
 
@@ -42,6 +42,8 @@ export interface Update {
   world: number;
   age: number | null;
   poses: Pose[] | null;
+  /** Positions of the sliders (rad, m); absent where a node moves the robot. */
+  sliders?: number[];
   // absent when nothing is known
   compute_time?: number;
   pairs_checked?: number;
@@ -96,7 +98,7 @@ export interface World {
   largest_padding: number;
 }
 
-/** A text with numbers behind it (src/node/view/document.rs). */
+/** A text with numbers behind it (crates/view/src/document.rs). */
 export class Document<T> {
   readonly text: T;
   private readonly numbers: ArrayBuffer;

@@ -29,6 +29,7 @@ use crate::robot::Robot;
 use crate::settings::CheckSettings;
 use crate::state_queries::{self, single};
 use crate::trajectory_arrays::TrajectoryArrays;
+use crate::view::View;
 use crate::world::World;
 use crate::world_state::SceneState;
 
@@ -465,6 +466,27 @@ impl Checker {
     ) -> PyResult<Bound<'py, PyAny>> {
         let arguments = PlanArguments { seed, deadline: timeout, max_edges, range, shortcuts, certificate };
         planning::plan(py, &self.core, [start, goal], &arguments)
+    }
+
+    /// Shows robot and world in a web browser, with one slider for each joint position of this class: `View`.
+    ///
+    /// The page evaluates each state: colliding pairs, contacts, distances. The server runs in a thread of its own until `View.close()`,
+    /// or until the `View` is no longer referenced. Only this machine can open it.
+    ///
+    /// - `q`: the first state, shape (n,); without it, joints are at their defaults.
+    /// - `port`: TCP port on 127.0.0.1; 0: any that is free.
+    /// - `open_browser`: open the page in the web browser of this machine.
+    ///
+    /// Raises `Error` if the port is taken.
+    #[pyo3(signature = (q=None, port=0, open_browser=false))]
+    fn view(
+        &self,
+        py: Python<'_>,
+        q: Option<&Bound<'_, PyAny>>,
+        port: u16,
+        open_browser: bool,
+    ) -> PyResult<View> {
+        View::open(py, &self.core, q, port, open_browser)
     }
 
     fn __repr__(&self) -> String {

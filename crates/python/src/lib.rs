@@ -11,6 +11,7 @@
 //! | paths of the planner | `planning` |
 //! | `Certificate` and its verification | `certificate`, `verification` |
 //! | arrays and poses | `arrays`, `poses` |
+//! | `View`, the view in a web browser | `view` |
 //! | values of options, whose errors name the option | `options` |
 //! | versions of pickles | `pickles` |
 //! | many states on many threads, ended by Ctrl-C | `batches`, `workspaces`, `memory` |
@@ -46,6 +47,7 @@ mod shapes;
 mod state_queries;
 mod trajectory_arrays;
 mod verification;
+mod view;
 mod workspaces;
 mod world;
 mod world_state;
@@ -61,6 +63,7 @@ fn _clearance(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<world::World>()?;
     module.add_class::<checker::Checker>()?;
     module.add_class::<certificate::Certificate>()?;
+    module.add_class::<view::View>()?;
     module.add_function(wrap_pyfunction!(verification::verify, module)?)?;
     module.add_function(wrap_pyfunction!(command::run_command, module)?)?;
     module.add_function(wrap_pyfunction!(robot::restore_robot, module)?)?;

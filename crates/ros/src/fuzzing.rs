@@ -38,7 +38,7 @@ use crate::services::parameter_services::changes;
 use crate::services::recovery_requests::search_free_state;
 use crate::services::state_requests::{evaluate_distances, evaluate_states};
 use crate::services::state_validity::{ValidityContext, state_validity};
-pub use crate::view::in_memory::respond_in_memory;
+pub use clearance_view::respond_in_memory;
 
 /// Longest time (s) of a check, whatever the request asks for.
 const CHECK_TIME: f64 = 0.2;

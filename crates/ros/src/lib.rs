@@ -15,7 +15,7 @@
 //! ```
 //!
 //! Each box is a thread; the threads communicate through channels. With the option `view`, every evaluation is also
-//! passed to the view, which shows it in web browsers. `threading::thread_priority` documents the priorities of the
+//! passed to `clearance_view`, which shows it in web browsers. `threading::thread_priority` documents the priorities of the
 //! threads, and why no thread may wait for another one by yielding.
 //!
 //! A folder uses only folders above it in this table:
@@ -34,7 +34,6 @@
 //! | `loading` | the loader thread |
 //! | `node` | start, monitor thread, end |
 //! | `replay` | recordings without a network |
-//! | `view` | web browsers |
 //! | `doctor` | faults of the network |
 
 // minima of floating-point numbers: see `math/extremes.rs` of clearance-geometry
@@ -62,9 +61,9 @@ mod scene;
 mod services;
 mod threading;
 mod topics;
-mod view;
 
 pub use arguments::{ArgumentError, RosArguments};
+pub use clearance_view::{View, ViewAddress, ViewAddressError, ViewError};
 pub use dds::announcement::Announcement;
 pub use dds::middleware_error::MiddlewareError;
 pub use doctor::examination::{DoctorOptions, run_doctor};
@@ -88,5 +87,3 @@ pub use replay::archive::Archive;
 pub use replay::replayer::{Difference, Outcome, Prepared, recorded_path, replay};
 pub use threading::thread_priority::ThreadPriority;
 pub use topics::demo_motion::{Motion, Trajectory};
-pub use view::address::{ViewAddress, ViewAddressError};
-pub use view::server::{View, ViewError};

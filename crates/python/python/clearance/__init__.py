@@ -13,7 +13,7 @@ Units are metres, radians and seconds. All poses and points are in the frame of 
 the order of ``joint_names``. All objects pickle. The package has no thread of its own until the first batch.
 """
 
-from ._clearance import Certificate, Checker, Error, Robot, World, __version__, verify
+from ._clearance import Certificate, Checker, Error, Robot, View, World, __version__, verify
 from ._results import (
     Clearance,
     CollisionReport,
@@ -50,6 +50,7 @@ __all__ = [
     "TrajectoryReport",
     "Verdict",
     "Verification",
+    "View",
     "World",
     "__version__",
     "verify",

@@ -2,7 +2,8 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use clearance_monitor::{Evaluation, MonitorSettings, Now};
+use clearance_monitor::{Evaluation, Now};
+pub use clearance_view::Observer;
 
 /// The last evaluation, for services that evaluate requests about the same robot and world.
 pub type CurrentEvaluation = Arc<Mutex<Option<Evaluation>>>;
@@ -12,6 +13,3 @@ pub fn newest(current: &CurrentEvaluation, now: Now) -> Option<Evaluation> {
     let evaluation = current.lock().unwrap_or_else(PoisonError::into_inner).clone();
     evaluation.map(|evaluation| evaluation.aged(now))
 }
-
-/// Callback that receives every evaluation and its settings, for a display outside of ROS. It must return quickly.
-pub type Observer = Box<dyn FnMut(&Evaluation, &MonitorSettings) + Send>;

@@ -7,19 +7,21 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use clearance_monitor::Revision;
+use futures_lite::future;
 use futures_lite::{Stream, stream};
-use http_body_util::StreamBody;
-use hyper::body::{Bytes, Frame};
+use http_body_util::{BodyExt, Limited, StreamBody};
+use hyper::body::{Bytes, Frame, Incoming};
 use hyper::header::{self, HeaderValue};
 use hyper::http::uri::Authority;
 use hyper::{HeaderMap, Method, Request, Response, StatusCode};
 use smol::Timer;
 use smol::lock::{Semaphore, SemaphoreGuardArc};
 
-use crate::view::assets::{ASSETS, TEXT};
-use crate::view::geometry_documents;
-use crate::view::latest_evaluation::{EvaluationSlot, TimedEvaluation};
-use crate::view::update_message::update;
+use crate::assets::{ASSETS, TEXT};
+use crate::geometry_documents;
+use crate::latest_evaluation::{EvaluationSlot, TimedEvaluation};
+use crate::state_control::{SliderMove, StateControl};
+use crate::update_message::update;
 
 /// Shortest time between two updates of one browser.
 const UPDATE_PERIOD: Duration = Duration::from_millis(33);
@@ -41,6 +43,12 @@ pub const VIEWERS: usize = 8;
 /// Largest number of geometry documents in memory at once. Further requests wait until one has been sent.
 const DOCUMENTS: usize = 2;
 
+/// Largest size (bytes) of the content of a request.
+const CONTENT: usize = 1 << 10;
+
+/// Timeout for receiving the content of a request.
+const CONTENT_TIME: Duration = Duration::from_secs(5);
+
 /// Size (bytes) of the pieces in which a response is written.
 const CHUNK: usize = 64 << 10;
 
@@ -55,17 +63,19 @@ pub type HttpResponse = Response<StreamBody<Chunks>>;
 #[derive(Debug)]
 pub struct HttpService {
     slot: Arc<EvaluationSlot>,
+    /// The state that browsers may move; none beside a node.
+    control: Option<Arc<StateControl>>,
     viewers: Arc<Semaphore>,
     documents: Arc<Semaphore>,
 }
 
 impl HttpService {
-    pub fn new(slot: Arc<EvaluationSlot>) -> Self {
+    pub fn new(slot: Arc<EvaluationSlot>, control: Option<Arc<StateControl>>) -> Self {
         let permits = |count| Arc::new(Semaphore::new(count));
-        Self { slot, viewers: permits(VIEWERS), documents: permits(DOCUMENTS) }
+        Self { slot, control, viewers: permits(VIEWERS), documents: permits(DOCUMENTS) }
     }
 
-    pub async fn respond<B>(&self, request: Request<B>) -> HttpResponse {
+    pub async fn respond(&self, request: Request<Incoming>) -> HttpResponse {
         if !is_for_this_machine(request.headers()) {
             let why = "open the view by an IP address or as localhost: under any other name it is not served";
             return rejection(StatusCode::MISDIRECTED_REQUEST, why);
@@ -74,6 +84,9 @@ impl HttpService {
             let why = "pages from elsewhere cannot read the view: open it in a tab of its own";
             return rejection(StatusCode::FORBIDDEN, why);
         }
+        if let Some(control) = self.control.as_ref().filter(|_| request.uri().path() == "/state") {
+            return move_slider(control, request).await;
+        }
         if request.method() != Method::GET {
             return rejection(StatusCode::METHOD_NOT_ALLOWED, "there is nothing but GET here");
         }
@@ -81,6 +94,7 @@ impl HttpService {
             "/robot" => self.geometry(geometry_documents::robot).await,
             "/world" => self.geometry(geometry_documents::world).await,
             "/updates" => self.updates(),
+            "/joints" => self.joints(),
             path => match ASSETS.iter().find(|asset| asset.path == path) {
                 Some(asset) => whole(StatusCode::OK, asset.kind, Bytes::from_static(asset.content), None),
                 None => rejection(StatusCode::NOT_FOUND, "there is no such page"),
@@ -103,12 +117,22 @@ impl HttpService {
         whole(StatusCode::OK, "application/octet-stream", document, Some(permit))
     }
 
+    /// Ranges of the sliders.
+    fn joints(&self) -> HttpResponse {
+        let Some(control) = &self.control else {
+            return rejection(StatusCode::NOT_FOUND, "the node moves this robot: there are no sliders");
+        };
+        // serialising names and numbers cannot fail
+        let text = serde_json::to_vec(control.sliders()).unwrap_or_default();
+        whole(StatusCode::OK, "application/json", text.into(), None)
+    }
+
     fn updates(&self) -> HttpResponse {
         let Some(permit) = self.viewers.try_acquire_arc() else {
             let why = "too many browsers watch already: close one of them";
             return rejection(StatusCode::SERVICE_UNAVAILABLE, why);
         };
-        let events = stream::unfold(UpdateStream::new(Arc::clone(&self.slot), permit), |mut updates| async {
+        let events = stream::unfold(UpdateStream::new(self, permit), |mut updates| async {
             let event = updates.next_event().await?;
             Some((Ok(Frame::data(event)), updates))
         });
@@ -119,6 +143,7 @@ impl HttpService {
 /// Update stream of one browser.
 struct UpdateStream {
     slot: Arc<EvaluationSlot>,
+    control: Option<Arc<StateControl>>,
     _permit: SemaphoreGuardArc,
     since: Instant,
     /// Last update sent, and its time.
@@ -126,8 +151,9 @@ struct UpdateStream {
 }
 
 impl UpdateStream {
-    fn new(slot: Arc<EvaluationSlot>, permit: SemaphoreGuardArc) -> Self {
-        Self { slot, _permit: permit, since: Instant::now(), last: None }
+    fn new(service: &HttpService, permit: SemaphoreGuardArc) -> Self {
+        let (slot, control) = (Arc::clone(&service.slot), service.control.clone());
+        Self { slot, control, _permit: permit, since: Instant::now(), last: None }
     }
 
     /// Waits for the next update: the newest evaluation once there is one, at most once per `UPDATE_PERIOD`, or the
@@ -142,13 +168,40 @@ impl UpdateStream {
             if is_due {
                 let now = Instant::now();
                 let begin = if self.last.is_none() { RETRY } else { "" };
-                let event = format!("{begin}data: {}\n\n", update(timed_evaluation.as_deref(), now));
+                let text = update(timed_evaluation.as_deref(), now, self.control.as_deref());
+                let event = format!("{begin}data: {text}\n\n");
                 self.last = Some((timed_evaluation, now));
                 return Some(event.into());
             }
             Timer::after(UPDATE_PERIOD / 4).await;
         }
         None
+    }
+}
+
+/// Moves a slider as a browser requests it: POST of a JSON text. Its content is not trusted.
+async fn move_slider(control: &Arc<StateControl>, request: Request<Incoming>) -> HttpResponse {
+    if request.method() != Method::POST {
+        return rejection(StatusCode::METHOD_NOT_ALLOWED, "a state is only set, by POST");
+    }
+    if request.headers().get(header::CONTENT_TYPE).is_none_or(|kind| kind != "application/json") {
+        return rejection(StatusCode::UNSUPPORTED_MEDIA_TYPE, "a state is set by application/json");
+    }
+    let read = async { Limited::new(request.into_body(), CONTENT).collect().await.ok() };
+    let late = async {
+        Timer::after(CONTENT_TIME).await;
+        None
+    };
+    let content = future::or(read, late).await.map(http_body_util::Collected::to_bytes);
+    let Some(Ok(wanted)) = content.map(|content| serde_json::from_slice::<SliderMove>(&content)) else {
+        let why = r#"the request must be like {"joint": 0, "position": 0.5}"#;
+        return rejection(StatusCode::BAD_REQUEST, why);
+    };
+    let control = Arc::clone(control);
+    // contacts of large meshes take a while, so it runs on another thread and other browsers continue
+    match smol::unblock(move || control.move_slider(wanted)).await {
+        Ok(()) => whole(StatusCode::OK, TEXT, Bytes::new(), None),
+        Err(why) => rejection(StatusCode::BAD_REQUEST, why),
     }
 }
 

@@ -14,7 +14,7 @@ pub const TEXT: &str = "text/plain; charset=utf-8";
 
 macro_rules! built {
     ($path:literal, $file:literal, $kind:ident) => {
-        Asset { path: $path, kind: $kind, content: include_bytes!(concat!("../../../../view/dist/", $file)) }
+        Asset { path: $path, kind: $kind, content: include_bytes!(concat!("../../../view/dist/", $file)) }
     };
 }
 

@@ -8,8 +8,9 @@ use clearance_scene::BodyId;
 use serde::Serialize;
 use std::time::{Duration, Instant};
 
-use crate::view::geometry_documents::{pose_numbers, short};
-use crate::view::latest_evaluation::TimedEvaluation;
+use crate::geometry_documents::{pose_numbers, short};
+use crate::latest_evaluation::TimedEvaluation;
+use crate::state_control::StateControl;
 
 /// Largest number of near pairs, and of colliding pairs, in one update.
 const PAIRS_SHOWN: usize = 200;
@@ -28,6 +29,9 @@ struct Update<'a> {
     age: Option<f64>,
     /// By link, as in the robot's document; absent when the robot's configuration is unknown.
     poses: Option<Vec<[f32; 7]>>,
+    /// Positions (rad, m) of the sliders; absent where a node moves the robot.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    sliders: Option<Vec<f64>>,
     #[serde(flatten)]
     findings: Option<Findings<'a>>,
 }
@@ -89,7 +93,11 @@ fn validity_time(heartbeat: Duration) -> Duration {
 }
 
 /// Current status as JSON; without an evaluation, UNKNOWN.
-pub fn update(timed_evaluation: Option<&TimedEvaluation>, now: Instant) -> String {
+pub fn update(
+    timed_evaluation: Option<&TimedEvaluation>,
+    now: Instant,
+    control: Option<&StateControl>,
+) -> String {
     let Some(TimedEvaluation { evaluation, at, settings }) = timed_evaluation else {
         return json(&nothing_known("the node has not said anything yet".to_owned(), "silent"));
     };
@@ -117,6 +125,9 @@ pub fn update(timed_evaluation: Option<&TimedEvaluation>, now: Instant) -> Strin
         world,
         age,
         poses,
+        sliders: control
+            .zip(checked_state.as_ref())
+            .map(|(control, checked)| control.slider_positions(&checked.configuration)),
         findings: findings.map(|(checked_state, revision)| found(checked_state, &revision.checker)),
     })
 }
@@ -138,6 +149,7 @@ fn nothing_known(reason: String, code: &'static str) -> Update<'static> {
         world: 0,
         age: None,
         poses: None,
+        sliders: None,
         findings: None,
     }
 }

@@ -13,12 +13,12 @@ use std::net::{SocketAddr, TcpStream};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use crate::view::address::ViewAddress;
-use crate::view::geometry_documents;
-use crate::view::http_service::VIEWERS;
-use crate::view::latest_evaluation::TimedEvaluation;
-use crate::view::server::View;
-use crate::view::update_message::update;
+use crate::address::ViewAddress;
+use crate::geometry_documents;
+use crate::http_service::VIEWERS;
+use crate::latest_evaluation::TimedEvaluation;
+use crate::server::View;
+use crate::update_message::update;
 
 /// A ball on an arm of one metre. The ball touches the box of the base at pi.
 const URDF: &str = r#"<robot name="folder">
@@ -71,7 +71,7 @@ fn update_of(evaluation: &Evaluation, later: Duration) -> Value {
 fn update_with(evaluation: &Evaluation, settings: MonitorSettings, later: Duration) -> Value {
     let at = Instant::now();
     let timed_evaluation = TimedEvaluation { evaluation: evaluation.clone(), at, settings };
-    serde_json::from_str(&update(Some(&timed_evaluation), at + later)).unwrap()
+    serde_json::from_str(&update(Some(&timed_evaluation), at + later, None)).unwrap()
 }
 
 #[test]
@@ -134,7 +134,7 @@ fn silence_of_the_monitor_is_not_shown_as_free() {
     let silent = update_of(&free, Duration::from_millis(1201));
     assert_eq!((&silent["status"], &silent["reason_code"]), (&"UNKNOWN".into(), &"silent".into()));
     assert!(silent["poses"].is_null() && silent.get("nearest").is_none());
-    let nothing: Value = serde_json::from_str(&update(None, Instant::now())).unwrap();
+    let nothing: Value = serde_json::from_str(&update(None, Instant::now(), None)).unwrap();
     assert_eq!((&nothing["status"], &nothing["model"]), (&"UNKNOWN".into(), &0.into()));
 }
 

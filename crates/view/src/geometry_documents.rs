@@ -9,8 +9,8 @@ use clearance_scene::Settings;
 use hyper::body::Bytes;
 use serde::Serialize;
 
-use crate::view::document::{Numbers, Span};
-use crate::view::reach::sampled_reach;
+use crate::document::{Numbers, Span};
+use crate::reach::sampled_reach;
 
 /// Largest number of triangles in one document. Meshes beyond it are shown as their bounding boxes.
 const TRIANGLES_SHOWN: usize = 1_000_000;

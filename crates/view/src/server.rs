@@ -16,11 +16,12 @@ use smol::net::{TcpListener, TcpStream};
 use smol::{LocalExecutor, Timer};
 use smol_hyper::rt::{FuturesIo, SmolTimer};
 
-use crate::monitor_events::current_evaluation::Observer;
-use crate::view::address::ViewAddress;
-use crate::view::http_service::{HttpService, VIEWERS};
-use crate::view::latest_evaluation::EvaluationSlot;
-use crate::view::watched_stream::WatchedStream;
+use crate::address::ViewAddress;
+use crate::http_service::{HttpService, VIEWERS};
+use crate::latest_evaluation::EvaluationSlot;
+use crate::state_control::StateControl;
+use crate::watched_stream::WatchedStream;
+use clearance_monitor::{Evaluation, MonitorSettings};
 
 /// Largest number of connections at once; a page needs two beside its updates.
 const CONNECTIONS: usize = 4 * VIEWERS;
@@ -42,6 +43,9 @@ pub struct ViewError {
     error: std::io::Error,
 }
 
+/// Callback that receives every evaluation and its settings, for a display outside of ROS. It must return quickly.
+pub type Observer = Box<dyn FnMut(&Evaluation, &MonitorSettings) + Send>;
+
 /// A running server of the view; dropping it stops the server.
 #[derive(Debug)]
 pub struct View {
@@ -54,11 +58,19 @@ pub struct View {
 impl View {
     /// Starts the server at an address.
     pub fn open(address: &ViewAddress) -> Result<Self, ViewError> {
+        Self::start(address, Arc::default(), None)
+    }
+
+    /// Starts the server of a slot; with a control, browsers may move the robot.
+    pub(crate) fn start(
+        address: &ViewAddress,
+        slot: Arc<EvaluationSlot>,
+        control: Option<Arc<StateControl>>,
+    ) -> Result<Self, ViewError> {
         let failed = |error| ViewError { address: address.socket, error };
         let (listener, socket) = listen(address).map_err(failed)?;
-        let slot = Arc::new(EvaluationSlot::default());
         let (stop, stopped) = channel::bounded(1);
-        let http = Arc::new(HttpService::new(Arc::clone(&slot)));
+        let http = Arc::new(HttpService::new(Arc::clone(&slot), control));
         let thread = thread::Builder::new().name("view".to_owned());
         let thread = thread.spawn(move || serve(&listener, &http, &stopped)).map_err(failed)?;
         Ok(Self { url: format!("http://{socket}/"), slot, stop, thread: Some(thread) })

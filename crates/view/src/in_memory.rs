@@ -7,16 +7,16 @@ use std::task::{Context, Poll};
 
 use smol::io::{AsyncRead, AsyncWrite};
 
-use crate::view::http_service::HttpService;
-use crate::view::latest_evaluation::EvaluationSlot;
-use crate::view::server::respond;
+use crate::http_service::HttpService;
+use crate::latest_evaluation::EvaluationSlot;
+use crate::server::respond;
 
 /// The response of a view without a robot to the bytes of a browser.
 #[must_use]
 pub fn respond_in_memory(request: &[u8]) -> Vec<u8> {
     let mut response = Vec::new();
     let stream = InMemory { request, response: &mut response };
-    smol::block_on(respond(stream, &Arc::new(HttpService::new(Arc::new(EvaluationSlot::default())))));
+    smol::block_on(respond(stream, &Arc::new(HttpService::new(Arc::new(EvaluationSlot::default()), None))));
     response
 }
 

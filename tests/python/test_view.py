@@ -1,0 +1,113 @@
+"""The view in a web browser, as far as HTTP requests see it."""
+
+import json
+import math
+import urllib.error
+import urllib.request
+
+import numpy as np
+import pytest
+
+import clearance as cl
+
+
+def request(url, content=None, **headers):
+    data = None if content is None else json.dumps(content).encode()
+    headers = {"Content-Type": "application/json", **headers} if data else headers
+    with urllib.request.urlopen(urllib.request.Request(url, data, headers), timeout=60) as response:
+        return response.read().decode()
+
+
+def update(view):
+    """What the page receives first."""
+    with urllib.request.urlopen(view.url + "updates", timeout=60) as stream:
+        for line in stream:
+            if line.startswith(b"data: "):
+                return json.loads(line[len("data: ") :])
+    raise AssertionError("the stream ended without an update")
+
+
+def refusal(*arguments, **headers):
+    with pytest.raises(urllib.error.HTTPError) as error:
+        request(*arguments, **headers)
+    return error.value.code
+
+
+def test_the_page_and_its_sliders(arm, home):
+    with arm.view(home) as view:
+        assert view.url.startswith("http://127.0.0.1:")
+        assert "<html" in request(view.url)
+        sliders = json.loads(request(view.url + "joints"))
+        assert [s["name"] for s in sliders] == arm.joint_names
+        assert np.allclose([s["lower"] for s in sliders], arm.lower)
+        assert np.allclose([s["upper"] for s in sliders], arm.upper)
+        assert all(s["unit"] == "rad" for s in sliders)
+        assert request(view.url + "robot") and request(view.url + "world")
+
+
+def test_a_slider_changes_the_distance(arm, home):
+    with arm.view(home) as view:
+        first = update(view)
+        assert first["status"] == "FREE" and np.array_equal(first["sliders"], home)
+        near = arm.distance(home, 1.0)
+        assert math.isclose(first["world_nearest"]["pair"]["distance"], near.world_distance, abs_tol=1e-9)
+        request(view.url + "state", {"joint": 1, "position": home[1] + 0.3})
+        moved = home.copy()
+        moved[1] += 0.3
+        assert np.array_equal(view.state, moved)
+        second = update(view)
+        assert second["world_nearest"]["pair"]["distance"] != first["world_nearest"]["pair"]["distance"]
+        assert np.array_equal(second["sliders"], moved)
+
+
+def test_set_state(arm, home, robot, states):
+    colliding = next(q for q in states[:, :7] if not arm.is_free(q))
+    with arm.view() as view:
+        assert np.array_equal(view.state, arm.configuration())
+        view.set_state(colliding)
+        shown = update(view)
+        assert shown["status"] == "COLLIDING" and len(shown["colliding"]) == len(arm.check(colliding).pairs)
+        view.set_state(home)
+        assert update(view)["status"] == "FREE"
+        for bad in ([1.0], np.full(7, np.nan)):
+            with pytest.raises(ValueError, match="q"):
+                view.set_state(bad)
+        assert np.array_equal(view.state, home)
+
+
+def test_requests_are_validated(arm, home):
+    with arm.view(home) as view:
+        for bad in ({}, {"joint": 99, "position": 0.0}, {"joint": 0, "position": 1e3}, {"joint": 0, "position": "1"}, []):
+            assert refusal(view.url + "state", bad) == 400
+        good = {"joint": 0, "position": 0.1}
+        assert refusal(view.url + "state", good, Origin="http://evil.example") == 403
+        assert refusal(view.url + "state", good, Host="evil.example") == 421
+        assert refusal(view.url + "updates", Host="evil.example") == 421
+        assert np.array_equal(view.state, home)
+
+
+def test_a_closed_view(arm):
+    view = arm.view()
+    assert view.url in view._repr_html_() and "closed" not in repr(view)
+    view.close()
+    view.close()
+    assert "closed" in repr(view)
+    with pytest.raises(urllib.error.URLError):
+        request(view.url)
+    with pytest.raises(cl.Error, match="closed"):
+        view.set_state(arm.configuration())
+
+
+def test_a_taken_port(arm):
+    with arm.view() as view:
+        port = int(view.url.rstrip("/").rsplit(":", 1)[1])
+        with pytest.raises(cl.Error, match=str(port)):
+            arm.view(port=port)
+    arm.view(port=port).close()
+
+
+def test_the_browser_is_opened(arm, monkeypatch):
+    opened = []
+    monkeypatch.setattr("webbrowser.open", opened.append)
+    with arm.view(open_browser=True) as view:
+        assert opened == [view.url]
