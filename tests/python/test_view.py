@@ -15,7 +15,7 @@ def request(url, content=None, **headers):
     data = None if content is None else json.dumps(content).encode()
     headers = {"Content-Type": "application/json", **headers} if data else headers
     with urllib.request.urlopen(urllib.request.Request(url, data, headers), timeout=60) as response:
-        return response.read().decode()
+        return response.read()
 
 
 def update(view):
@@ -27,16 +27,18 @@ def update(view):
     raise AssertionError("the stream ended without an update")
 
 
-def refusal(*arguments, **headers):
+def rejection(*arguments, **headers):
+    """The HTTP status of the error."""
     with pytest.raises(urllib.error.HTTPError) as error:
         request(*arguments, **headers)
+    error.value.close()
     return error.value.code
 
 
 def test_the_page_and_its_sliders(arm, home):
     with arm.view(home) as view:
         assert view.url.startswith("http://127.0.0.1:")
-        assert "<html" in request(view.url)
+        assert b"<html" in request(view.url)
         sliders = json.loads(request(view.url + "joints"))
         assert [s["name"] for s in sliders] == arm.joint_names
         assert np.allclose([s["lower"] for s in sliders], arm.lower)
@@ -78,11 +80,11 @@ def test_set_state(arm, home, robot, states):
 def test_requests_are_validated(arm, home):
     with arm.view(home) as view:
         for bad in ({}, {"joint": 99, "position": 0.0}, {"joint": 0, "position": 1e3}, {"joint": 0, "position": "1"}, []):
-            assert refusal(view.url + "state", bad) == 400
+            assert rejection(view.url + "state", bad) == 400
         good = {"joint": 0, "position": 0.1}
-        assert refusal(view.url + "state", good, Origin="http://evil.example") == 403
-        assert refusal(view.url + "state", good, Host="evil.example") == 421
-        assert refusal(view.url + "updates", Host="evil.example") == 421
+        assert rejection(view.url + "state", good, Origin="http://evil.example") == 403
+        assert rejection(view.url + "state", good, Host="evil.example") == 421
+        assert rejection(view.url + "updates", Host="evil.example") == 421
         assert np.array_equal(view.state, home)
 
 

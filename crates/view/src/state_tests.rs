@@ -6,16 +6,17 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use clearance_checker::CollisionChecker;
+use clearance_geometry::math::Pose;
+use clearance_geometry::{Primitive, Shape};
 use clearance_robot::{MeshFiles, RobotModel};
-use clearance_scene::{Settings, World};
+use clearance_scene::{Obstacle, Settings, World};
 use serde_json::Value;
 
 use crate::StateView;
 
-/// A ball on an arm of one metre, which touches the base at pi; a finger that follows the elbow.
+/// A ball on an arm of one metre, which touches a post at pi; a finger that follows the elbow.
 const URDF: &str = r#"<robot name="folder">
-  <link name="base"><collision><geometry><box size="0.4 0.4 0.4"/></geometry></collision></link>
-  <link name="upper"/><link name="flying"/><link name="finger"/>
+  <link name="base"/><link name="upper"/><link name="flying"/><link name="finger"/>
   <link name="ball"><collision><origin xyz="1 0 0"/><geometry><sphere radius="0.1"/></geometry></collision></link>
   <joint name="shoulder" type="fixed"><parent link="base"/><child link="upper"/><origin xyz="1 0 0"/></joint>
   <joint name="elbow" type="revolute">
@@ -30,7 +31,10 @@ const URDF: &str = r#"<robot name="folder">
 
 fn view() -> StateView {
     let robot = Arc::new(RobotModel::from_urdf(URDF, &MeshFiles::default()).unwrap());
-    let checker = CollisionChecker::new(Arc::clone(&robot), &World::default(), Settings::default()).unwrap();
+    let post = Shape::Primitive(Primitive::cuboid([0.4, 0.4, 0.4]).unwrap());
+    let mut world = World::default();
+    world.add(Obstacle::of_shape("post", Pose::identity(), post)).unwrap();
+    let checker = CollisionChecker::new(Arc::clone(&robot), &world, Settings::default()).unwrap();
     let positions: Vec<usize> = (0..robot.position_names().len()).collect();
     let state = robot.default_configuration();
     StateView::open(&"0".parse().unwrap(), checker, &positions, state.positions()).unwrap()
