@@ -70,3 +70,20 @@ pub struct DecidedPair {
     #[serde(flatten)]
     pub decision: Decision,
 }
+
+/// Part of the random states from which links count as in contact over most of their range.
+const MOSTLY: f64 = 0.5;
+
+impl DecidedPair {
+    /// True if the links are in contact in most states: usually parts that touch by design, or shapes that are too large.
+    #[must_use]
+    pub fn touches_mostly(&self) -> bool {
+        matches!(self.decision, Decision::Always {}) || self.contact_share > MOSTLY
+    }
+
+    /// True if the pair is of these links, in any order.
+    #[must_use]
+    pub fn is_of(&self, link1: &str, link2: &str) -> bool {
+        (self.link1 == link1 && self.link2 == link2) || (self.link1 == link2 && self.link2 == link1)
+    }
+}

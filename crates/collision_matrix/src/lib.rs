@@ -3,6 +3,9 @@
 //! | content | file |
 //! |---|---|
 //! | decisions about pairs | `decision` |
+//! | decisions as a document that a search resumes from | `matrix_document` |
+//! | pairs that an SRDF disables, compared with the decisions | `audit` |
+//! | new entries in the text of an SRDF | `srdf_update` |
 //! | limits of the search | `options` |
 //! | decides all pairs, on many threads | `matrix_builder` |
 //! | joints between two links | `joint_path` |
@@ -18,12 +21,14 @@
 #![deny(missing_docs)]
 
 mod always_proof;
+mod audit;
 mod decision;
 mod inner_points;
 mod joint_box;
 mod joint_path;
 mod link_geometry;
 mod matrix_builder;
+mod matrix_document;
 mod never_proof;
 mod options;
 mod outline;
@@ -32,8 +37,12 @@ mod plane_direction;
 mod relative_motion;
 mod solid_parts;
 mod split_tree;
+mod srdf_update;
 mod witness_search;
 
+pub use audit::{AuditFinding, AuditedPair, audit};
 pub use decision::{DecidedPair, Decision};
 pub use matrix_builder::MatrixBuilder;
+pub use matrix_document::{DocumentError, MatrixDocument};
 pub use options::{MatrixFailure, MatrixOptions};
+pub use srdf_update::{SrdfEntry, SrdfTextError, add_disabled_pairs};

@@ -74,7 +74,7 @@ impl MatrixBuilder {
         Ok(Self { robot: Arc::clone(robot), links, checker, meshes_are_solid })
     }
 
-    /// Number of pairs of links with collision geometry.
+    /// Largest number of pairs: those of links with collision geometry.
     #[must_use]
     pub fn pair_count(&self) -> usize {
         self.links.len() * (self.links.len() - 1) / 2
@@ -88,16 +88,29 @@ impl MatrixBuilder {
         &self,
         known: &[DecidedPair],
         options: &MatrixOptions,
-        progress: &(impl Fn() + Sync),
+        progress: &(impl Fn(&DecidedPair) + Sync),
+    ) -> Vec<DecidedPair> {
+        self.decide_some(|_, _| true, known, options, progress)
+    }
+
+    /// As [`Self::decide`], for the pairs of links that are `wanted`.
+    #[must_use]
+    pub fn decide_some(
+        &self,
+        wanted: impl Fn(LinkId, LinkId) -> bool,
+        known: &[DecidedPair],
+        options: &MatrixOptions,
+        progress: &(impl Fn(&DecidedPair) + Sync),
     ) -> Vec<DecidedPair> {
         let count = self.links.len();
         let pairs = (0..count).flat_map(|i| (i + 1..count).map(move |j| Pair(i, j)));
+        let pairs = pairs.filter(|Pair(i, j)| wanted(self.links[*i].link, self.links[*j].link));
         let mut results: Vec<Option<DecidedPair>> = Vec::new();
         let mut open: Vec<OpenPair> = Vec::new();
         for (index, pair) in pairs.enumerate() {
             let found = known.iter().find(|known| known.decision.is_final() && self.is_of(pair, known));
-            if found.is_some() {
-                progress();
+            if let Some(found) = found {
+                progress(found);
             } else {
                 open.push(OpenPair { pair, index, witnesses: None, decided: None });
             }
@@ -109,8 +122,8 @@ impl MatrixBuilder {
                 || (self.checker.workspace(), Scratch::default()),
                 |(workspace, scratch), open| {
                     self.advance(open, limits, options.seed, workspace, scratch);
-                    if open.decided.as_ref().is_some_and(|pair| pair.decision.is_final()) {
-                        progress();
+                    if let Some(pair) = open.decided.as_ref().filter(|pair| pair.decision.is_final()) {
+                        progress(pair);
                     }
                 },
             );
@@ -157,7 +170,9 @@ impl MatrixBuilder {
         let decision = attempt.decide(witnesses, limits);
         *scratch = attempt.workspace.scratch;
         let contact_share = witnesses.contact_share;
-        open.decided = Some(self.decided(open.pair, &problem, contact_share, decision));
+        let mut decided = self.decided(open.pair, &problem, contact_share, decision);
+        decided.depth = self.contact_depth(&decided, &problem, witnesses, workspace);
+        open.decided = Some(decided);
     }
 
     fn decided(
@@ -177,6 +192,23 @@ impl MatrixBuilder {
             depth: None,
             decision,
         }
+    }
+
+    /// Depth (m) of the contact in a colliding state, for links that are in contact in most states.
+    fn contact_depth(
+        &self,
+        decided: &DecidedPair,
+        problem: &PairProblem,
+        witnesses: &Witnesses,
+        workspace: &mut Workspace,
+    ) -> Option<f64> {
+        let [a, b] = problem.links.map(|link| link.link);
+        if !decided.touches_mostly() || self.robot.same_rigid_body(a, b) || !problem.path.is_bounded() {
+            return None;
+        }
+        let state = self.state(&problem.path, witnesses.colliding.as_ref()?);
+        let q = self.robot.configuration(&state).ok()?;
+        self.checker.contact(&q, (BodyId::Link(a), BodyId::Link(b)), workspace)?.depth
     }
 
     /// The state of the whole robot for values of a path's variables; other joints keep their defaults.
