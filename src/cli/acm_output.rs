@@ -60,7 +60,7 @@ impl AcmOutput<'_> {
             ));
         }
         lines.push(format!(
-            "{}: {} pairs: {} never, {} always, {} sometimes, {} undecided; {:.1} s",
+            "{}: {} pairs: {} never, {} always, {} sometimes, {} undecided; decided in {:.1} s",
             self.robot.name(),
             pairs.len(),
             self.count("never"),
@@ -75,9 +75,9 @@ impl AcmOutput<'_> {
     fn line(&self, pair: &DecidedPair) -> String {
         let mut text = format!("  {} – {}: {}", pair.link1, pair.link2, pair.decision.name());
         match &pair.decision {
-            Decision::Never { least_distance, .. } => text += &format!(", nearest {least_distance:.4} m"),
+            Decision::Never { least_distance, .. } => text += &nearest(*least_distance),
             Decision::Undecided { least_distance, .. } if !pair.touches_mostly() => {
-                text += &format!(", nearest {least_distance:.4} m");
+                text += &nearest(*least_distance);
             }
             Decision::Sometimes { .. } | Decision::Undecided { .. } => {
                 text += &format!(", in contact in {:.0} % of the states", 100.0 * pair.contact_share);
@@ -129,7 +129,7 @@ impl AuditOutput<'_> {
         let mut lines: Vec<String> =
             self.audited.iter().filter(shown).map(|entry| self.line(entry)).collect();
         lines.push(format!(
-            "{}: {} disabled pairs: {} refuted, {} never collide, {} always collide, {} can collide and are hidden, {} undecided; {:.1} s",
+            "{}: {} disabled pairs: {} refuted, {} never collide, {} always collide, {} can collide and are hidden, {} undecided; decided in {:.1} s",
             self.robot.name(),
             self.audited.len(),
             self.count(AuditFinding::Refuted),
@@ -151,7 +151,7 @@ impl AuditOutput<'_> {
             }
             (AuditFinding::Refuted, _) => format!("REFUTED {named}: collides in every state"),
             (AuditFinding::Undecided, Decision::Undecided { least_distance, .. }) => {
-                format!("undecided {named}: nearest {least_distance:.4} m")
+                format!("undecided {named}{}", nearest(*least_distance))
             }
             (finding, _) => format!("{} {named}", finding.name().replace('_', " ")),
         }
@@ -186,4 +186,9 @@ impl AuditOutput<'_> {
         })
         .to_string()
     }
+}
+
+/// The smallest distance that was found.
+fn nearest(distance: Option<f64>) -> String {
+    distance.map_or_else(String::new, |distance| format!(", nearest {distance:.4} m"))
 }

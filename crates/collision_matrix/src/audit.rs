@@ -52,14 +52,15 @@ pub fn audit<'d>(robot: &'d RobotModel, decided: &'d [DecidedPair]) -> Vec<Audit
         let [a, b] = [entry.a, entry.b].map(|link| robot.described_name(link));
         let pair = decided.iter().find(|pair| pair.is_of(a, b))?;
         let reason = entry.reason.as_str();
-        Some(AuditedPair { reason, finding: finding(reason, &pair.decision), pair })
+        Some(AuditedPair { reason, finding: finding(reason, pair), pair })
     };
     disabled.iter().filter_map(of_entry).collect()
 }
 
-fn finding(reason: &str, decision: &Decision) -> AuditFinding {
-    let claims_never = reason.trim().eq_ignore_ascii_case("never");
-    match decision {
+/// Links that never move relative to each other hide no collision, whatever the reason says.
+fn finding(reason: &str, pair: &DecidedPair) -> AuditFinding {
+    let claims_never = reason.trim().eq_ignore_ascii_case("never") && pair.variables > 0;
+    match &pair.decision {
         Decision::Never { .. } => AuditFinding::NeverProven,
         Decision::Undecided { .. } => AuditFinding::Undecided,
         Decision::Sometimes { .. } | Decision::Always {} if claims_never => AuditFinding::Refuted,

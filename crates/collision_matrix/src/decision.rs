@@ -10,8 +10,8 @@ pub enum Decision {
     Never {
         /// Boxes of joint positions of the proof (`split_tree`).
         proof: String,
-        /// Smallest distance (m) found.
-        least_distance: f64,
+        /// Smallest distance (m) found, where one was measured.
+        least_distance: Option<f64>,
     },
     /// The links collide in every state: proven.
     Always {},
@@ -24,9 +24,9 @@ pub enum Decision {
     },
     /// The budget or the time was used up.
     Undecided {
-        /// Smallest distance (m) found; zero if the links collided in every state.
-        least_distance: f64,
-        /// Its state.
+        /// Smallest distance (m) found, where one was measured; zero if the links collided in every state.
+        least_distance: Option<f64>,
+        /// Its state; empty if no state was checked.
         state: Vec<f64>,
     },
 }

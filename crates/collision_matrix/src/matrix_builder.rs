@@ -1,6 +1,7 @@
 //! Computes the decisions about all pairs of links.
 
 use std::sync::Arc;
+use std::time::Instant;
 
 use clearance_checker::{CollisionChecker, Question, Workspace};
 use clearance_proximity::Scratch;
@@ -165,7 +166,7 @@ impl MatrixBuilder {
         };
         let witnesses = open.witnesses.get_or_insert_with(|| {
             let mut random = Rng::with_seed(seed ^ ((i as u64) << 32) ^ j as u64);
-            attempt.witnesses(&mut random)
+            attempt.witnesses(&mut random, limits.deadline)
         });
         let decision = attempt.decide(witnesses, limits);
         *scratch = attempt.workspace.scratch;
@@ -241,9 +242,9 @@ struct PairAttempt<'p, 'w> {
 }
 
 impl PairAttempt<'_, '_> {
-    fn witnesses(&mut self, random: &mut Rng) -> Witnesses {
+    fn witnesses(&mut self, random: &mut Rng, deadline: Option<Instant>) -> Witnesses {
         if self.problem.path.is_bounded() {
-            return witness_search::search(self.problem, random, &mut self.workspace);
+            return witness_search::search(self.problem, random, deadline, &mut self.workspace);
         }
         self.unbounded_witnesses(random)
     }
@@ -279,7 +280,7 @@ impl PairAttempt<'_, '_> {
                 (Some(colliding), Some(free)) => {
                     Decision::Sometimes { colliding: colliding.clone(), free: free.clone() }
                 }
-                (colliding, free) => self.undecided(colliding.as_ref().or(free.as_ref()), f64::NAN),
+                (colliding, free) => self.undecided(colliding.as_ref().or(free.as_ref()), f64::INFINITY),
             };
         }
         if self.problem.path.variables().is_empty() {
@@ -302,7 +303,9 @@ impl PairAttempt<'_, '_> {
         if witnesses.colliding.is_some() {
             return Decision::Always {};
         }
-        let least_distance = witnesses.least.as_ref().map_or(f64::INFINITY, |least| least.0);
+        let Some(least_distance) = witnesses.least.as_ref().map(|least| Some(least.0)) else {
+            return self.undecided(None, f64::INFINITY);
+        };
         Decision::Never { proof: ".".to_owned(), least_distance }
     }
 
@@ -324,22 +327,25 @@ impl PairAttempt<'_, '_> {
     }
 
     fn decide_free(&mut self, witnesses: &mut Witnesses, limits: ProofLimits) -> Decision {
-        let (least, values) = witnesses.least.clone().unwrap_or((f64::INFINITY, Vec::new()));
-        if self.problem.path.variables().len() > MOST_VARIABLES {
-            return self.undecided(Some(&values), least);
-        }
-        match never_proof::search(self.problem, limits, &mut self.workspace) {
-            NeverSearch::Proven(tree) => Decision::Never { proof: tree.text(), least_distance: least },
-            NeverSearch::Collision(values) => {
-                witnesses.colliding = Some(values.clone());
-                self.undecided(Some(&values), 0.0)
+        let least = |witnesses: &Witnesses| witnesses.least.as_ref().map_or(f64::INFINITY, |least| least.0);
+        if self.problem.path.variables().len() <= MOST_VARIABLES {
+            match never_proof::search(self.problem, limits, &mut self.workspace) {
+                NeverSearch::Proven(tree) => {
+                    let least_distance = finite(least(witnesses));
+                    return Decision::Never { proof: tree.text(), least_distance };
+                }
+                NeverSearch::Collision(values) => {
+                    witnesses.colliding = Some(values.clone());
+                    witnesses.least = Some((0.0, values));
+                }
+                NeverSearch::Exhausted { least: nearer, values } if nearer < least(witnesses) => {
+                    witnesses.least = Some((nearer, values));
+                }
+                NeverSearch::Exhausted { .. } => {}
             }
-            NeverSearch::Exhausted { least: nearer, values: at } if nearer < least => {
-                witnesses.least = Some((nearer, at.clone()));
-                self.undecided(Some(&at), nearer)
-            }
-            NeverSearch::Exhausted { .. } => self.undecided(Some(&values), least),
         }
+        let nearest = witnesses.least.as_ref();
+        self.undecided(nearest.map(|(_, values)| values), least(witnesses))
     }
 
     fn decide_touching(&mut self, witnesses: &mut Witnesses, limits: ProofLimits) -> Decision {
@@ -358,6 +364,11 @@ impl PairAttempt<'_, '_> {
         let state = values.map_or_else(Vec::new, |values| {
             if bounded { self.builder.state(&self.problem.path, values) } else { values.clone() }
         });
-        Decision::Undecided { least_distance, state }
+        Decision::Undecided { least_distance: finite(least_distance), state }
     }
+}
+
+/// A distance that was measured.
+fn finite(distance: f64) -> Option<f64> {
+    Some(distance).filter(|distance| distance.is_finite())
 }

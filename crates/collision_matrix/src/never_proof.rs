@@ -40,9 +40,13 @@ impl ProofLimits {
     /// True if the search must end after a number of boxes.
     #[must_use]
     pub fn are_reached(&self, boxes: u64) -> bool {
-        boxes >= self.boxes
-            || (boxes % BOXES_PER_LOOK == 0 && self.deadline.is_some_and(|end| Instant::now() >= end))
+        boxes >= self.boxes || (boxes.is_multiple_of(BOXES_PER_LOOK) && is_over(self.deadline))
     }
+}
+
+/// True if a deadline has passed.
+pub fn is_over(deadline: Option<Instant>) -> bool {
+    deadline.is_some_and(|end| Instant::now() >= end)
 }
 
 /// Result of the search.

@@ -1,7 +1,10 @@
 //! Search for a colliding and a free state of a pair: random states, then descent of the distance.
 
+use std::time::Instant;
+
 use fastrand::Rng;
 
+use crate::never_proof::is_over;
 use crate::pair_problem::{PairProblem, PairWorkspace};
 
 /// Random states, and more for each variable.
@@ -29,14 +32,22 @@ pub struct Witnesses {
     pub contact_share: f64,
 }
 
-/// Searches a colliding and a free state.
-pub fn search(problem: &PairProblem, random: &mut Rng, workspace: &mut PairWorkspace) -> Witnesses {
+/// Searches a colliding and a free state until a deadline.
+pub fn search(
+    problem: &PairProblem,
+    random: &mut Rng,
+    deadline: Option<Instant>,
+    workspace: &mut PairWorkspace,
+) -> Witnesses {
     let ranges = problem.ranges();
     let count = if ranges.is_empty() { 1 } else { SAMPLES[0] + SAMPLES[1] * ranges.len() };
     let mut found = Witnesses::default();
     let mut starts: Vec<(f64, Vec<f64>)> = Vec::with_capacity(count);
-    let mut contacts = 0;
+    let mut contacts = 0u32;
     for _ in 0..count {
+        if is_over(deadline) {
+            break;
+        }
         let values = sample(&ranges, random);
         let distance = problem.rough_distance(&values, workspace);
         if distance <= problem.threshold() {
@@ -47,13 +58,16 @@ pub fn search(problem: &PairProblem, random: &mut Rng, workspace: &mut PairWorks
         }
     }
     #[expect(clippy::cast_precision_loss, reason = "a share needs few digits")]
-    let share = contacts as f64 / count as f64;
+    let share = f64::from(contacts) / (contacts as usize + starts.len()).max(1) as f64;
     found.contact_share = share;
     starts.sort_by(|a, b| a.0.total_cmp(&b.0));
     found.free = starts.last().map(|(_, values)| values.clone());
     found.least = starts.first().cloned();
     if found.colliding.is_none() {
         for (_, values) in starts.into_iter().take(DESCENTS) {
+            if is_over(deadline) {
+                break;
+            }
             let (distance, values) = descend(problem, &ranges, values, workspace);
             if distance <= problem.threshold() {
                 found.colliding = Some(values);
@@ -66,7 +80,8 @@ pub fn search(problem: &PairProblem, random: &mut Rng, workspace: &mut PairWorks
     }
     if found.free.is_none() && !ranges.is_empty() {
         let more = (0..MORE_SAMPLES).map(|_| corner_or_sample(&ranges, random));
-        found.free = more.into_iter().find(|values| !problem.collides(values, workspace));
+        let mut more = more.take_while(|_| !is_over(deadline));
+        found.free = more.find(|values| !problem.collides(values, workspace));
     }
     found
 }
