@@ -34,20 +34,20 @@ impl AcmOutput<'_> {
         let pairs = &self.document.pairs;
         let mut lines: Vec<String> = Vec::new();
         if self.lists_all {
-            lines.extend(pairs.iter().map(|pair| self.line(pair)));
+            lines.extend(pairs.iter().map(pair_line));
         } else {
             let touching: Vec<&DecidedPair> = pairs.iter().filter(|pair| pair.touches_mostly()).collect();
             if !touching.is_empty() {
                 lines.push(
                     "in contact in most states; if this is by design, --allow A,B accepts a pair:".to_owned(),
                 );
-                lines.extend(touching.iter().map(|pair| self.line(pair)));
+                lines.extend(touching.iter().map(|pair| pair_line(pair)));
             }
             let undecided: Vec<&DecidedPair> =
                 pairs.iter().filter(|pair| !pair.decision.is_final() && !pair.touches_mostly()).collect();
             if !undecided.is_empty() {
                 lines.push("undecided; a larger --deadline or --max-boxes may decide them:".to_owned());
-                lines.extend(undecided.iter().map(|pair| self.line(pair)));
+                lines.extend(undecided.iter().map(|pair| pair_line(pair)));
             }
         }
         if !self.written.is_empty() {
@@ -70,27 +70,6 @@ impl AcmOutput<'_> {
             self.seconds
         ));
         lines.iter().map(|line| on_one_line(line)).collect::<Vec<_>>().join("\n")
-    }
-
-    fn line(&self, pair: &DecidedPair) -> String {
-        let mut text = format!("  {} – {}: {}", pair.link1, pair.link2, pair.decision.name());
-        match &pair.decision {
-            Decision::Never { least_distance, .. } => text += &nearest(*least_distance),
-            Decision::Undecided { least_distance, .. } if !pair.touches_mostly() => {
-                text += &nearest(*least_distance);
-            }
-            Decision::Sometimes { .. } | Decision::Undecided { .. } => {
-                text += &format!(", in contact in {:.0} % of the states", 100.0 * pair.contact_share);
-            }
-            Decision::Always {} => {}
-        }
-        if let Some(depth) = pair.depth {
-            text += &format!(", depth {depth:.4} m");
-        }
-        if pair.is_adjacent && pair.touches_mostly() {
-            text += ", adjacent";
-        }
-        text
     }
 
     pub fn json(&self) -> String {
@@ -191,4 +170,19 @@ impl AuditOutput<'_> {
 /// The smallest distance that was found.
 fn nearest(distance: Option<f64>) -> String {
     distance.map_or_else(String::new, |distance| format!(", nearest {distance:.4} m"))
+}
+
+/// A pair with its decision, as one line.
+fn pair_line(pair: &DecidedPair) -> String {
+    let detail = match &pair.decision {
+        Decision::Never { least_distance, .. } => nearest(*least_distance),
+        Decision::Undecided { least_distance, .. } if !pair.touches_mostly() => nearest(*least_distance),
+        Decision::Sometimes { .. } | Decision::Undecided { .. } => {
+            format!(", in contact in {:.0} % of the states", 100.0 * pair.contact_share)
+        }
+        Decision::Always {} => String::new(),
+    };
+    let depth = pair.depth.map_or_else(String::new, |depth| format!(", depth {depth:.4} m"));
+    let adjacent = if pair.is_adjacent && pair.touches_mostly() { ", adjacent" } else { "" };
+    format!("  {} – {}: {}{detail}{depth}{adjacent}", pair.link1, pair.link2, pair.decision.name())
 }

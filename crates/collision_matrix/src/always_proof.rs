@@ -113,11 +113,8 @@ impl PartOverlap<'_> {
 
 /// The box (m) that two outlines have in common.
 fn common_box(a: &Outline, b: &Outline) -> Option<[Point; 2]> {
-    let mut region = [Point::origin(); 2];
-    for axis in 0..3 {
-        let n = Vector::ith(axis, 1.0);
-        region[0][axis] = -a.extent_along(&-n)[1].min(b.extent_along(&-n)[1]);
-        region[1][axis] = a.extent_along(&n)[1].min(b.extent_along(&n)[1]);
-    }
-    (0..3).all(|axis| region[0][axis] < region[1][axis]).then_some(region)
+    let largest = |n: Vector| a.extent_along(&n)[1].min(b.extent_along(&n)[1]);
+    let ends = |sign: f64| [0, 1, 2].map(|axis| sign * largest(Vector::ith(axis, sign)));
+    let [low, high] = [Point::from(ends(-1.0)), Point::from(ends(1.0))];
+    (0..3).all(|axis| low[axis] < high[axis]).then_some([low, high])
 }

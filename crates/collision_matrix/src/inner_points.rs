@@ -26,9 +26,9 @@ pub enum PointDepth {
     /// A closed mesh: its surface, and the same as a solid.
     Mesh {
         /// Hierarchy of the surface.
-        surface: CollisionBody,
+        surface: Box<CollisionBody>,
         /// The same with its inside.
-        solid: CollisionBody,
+        solid: Box<CollisionBody>,
     },
     /// A primitive at a pose.
     Primitive(Primitive, Pose),
@@ -41,8 +41,8 @@ impl PointDepth {
         Some(match shape {
             Shape::Primitive(primitive) => Self::Primitive(*primitive, *pose),
             Shape::Mesh(_) => Self::Mesh {
-                surface: CollisionBody::new([(pose, shape)])?,
-                solid: CollisionBody::with_solid_meshes([(pose, shape)])?,
+                surface: Box::new(CollisionBody::new([(pose, shape)])?),
+                solid: Box::new(CollisionBody::with_solid_meshes([(pose, shape)])?),
             },
             Shape::Plane(_) | Shape::Points(_) | Shape::Voxels(_) => return None,
         })

@@ -130,7 +130,7 @@ impl MatrixBuilder {
             );
             open.retain_mut(|open| {
                 let is_final = open.decided.as_ref().is_some_and(|pair| pair.decision.is_final());
-                results[open.index] = open.decided.clone();
+                results[open.index].clone_from(&open.decided);
                 !is_final
             });
         }

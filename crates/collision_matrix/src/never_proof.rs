@@ -148,11 +148,11 @@ pub fn search(problem: &PairProblem, limits: ProofLimits, workspace: &mut PairWo
         if distance <= problem.threshold() {
             return NeverSearch::Collision(centre);
         }
-        if distance > GAP_SHARE * limit || distance < TOUCHING {
-            if let Some(proof) = problem.gap_proof(&near, &half_widths, workspace) {
-                tree.prove(node, proof);
-                continue;
-            }
+        if (distance > GAP_SHARE * limit || distance < TOUCHING)
+            && let Some(proof) = problem.gap_proof(&near, &half_widths, workspace)
+        {
+            tree.prove(node, proof);
+            continue;
         }
         let Some(variable) = widest(&workspace.motion.shares, &half_widths) else {
             return NeverSearch::Exhausted { least, values };

@@ -36,7 +36,7 @@ pub struct PairWorkspace {
 /// Relative error that distances may have where they only order the search.
 const ROUGH: f64 = 0.25;
 
-impl<'g> PairProblem<'g> {
+impl PairProblem<'_> {
     /// Memory for queries.
     #[must_use]
     pub fn workspace(&self, scratch: Scratch) -> PairWorkspace {

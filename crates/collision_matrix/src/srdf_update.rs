@@ -31,7 +31,7 @@ pub fn add_disabled_pairs(
 ) -> Result<String, SrdfTextError> {
     let Some(text) = srdf else {
         let robot = escaped(robot);
-        let lines: String = entries.iter().map(|entry| format!("{INDENT}{}\n", entry.element())).collect();
+        let lines = lines(entries, INDENT, "\n");
         return Ok(format!("<?xml version=\"1.0\"?>\n<robot name=\"{robot}\">\n{lines}</robot>\n"));
     };
     if entries.is_empty() {
@@ -40,10 +40,9 @@ pub fn add_disabled_pairs(
     let line_end = if text.contains("\r\n") { "\r\n" } else { "\n" };
     let markup = markup(text);
     let indent = indent_of_entries(text, &markup).unwrap_or(INDENT);
-    let lines: String =
-        entries.iter().map(|entry| format!("{indent}{}{line_end}", entry.element())).collect();
+    let lines = lines(entries, indent, line_end);
     let tags = || markup.iter().map(|(from, to)| (*from, &text[*from..*to]));
-    if let Some((end, _)) = tags().filter(|(_, tag)| is_tag(tag, "</robot")).last() {
+    if let Some((end, _)) = tags().rfind(|(_, tag)| is_tag(tag, "</robot")) {
         // entries come before the indentation of the end tag, if nothing else is on its line
         let line = text[..end].rfind('\n').map_or(0, |at| at + 1);
         let alone = text[line..end].trim().is_empty();
@@ -55,6 +54,12 @@ pub fn add_disabled_pairs(
     let slash = tag.strip_suffix("/>").ok_or(SrdfTextError::NoRobot)?.trim_end().len();
     let rest = &text[start + tag.len()..];
     Ok(format!("{}>{line_end}{lines}</robot>{rest}", &text[..start + slash]))
+}
+
+/// One line for each entry.
+fn lines(entries: &[SrdfEntry], indent: &str, line_end: &str) -> String {
+    let lines = entries.iter().flat_map(|entry| [indent.to_owned(), entry.element(), line_end.to_owned()]);
+    lines.collect()
 }
 
 impl SrdfEntry {

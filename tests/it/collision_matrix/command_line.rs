@@ -116,9 +116,8 @@ fn new_entries_leave_the_text_of_an_srdf_as_it_is() {
         std::fs::read_to_string(folder.path("r.srdf")).unwrap()
     };
     let new = write(&[]);
-    let kept: String =
-        new.lines().filter(|line| SRDF.contains(line)).map(|line| format!("{line}\n")).collect();
-    assert_eq!(kept, SRDF);
+    let kept: Vec<&str> = new.lines().filter(|line| SRDF.contains(line)).collect();
+    assert_eq!(kept, SRDF.lines().collect::<Vec<_>>());
     let added: Vec<&str> = new.lines().filter(|line| !SRDF.contains(line)).collect();
     assert_eq!(
         added,

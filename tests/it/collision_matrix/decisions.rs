@@ -13,7 +13,7 @@ use super::small_robots::{PairOracle, decide, robot, urdf};
 const ROBOTS: u64 = 40;
 
 /// States of a grid along each position.
-const GRID: usize = 13;
+const GRID: u32 = 13;
 
 /// States of a grid over the limits of all positions, limits included.
 fn grid(robot: &RobotModel) -> Vec<Vec<f64>> {
@@ -22,7 +22,7 @@ fn grid(robot: &RobotModel) -> Vec<Vec<f64>> {
         states = (states.iter())
             .flat_map(|state| {
                 (0..GRID).map(move |i| {
-                    let value = low + (high - low) * i as f64 / (GRID - 1) as f64;
+                    let value = low + (high - low) * f64::from(i) / f64::from(GRID - 1);
                     [&state[..], &[value]].concat()
                 })
             })
