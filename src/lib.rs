@@ -25,6 +25,7 @@
 //! | check motions | [`CollisionChecker::check_motion`], [`CollisionChecker::check_trajectory`] |
 //! | check the edges of a planner | [`CollisionChecker::is_motion_free`], [`CollisionChecker::are_motions_free`] |
 //! | plan a path of proven motions | [`planner::plan`] |
+//! | decide which links can collide | [`collision_matrix::MatrixBuilder`] |
 //! | keep a proof, and check it again | [`CollisionChecker::certify_motion`], [`Verifier`] |
 //! | follow a stream of joint states | [`CollisionChecker::streaming_workspace`], [`monitor`] |
 //! | two posed bodies without a robot | [`proximity`] |
@@ -86,6 +87,10 @@ pub use clearance_checker as checker;
 /// A small motion planner whose edges are proven free.
 #[doc(inline)]
 pub use clearance_planner as planner;
+
+/// Proven collision matrix: which pairs of links can collide within the joint limits.
+#[doc(inline)]
+pub use clearance_collision_matrix as collision_matrix;
 
 /// Independent verification of certificates.
 #[doc(inline)]

@@ -96,7 +96,9 @@ pub fn run(args: &CheckArgs) -> Result<ExitStatus, Failure> {
     let question = args.question();
     let reports = check_all(&checker, &states, question, &args.run)?;
     if let Some(remark) = constant_contacts(&checker, &states, &reports, args)? {
-        log::warn!("{remark}");
+        log::warn!("{remark}. {ADVICE}");
+    } else if let Some(remark) = frequent_contact(&checker, &states, &reports) {
+        log::warn!("{remark}. {ADVICE}");
     }
     let details = Details {
         contacts: args.contacts.of_states(&checker, &states, &reports, &args.run)?,
@@ -202,6 +204,44 @@ fn check_all(
             )
             .collect()
     }))
+}
+
+/// Advice for pairs that always touch.
+const ADVICE: &str = "`clearance acm` decides which pairs can collide and writes an SRDF; --ignore A,B leaves a pair out for a trial";
+
+/// Random states at which pairs of a few colliding states are tried.
+const TRIALS: usize = 50;
+
+/// Remark about a link pair that collides in the few given states, and in many random states, too.
+fn frequent_contact(
+    checker: &CollisionChecker,
+    states: &[Configuration],
+    reports: &[CollisionReport],
+) -> Option<String> {
+    if states.len() >= ConstantContacts::FEWEST_STATES || reports.iter().any(CollisionReport::is_free) {
+        return None;
+    }
+    let (robot, mut workspace) = (checker.robot(), checker.workspace());
+    let mut of_links = |q: &Configuration| -> Vec<(BodyId, BodyId)> {
+        let pairs = checker.check(q, Question::Pairs, &mut workspace).colliding_pairs;
+        pairs.into_iter().filter(|(a, b)| [a, b].iter().all(|id| matches!(id, BodyId::Link(_)))).collect()
+    };
+    let mut touching = of_links(states.first()?);
+    let mut random = fastrand::Rng::with_seed(1);
+    for _ in 0..TRIALS {
+        if touching.is_empty() {
+            return None;
+        }
+        let here = of_links(&robot.random_configuration(&mut random));
+        touching.retain(|pair| here.contains(pair));
+    }
+    let (a, b) = *touching.first()?;
+    let [a, b] = [a, b].map(|body| checker.body_name(body));
+    let more = match touching.len() {
+        1 => String::new(),
+        pairs => format!(" (and {} more pairs)", pairs - 1),
+    };
+    Some(format!("links '{a}' and '{b}'{more} touch in {TRIALS} of {TRIALS} random states, too"))
 }
 
 /// Remark about link pairs that are in contact in all states, if every state collides and there are enough states.

@@ -3,6 +3,8 @@
 //! Exit codes: 0: everything in the query is free; 1: completed, and something is not free; 2: bad input; 3: internal error.
 //! The node also has 4: ended by a signal, before its orderly end was complete.
 
+mod acm;
+mod acm_output;
 mod assignments;
 mod bench;
 mod certificate_file;
@@ -19,6 +21,7 @@ mod demo_table;
 mod doctor;
 mod exit_status;
 mod failure;
+mod matrix_verification;
 mod model_args;
 mod motion;
 mod motion_args;
@@ -80,6 +83,8 @@ enum Command {
     Recover(Box<recover::RecoverArgs>),
     /// Search a path between two states whose edges are proven free
     Plan(Box<plan::PlanArgs>),
+    /// Decide for every pair of links whether they can collide within the joint limits: proofs for a collision matrix
+    Acm(Box<acm::AcmArgs>),
     /// Verify a certificate that a motion is free, with code that is independent of the checker
     Verify(Box<verify::VerifyArgs>),
     /// Show a robot and its world in a web browser, with a slider for each joint
@@ -149,6 +154,10 @@ fn dispatch(arguments: Arguments) -> Result<ExitStatus, Failure> {
         Some(Command::Plan(args)) => {
             log_to_stderr(arguments.log_level.unwrap_or(LevelFilter::Warn));
             plan::run(&args)
+        }
+        Some(Command::Acm(args)) => {
+            log_to_stderr(arguments.log_level.unwrap_or(LevelFilter::Warn));
+            acm::run(&args)
         }
         Some(Command::Verify(args)) => {
             log_to_stderr(arguments.log_level.unwrap_or(LevelFilter::Warn));

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use clap::Args;
 use clearance::checker::CollisionChecker;
-use clearance::robot::{MeshFiles, RobotModel};
-use clearance::scene::{MeshModel, Settings};
+use clearance::robot::{LinkId, MeshFiles, RobotModel};
+use clearance::scene::{AllowedCollisionMatrix, MeshModel, Settings};
 use clearance::scene::{Scene, SceneLoader, World, WorldFileKind};
 use clearance_files::input_files::{self, WORLD_LIMIT};
 
@@ -73,6 +73,10 @@ pub struct WorldArgs {
     /// Treatment of unknown space of an octree, within the bounding box of its known cells
     #[arg(long, value_name = "SPACE", default_value = "free")]
     pub unknown_space: UnknownSpace,
+
+    /// Two links that are not checked against each other, as if an SRDF disabled the pair: for quick trials; may be given more than once
+    #[arg(long, value_name = "A,B")]
+    pub ignore: Vec<String>,
 }
 
 #[derive(
@@ -189,8 +193,33 @@ impl WorldArgs {
                 log::warn!("{warning}");
             }
         }
-        Ok(loader.into_scene())
+        let mut scene = loader.into_scene();
+        if !self.ignore.is_empty() {
+            let mut matrix = scene.matrix.take().unwrap_or_else(|| AllowedCollisionMatrix::of_robot(robot));
+            for pair in &self.ignore {
+                let [a, b] = link_pair(robot, "--ignore", pair)?;
+                matrix.set(&robot.link(a).name, &robot.link(b).name, true);
+            }
+            scene.matrix = Some(matrix);
+        }
+        Ok(scene)
     }
+}
+
+/// The two links that an option names as `A,B`.
+pub fn link_pair(robot: &RobotModel, option: &str, pair: &str) -> Result<[LinkId; 2], Failure> {
+    let Some((a, b)) = pair.split_once(',').map(|(a, b)| (a.trim(), b.trim())) else {
+        return Err(Failure::Input(format!("{option} {pair}: name two links, as {option} A,B")));
+    };
+    let link = |name: &str| {
+        let unknown = || Failure::Input(format!("{option} {pair}: the robot has no link '{name}'"));
+        robot.link_by_name(name).ok_or_else(unknown)
+    };
+    let links = [link(a)?, link(b)?];
+    if links[0] == links[1] {
+        return Err(Failure::Input(format!("{option} {pair}: name two different links")));
+    }
+    Ok(links)
 }
 
 /// Required content of a file, for error messages about other content.

@@ -46,6 +46,7 @@ pub struct GivenFiles {
     cloud: Vec<PathBuf>,
     point_radius: Option<f64>,
     unknown_space: UnknownSpace,
+    ignore: Vec<String>,
 }
 
 pub fn run(args: &ReplayArgs) -> Result<ExitStatus, Failure> {
@@ -137,6 +138,7 @@ impl GivenFiles {
             cloud: recorded(&world.cloud),
             point_radius: world.point_radius,
             unknown_space: world.unknown_space,
+            ignore: world.ignore.clone(),
         }
     }
 
@@ -167,6 +169,7 @@ fn prepare(archive: Archive) -> Result<Prepared, String> {
         cloud: given.cloud,
         point_radius: given.point_radius,
         unknown_space: given.unknown_space,
+        ignore: given.ignore,
     };
     let files = mesh_files.clone();
     Ok(Prepared {

@@ -14,6 +14,7 @@ use serde_json::json;
 use super::certificate_summary::{Summary, on_one_line};
 use super::exit_status::ExitStatus;
 use super::failure::Failure;
+use super::matrix_verification;
 use super::model_args::{ModelArgs, WorldArgs, warn_of_meshes};
 use super::motion_args::MotionInputArgs;
 use super::run_args::{Format, PairArgs, positive, print_line};
@@ -34,7 +35,7 @@ pub struct VerifyArgs {
     #[command(flatten)]
     world: WorldArgs,
 
-    /// Certificate written by `clearance motion --certificate`
+    /// Certificate written by `clearance motion --certificate` or `clearance acm --certificate`
     #[arg(value_name = "CERTIFICATE.json")]
     certificate: PathBuf,
 
@@ -60,6 +61,9 @@ pub struct VerifyArgs {
 /// Exit code 0: the certificate is a proof; 1: it is not, and the reason is printed.
 pub fn run(args: &VerifyArgs) -> Result<ExitStatus, Failure> {
     let robot = args.model.robot.load()?;
+    if let Some(certificate) = matrix_verification::read(&args.certificate)? {
+        return matrix_verification::run(&robot, &args.model.settings(), &certificate, args.format);
+    }
     let scene = args.world.load(&robot, &args.model.robot.mesh_files())?;
     let mut settings = args.model.settings();
     (settings.check_self, settings.check_world) = (!args.pairs.no_self, !args.pairs.no_world);

@@ -13,6 +13,7 @@ const CRATES: [(&str, &[&str]); 15] = [
     ("checker", &["geometry", "proximity", "robot", "scene", "motion"]),
     ("planner", &["robot", "motion", "checker"]),
     ("verifier", &["geometry", "robot", "scene", "motion"]),
+    ("collision_matrix", &["geometry", "proximity", "robot", "scene", "motion", "checker", "verifier"]),
     ("monitor", &["geometry", "proximity", "robot", "scene", "checker"]),
     ("view", &["geometry", "robot", "scene", "checker", "monitor"]),
     ("ros", &["geometry", "files", "proximity", "robot", "scene", "motion", "checker", "monitor", "view"]),

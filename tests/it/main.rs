@@ -5,6 +5,7 @@ mod bodies;
 mod cases;
 mod certificates;
 mod checker;
+mod collision_matrix;
 mod command_line;
 mod command_messages;
 mod contacts;

@@ -18,7 +18,7 @@ TIMEOUT = 100.0  # [s]
 POSE = {"joint1": 0.0, "joint2": 0.18, "joint3": 0.0, "joint4": -1.873, "joint5": 0.0, "joint6": 0.0, "joint7": 0.0}
 POSE |= {"finger_joint1": 0.0, "finger_joint2": 0.0}
 # What differs from run to run, and hashes, of which pages show the first 12 digits.
-VARYING = [re.compile(r"loaded in \S+ s|planned in \S+ ms"), re.compile(r"\b[0-9a-f]{12}(…|[0-9a-f]{52}\b)")]
+VARYING = [re.compile(r"(?:loaded|decided) in \S+ s|planned in \S+ ms"), re.compile(r"\b[0-9a-f]{12}(…|[0-9a-f]{52}\b)")]
 # Commands whose pages show the output for another robot than the one here.
 SHOWN_FOR_ANOTHER_ROBOT = ("clearance doctor",)
 # Snippets that cannot run here, by their beginning, and why.

@@ -7,6 +7,9 @@ use super::{CheckedState, Time};
 /// Name of the compared states in the warning.
 const STATES: &str = "every joint state so far";
 
+/// Advice in the log.
+const ADVICE: &str = "`clearance acm` decides which links can collide and writes an SRDF; --ignore A,B leaves a pair out for a trial";
+
 /// Intersection of the colliding pairs of all joint states, until a state without any of them is received.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ContactWatch {
@@ -37,6 +40,6 @@ impl ContactWatch {
     pub fn take_remark(&mut self) -> Option<String> {
         let news = self.remark.clone().filter(|_| !self.is_taken);
         self.is_taken |= news.is_some();
-        news
+        news.map(|remark| format!("{remark}. {ADVICE}"))
     }
 }

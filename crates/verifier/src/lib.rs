@@ -18,6 +18,9 @@
 //! | `body_geometry`, `body` | shapes of links, attached objects and obstacles as trees of boxes |
 //! | `separation_test` | all pairs of elements are proven apart, by boxes or by a separating direction |
 //! | `interior`, `ray_crossings` | nothing lies inside a closed mesh, if meshes are solids |
+//! | `matrix_certificate` | proofs that pairs of links never collide, as a document |
+//! | `matrix_path`, `matrix_motion` | joints between two links and their ranges; motion of one relative to the other in a box |
+//! | `matrix_verifier` | every box of such a proof is proven apart, and the boxes are all of the range |
 //! | `segment_verifier`, `verifier` | every proof of every segment is checked by the above |
 //!
 //! The search for directions (`separating_direction`) need not be correct: a wrong direction proves nothing, and the certificate is rejected.
@@ -36,6 +39,10 @@ mod expected_motion;
 mod interior;
 mod interval_coverage;
 mod interval_midpoint;
+mod matrix_certificate;
+mod matrix_motion;
+mod matrix_path;
+mod matrix_verifier;
 mod motion_bound;
 mod proof_interval;
 mod ray_crossings;
@@ -55,6 +62,8 @@ mod tests;
 
 pub use certificate_differences::CertificateDifferences;
 pub use expected_motion::ExpectedMotion;
+pub use matrix_certificate::{MatrixCertificate, NeverProof, matrix_fingerprint};
+pub use matrix_verifier::{MatrixRejection, MatrixVerifier};
 pub use rejection::Rejection;
 pub use verification_statistics::VerificationStatistics;
 pub use verifier::{Verifier, verify};

@@ -1,0 +1,70 @@
+//! Pairs that an SRDF disables, compared with the decisions about them.
+
+use clearance_robot::RobotModel;
+
+use crate::decision::{DecidedPair, Decision};
+
+/// Comparison of an SRDF's entry with the decision about its pair.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AuditFinding {
+    /// The links never collide: proven, whatever the reason in the SRDF is.
+    NeverProven,
+    /// The entry claims that the links never collide, but they can.
+    Refuted,
+    /// The links can collide, and the entry claims nothing else: collisions are hidden on purpose.
+    Hidden,
+    /// The links always collide: proven.
+    AlwaysProven,
+    /// The pair is undecided.
+    Undecided,
+}
+
+impl AuditFinding {
+    /// Name in tables and documents.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::NeverProven => "never_proven",
+            Self::Refuted => "refuted",
+            Self::Hidden => "hidden",
+            Self::AlwaysProven => "always_proven",
+            Self::Undecided => "undecided",
+        }
+    }
+}
+
+/// An entry of an SRDF with its decision.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AuditedPair<'d> {
+    /// Reason in the SRDF.
+    pub reason: &'d str,
+    /// The finding.
+    pub finding: AuditFinding,
+    /// The decision.
+    pub pair: &'d DecidedPair,
+}
+
+/// The disabled pairs of the robot's SRDF whose links have geometry, in the order of the links.
+#[must_use]
+pub fn audit<'d>(robot: &'d RobotModel, decided: &'d [DecidedPair]) -> Vec<AuditedPair<'d>> {
+    let disabled = robot.srdf().map_or(&[][..], |srdf| &srdf.disabled_pairs);
+    let of_entry = |entry: &'d clearance_robot::DisabledPair| {
+        let [a, b] = [entry.a, entry.b].map(|link| robot.described_name(link));
+        let pair = decided.iter().find(|pair| pair.is_of(a, b))?;
+        let reason = entry.reason.as_str();
+        Some(AuditedPair { reason, finding: finding(reason, pair), pair })
+    };
+    disabled.iter().filter_map(of_entry).collect()
+}
+
+/// Links that never move relative to each other hide no collision, whatever the reason says.
+fn finding(reason: &str, pair: &DecidedPair) -> AuditFinding {
+    let claims_never = reason.trim().eq_ignore_ascii_case("never") && pair.variables > 0;
+    match &pair.decision {
+        Decision::Never { .. } => AuditFinding::NeverProven,
+        Decision::Undecided { .. } => AuditFinding::Undecided,
+        Decision::Sometimes { .. } | Decision::Always {} if claims_never => AuditFinding::Refuted,
+        Decision::Sometimes { .. } => AuditFinding::Hidden,
+        Decision::Always {} => AuditFinding::AlwaysProven,
+    }
+}

@@ -1,0 +1,257 @@
+//! `clearance acm`: decides which pairs of links can collide, writes SRDF entries and certificates, audits an SRDF.
+
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use clap::Args;
+use clearance::collision_matrix::{
+    DecidedPair, Decision, MatrixBuilder, MatrixDocument, MatrixOptions, SrdfEntry, add_disabled_pairs, audit,
+};
+use clearance::robot::{LinkId, RobotModel};
+use clearance::scene::Settings;
+use clearance_files::input_files::{self, DESCRIPTION_LIMIT, STATES_LIMIT};
+
+use super::acm_output::{AcmOutput, AuditOutput};
+use super::exit_status::ExitStatus;
+use super::failure::Failure;
+use super::model_args::{ModelArgs, RobotArgs, link_pair, warn_of_meshes};
+use super::progress::Progress;
+use super::run_args::{Format, internal, positive, print_line};
+
+/// Time between two writes of the file of --resume.
+const SAVE_EVERY: Duration = Duration::from_secs(20);
+
+/// Decide for every pair of links whether they can collide within the joint limits.
+///
+/// never: proven that the links do not collide in any state. always: proven that they collide in every state. sometimes: one colliding and
+/// one free state, both confirmed by the checker. undecided: --deadline or --max-boxes was reached.
+///
+/// Exit codes: 0 every pair is decided; 1 a pair is undecided, or --audit refutes an entry; 2 bad input.
+#[derive(Args)]
+pub struct AcmArgs {
+    #[command(flatten)]
+    model: ModelArgs,
+
+    /// Check the pairs that this SRDF disables: refute each "Never" that can collide, with a state
+    #[arg(long, value_name = "SRDF", conflicts_with_all = ["srdf", "write_srdf", "certificate"])]
+    audit: Option<PathBuf>,
+
+    /// Add the pairs that never collide to this SRDF; all else in it stays. Without the file, --srdf is the original, or a new one is made
+    #[arg(long, value_name = "SRDF")]
+    write_srdf: Option<PathBuf>,
+
+    /// Also write this pair, with the reason "User"; may be given more than once
+    #[arg(long, value_name = "A,B", requires = "write_srdf")]
+    allow: Vec<String>,
+
+    /// Also write all links that are joined by a joint and touch in most states, with the reason "Adjacent"
+    #[arg(long, requires = "write_srdf")]
+    allow_adjacent: bool,
+
+    /// Write the proofs to this file, for `clearance verify`
+    #[arg(long, value_name = "FILE")]
+    certificate: Option<PathBuf>,
+
+    /// Read decided pairs from this file if it exists, and keep all decisions in it
+    #[arg(long, value_name = "FILE")]
+    resume: Option<PathBuf>,
+
+    /// Time limit in seconds; the remaining pairs are undecided
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    deadline: Option<f64>,
+
+    /// Largest number of boxes of joint positions for one pair
+    #[arg(long, value_name = "N", default_value_t = MatrixOptions::MOST_BOXES)]
+    max_boxes: u64,
+
+    /// Number of threads [default: one for each processor]; without --deadline the result does not depend on it
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+
+    /// List every pair, not only those that need attention
+    #[arg(long)]
+    list: bool,
+
+    /// Output format
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+}
+
+pub fn run(args: &AcmArgs) -> Result<ExitStatus, Failure> {
+    args.deadline.map(|s| positive("--deadline", s)).transpose()?;
+    for file in [&args.write_srdf, &args.certificate, &args.resume].into_iter().flatten() {
+        input_files::check_target(file).map_err(Failure::input)?;
+    }
+    let robot = Arc::new(args.robot_args().load()?);
+    let settings = args.model.settings();
+    warn_of_meshes(&robot, &clearance::scene::World::default(), &settings);
+    let allowed = args.allow.iter().map(|pair| link_pair(&robot, "--allow", pair));
+    let allowed: Vec<[LinkId; 2]> = allowed.collect::<Result<_, _>>()?;
+    let known = args.known(&robot, &settings)?;
+    let start = Instant::now();
+    let pairs = args.decide(&robot, &settings, &known)?;
+    let seconds = start.elapsed().as_secs_f64();
+    if args.audit.is_some() {
+        return args.report_audit(&robot, &pairs, seconds);
+    }
+    let document = MatrixDocument::new(&robot, &settings, pairs);
+    if let Some(file) = &args.certificate {
+        let text = serde_json::to_string(&document.certificate(&robot, &settings)).map_err(internal)?;
+        input_files::write(file, (text + "\n").as_bytes()).map_err(Failure::input)?;
+    }
+    let written = args.write_srdf(&robot, &document.pairs, &allowed)?;
+    let output = AcmOutput { document: &document, robot: &robot, seconds, written, lists_all: args.list };
+    print_line(&match args.format {
+        Format::Json => output.json(),
+        Format::Text => output.text(),
+    })?;
+    let all_decided = document.pairs.iter().all(|pair| pair.decision.is_final());
+    Ok(ExitStatus::from(u8::from(!all_decided)))
+}
+
+impl AcmArgs {
+    /// The robot, with the SRDF that is audited.
+    fn robot_args(&self) -> RobotArgs {
+        let mut robot = self.model.robot.clone();
+        robot.srdf = self.audit.clone().or(robot.srdf);
+        robot
+    }
+
+    /// Decisions of an earlier run.
+    fn known(&self, robot: &RobotModel, settings: &Settings) -> Result<Vec<DecidedPair>, Failure> {
+        let Some(file) = self.resume.as_deref().filter(|file| file.exists()) else { return Ok(Vec::new()) };
+        let text = input_files::read_text(file, STATES_LIMIT).map_err(Failure::input)?;
+        let document = MatrixDocument::from_json(&text, robot, settings)
+            .map_err(|why| Failure::Input(format!("{}: {why}", file.display())))?;
+        Ok(document.pairs)
+    }
+
+    /// Decides all pairs, or those that the audited SRDF disables. Keeps the decisions in the file of --resume.
+    fn decide(
+        &self,
+        robot: &Arc<RobotModel>,
+        settings: &Settings,
+        known: &[DecidedPair],
+    ) -> Result<Vec<DecidedPair>, Failure> {
+        let builder = MatrixBuilder::new(robot, settings).map_err(Failure::input)?;
+        let disabled: Vec<[LinkId; 2]> = match (&self.audit, robot.srdf()) {
+            (Some(_), Some(srdf)) => srdf.disabled_pairs.iter().map(|pair| [pair.a, pair.b]).collect(),
+            _ => Vec::new(),
+        };
+        let wanted = |a: LinkId, b: LinkId| {
+            self.audit.is_none() || disabled.contains(&[a, b]) || disabled.contains(&[b, a])
+        };
+        let options = MatrixOptions {
+            most_boxes: self.max_boxes,
+            deadline: self.deadline.map(|s| Instant::now() + Duration::from_secs_f64(s)),
+            ..MatrixOptions::default()
+        };
+        let count = if self.audit.is_some() { disabled.len() } else { builder.pair_count() };
+        let progress = Progress::new(count);
+        let saved = Mutex::new((Instant::now(), Vec::new()));
+        let on_decided = |pair: &DecidedPair| {
+            progress.piece_done();
+            let Some(file) = &self.resume else { return };
+            let Ok(mut saved) = saved.lock() else { return };
+            saved.1.push(pair.clone());
+            if saved.0.elapsed() > SAVE_EVERY {
+                saved.0 = Instant::now();
+                if let Err(failure) = save(file, robot, settings, saved.1.clone()) {
+                    log::warn!("{failure}");
+                }
+            }
+        };
+        let threads = self.threads.map_or(0, usize::from);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(internal)?;
+        let pairs = pool.install(|| builder.decide_some(wanted, known, &options, &on_decided));
+        if let Some(file) = &self.resume {
+            save(file, robot, settings, pairs.clone())?;
+        }
+        Ok(pairs)
+    }
+
+    fn report_audit(
+        &self,
+        robot: &RobotModel,
+        pairs: &[DecidedPair],
+        seconds: f64,
+    ) -> Result<ExitStatus, Failure> {
+        let audited = audit(robot, pairs);
+        let output = AuditOutput { robot, audited: &audited, seconds, lists_all: self.list };
+        print_line(&match self.format {
+            Format::Json => output.json(),
+            Format::Text => output.text(),
+        })?;
+        Ok(ExitStatus::from(u8::from(output.is_refuted())))
+    }
+
+    /// Writes the SRDF; returns the new entries.
+    fn write_srdf(
+        &self,
+        robot: &RobotModel,
+        pairs: &[DecidedPair],
+        allowed: &[[LinkId; 2]],
+    ) -> Result<Vec<SrdfEntry>, Failure> {
+        let Some(file) = &self.write_srdf else { return Ok(Vec::new()) };
+        let original = if file.exists() { Some(file.as_path()) } else { self.model.robot.srdf.as_deref() };
+        let text = original.map(|path| input_files::read_text(path, DESCRIPTION_LIMIT)).transpose();
+        let text = text.map_err(Failure::input)?;
+        // the entries of the original count, not those of --srdf
+        let of_original = original.map(|path| self.load_with_srdf(path)).transpose()?;
+        let entries = self.entries(robot, of_original.as_ref(), pairs, allowed);
+        let new = add_disabled_pairs(text.as_deref(), robot.name(), &entries)
+            .map_err(|why| Failure::Input(format!("{}: {why}", file.display())))?;
+        input_files::write(file, new.as_bytes()).map_err(Failure::input)?;
+        Ok(entries)
+    }
+
+    fn load_with_srdf(&self, srdf: &Path) -> Result<RobotModel, Failure> {
+        let robot = RobotArgs { srdf: Some(srdf.to_owned()), ..self.model.robot.clone() };
+        robot.load_quietly(&robot.mesh_files())
+    }
+
+    /// New entries: pairs that the original neither disables nor enables.
+    fn entries(
+        &self,
+        robot: &RobotModel,
+        original: Option<&RobotModel>,
+        pairs: &[DecidedPair],
+        allowed: &[[LinkId; 2]],
+    ) -> Vec<SrdfEntry> {
+        let is_named = |pair: &DecidedPair| {
+            let Some((model, srdf)) = original.and_then(|model| Some((model, model.srdf()?))) else {
+                return false;
+            };
+            let disabled = srdf.disabled_pairs.iter().map(|entry| (entry.a, entry.b));
+            disabled
+                .chain(srdf.enabled_pairs.iter().copied())
+                .any(|(a, b)| pair.is_of(model.described_name(a), model.described_name(b)))
+        };
+        let is_allowed = |pair: &DecidedPair| {
+            allowed.iter().any(|[a, b]| pair.is_of(robot.described_name(*a), robot.described_name(*b)))
+        };
+        let reason = |pair: &DecidedPair| match pair.decision {
+            Decision::Never { .. } => Some("Never"),
+            _ if is_allowed(pair) => Some("User"),
+            _ if self.allow_adjacent && pair.is_adjacent && pair.touches_mostly() => Some("Adjacent"),
+            _ => None,
+        };
+        let entry = |pair: &DecidedPair| {
+            let (link1, link2) = (pair.link1.clone(), pair.link2.clone());
+            Some(SrdfEntry { link1, link2, reason: reason(pair)? })
+        };
+        pairs.iter().filter(|pair| !is_named(pair)).filter_map(entry).collect()
+    }
+}
+
+/// Writes the decisions so far.
+fn save(
+    file: &Path,
+    robot: &RobotModel,
+    settings: &Settings,
+    pairs: Vec<DecidedPair>,
+) -> Result<(), Failure> {
+    let text = MatrixDocument::new(robot, settings, pairs).to_json() + "\n";
+    input_files::write(file, text.as_bytes()).map_err(Failure::input)
+}

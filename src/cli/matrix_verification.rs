@@ -1,0 +1,86 @@
+//! `clearance verify` for certificates of a collision matrix.
+
+use std::path::Path;
+
+use clearance::robot::RobotModel;
+use clearance::scene::Settings;
+use clearance::verifier::{MatrixCertificate, MatrixRejection, MatrixVerifier};
+use clearance_files::input_files::{self, STATES_LIMIT};
+use clearance_files::readable_text::on_one_line;
+use rayon::prelude::*;
+use serde::Deserialize;
+use serde_json::json;
+
+use super::exit_status::ExitStatus;
+use super::failure::Failure;
+use super::progress::Progress;
+use super::run_args::{Format, print_line};
+
+/// The only field that all certificates have in common.
+#[derive(Deserialize)]
+struct Head {
+    format: String,
+}
+
+/// Reads a certificate of a collision matrix; `None` if the file is another certificate.
+pub fn read(file: &Path) -> Result<Option<MatrixCertificate>, Failure> {
+    let text = input_files::read_text(file, STATES_LIMIT).map_err(Failure::input)?;
+    let is_matrix = serde_json::from_str::<Head>(&text)
+        .is_ok_and(|head| head.format.starts_with("clearance collision matrix certificate"));
+    if !is_matrix {
+        return Ok(None);
+    }
+    let rejected = |e: serde_json::Error| {
+        let why = e.to_string();
+        Failure::Input(format!("{}: this is no certificate: {}", file.display(), on_one_line(&why)))
+    };
+    serde_json::from_str(&text).map(Some).map_err(rejected)
+}
+
+/// Verifies every proof, on all processors. Exit code 0: all hold; 1: one does not, and the reason is printed.
+pub fn run(
+    robot: &RobotModel,
+    settings: &Settings,
+    certificate: &MatrixCertificate,
+    format: Format,
+) -> Result<ExitStatus, Failure> {
+    let verified = verify(robot, settings, certificate)?;
+    let is_proven = verified.is_ok();
+    print_line(&match (format, verified) {
+        (Format::Text, Ok(boxes)) => format!(
+            "proven: {} pairs of links of '{}' never collide within the joint limits; {boxes} boxes hold",
+            certificate.pairs.len(),
+            robot.name()
+        ),
+        (Format::Text, Err(rejection)) => format!("NOT PROVEN: {}", on_one_line(&rejection.to_string())),
+        (Format::Json, Ok(boxes)) => {
+            let pairs = certificate.pairs.iter().map(|pair| [&pair.link1, &pair.link2]).collect::<Vec<_>>();
+            json!({"verified": true, "never": pairs, "boxes": boxes}).to_string()
+        }
+        (Format::Json, Err(rejection)) => {
+            json!({"verified": false, "reason": rejection.to_string()}).to_string()
+        }
+    })?;
+    Ok(ExitStatus::from(u8::from(!is_proven)))
+}
+
+/// The number of proven boxes.
+fn verify(
+    robot: &RobotModel,
+    settings: &Settings,
+    certificate: &MatrixCertificate,
+) -> Result<Result<u64, MatrixRejection>, Failure> {
+    let verifier = MatrixVerifier::new(robot, settings).map_err(Failure::input)?;
+    if let Err(rejection) = verifier.check_subject(certificate) {
+        return Ok(Err(rejection));
+    }
+    let progress = Progress::new(certificate.pairs.len());
+    let verified: Vec<Result<u64, MatrixRejection>> = (certificate.pairs.par_iter().with_max_len(1))
+        .map(|proof| {
+            let verified = verifier.verify_pair(proof);
+            progress.piece_done();
+            verified
+        })
+        .collect();
+    Ok(verified.into_iter().sum())
+}
