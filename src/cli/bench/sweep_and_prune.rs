@@ -170,11 +170,10 @@ impl Axis {
         self.ends.swap(place, place + 1);
         self.note(place);
         self.note(place + 1);
-        let (query, item) = match (first.owner, second.owner) {
-            (Owner::Query(query), Owner::Item(item)) | (Owner::Item(item), Owner::Query(query)) => {
-                (query, item)
-            }
-            _ => return,
+        let ((Owner::Query(query), Owner::Item(item)) | (Owner::Item(item), Owner::Query(query))) =
+            (first.owner, second.owner)
+        else {
+            return;
         };
         if first.is_upper != second.is_upper {
             // true: the lower end of one is now before the upper end of the other
