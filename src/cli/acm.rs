@@ -27,7 +27,7 @@ const SAVE_EVERY: Duration = Duration::from_secs(20);
 /// never: proven that the links do not collide in any state. always: proven that they collide in every state. sometimes: one colliding and
 /// one free state, both confirmed by the checker. undecided: --deadline or --max-boxes was reached.
 ///
-/// Exit codes: 0 every pair is decided; 1 a pair is undecided, or --audit refutes an entry; 2 bad input.
+/// Exit codes: 0 every pair is decided; 1 a pair is undecided; 2 bad input. With --audit: 0 no entry is refuted; 1 an entry is refuted.
 #[derive(Args)]
 pub struct AcmArgs {
     #[command(flatten)]
@@ -89,23 +89,26 @@ pub fn run(args: &AcmArgs) -> Result<ExitStatus, Failure> {
     let allowed = args.allow.iter().map(|pair| link_pair(&robot, "--allow", pair));
     let allowed: Vec<[LinkId; 2]> = allowed.collect::<Result<_, _>>()?;
     let known = args.known(&robot, &settings)?;
+    let original = args.original_srdf(&robot)?;
     let start = Instant::now();
-    let pairs = args.decide(&robot, &settings, &known)?;
+    let (pairs, kept) = args.decide(&robot, &settings, &known)?;
     let seconds = start.elapsed().as_secs_f64();
     if args.audit.is_some() {
-        return args.report_audit(&robot, &pairs, seconds);
+        let status = args.report_audit(&robot, &pairs, seconds)?;
+        return kept.map(|()| status);
     }
     let document = MatrixDocument::new(&robot, &settings, pairs);
     if let Some(file) = &args.certificate {
         let text = serde_json::to_string(&document.certificate(&robot, &settings)).map_err(internal)?;
-        input_files::write(file, (text + "\n").as_bytes()).map_err(Failure::input)?;
+        write_limited(file, &(text + "\n"))?;
     }
-    let written = args.write_srdf(&robot, &document.pairs, &allowed)?;
+    let written = args.write_srdf(&robot, original.as_ref(), &document.pairs, &allowed)?;
     let output = AcmOutput { document: &document, robot: &robot, seconds, written, lists_all: args.list };
     print_line(&match args.format {
         Format::Json => output.json(),
         Format::Text => output.text(),
     })?;
+    kept?;
     let all_decided = document.pairs.iter().all(|pair| pair.decision.is_final());
     Ok(ExitStatus::from(u8::from(!all_decided)))
 }
@@ -127,13 +130,14 @@ impl AcmArgs {
         Ok(document.pairs)
     }
 
-    /// Decides all pairs, or those that the audited SRDF disables. Keeps the decisions in the file of --resume.
+    /// Decides all pairs, or those that the audited SRDF disables. Also returns whether the file of --resume holds these decisions, and all
+    /// that it held before.
     fn decide(
         &self,
         robot: &Arc<RobotModel>,
         settings: &Settings,
         known: &[DecidedPair],
-    ) -> Result<Vec<DecidedPair>, Failure> {
+    ) -> Result<(Vec<DecidedPair>, Result<(), Failure>), Failure> {
         let builder = MatrixBuilder::new(robot, settings).map_err(Failure::input)?;
         let disabled: Vec<[LinkId; 2]> = match (&self.audit, robot.srdf()) {
             (Some(_), Some(srdf)) => srdf.disabled_pairs.iter().map(|pair| [pair.a, pair.b]).collect(),
@@ -144,7 +148,10 @@ impl AcmArgs {
         };
         let options = MatrixOptions {
             most_boxes: self.max_boxes,
-            deadline: self.deadline.map(|s| Instant::now() + Duration::from_secs_f64(s)),
+            // a time that no clock reaches is no deadline
+            deadline: self
+                .deadline
+                .and_then(|s| Instant::now().checked_add(Duration::try_from_secs_f64(s).ok()?)),
             ..MatrixOptions::default()
         };
         let count = if self.audit.is_some() { disabled.len() } else { builder.pair_count() };
@@ -157,7 +164,7 @@ impl AcmArgs {
             saved.1.push(pair.clone());
             if saved.0.elapsed() > SAVE_EVERY {
                 saved.0 = Instant::now();
-                if let Err(failure) = save(file, robot, settings, saved.1.clone()) {
+                if let Err(failure) = save(file, robot, settings, with_known(&saved.1, known)) {
                     log::warn!("{failure}");
                 }
             }
@@ -165,10 +172,9 @@ impl AcmArgs {
         let threads = self.threads.map_or(0, usize::from);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(internal)?;
         let pairs = pool.install(|| builder.decide_some(wanted, known, &options, &on_decided));
-        if let Some(file) = &self.resume {
-            save(file, robot, settings, pairs.clone())?;
-        }
-        Ok(pairs)
+        let file = self.resume.as_deref();
+        let kept = file.map_or(Ok(()), |file| save(file, robot, settings, with_known(&pairs, known)));
+        Ok((pairs, kept))
     }
 
     fn report_audit(
@@ -186,23 +192,31 @@ impl AcmArgs {
         Ok(ExitStatus::from(u8::from(output.is_refuted())))
     }
 
+    /// The SRDF that entries are added to, read before anything is decided.
+    fn original_srdf(&self, robot: &RobotModel) -> Result<Option<OriginalSrdf>, Failure> {
+        let Some(file) = &self.write_srdf else { return Ok(None) };
+        let original = if file.exists() { Some(file.as_path()) } else { self.model.robot.srdf.as_deref() };
+        let Some(path) = original else { return Ok(None) };
+        let text = input_files::read_text(path, DESCRIPTION_LIMIT).map_err(Failure::input)?;
+        add_disabled_pairs(Some(&text), robot.name(), &[])
+            .map_err(|why| Failure::Input(format!("{}: {why}", path.display())))?;
+        // the entries of the original count, not those of --srdf
+        Ok(Some(OriginalSrdf { text, model: self.load_with_srdf(path)? }))
+    }
+
     /// Writes the SRDF; returns the new entries.
     fn write_srdf(
         &self,
         robot: &RobotModel,
+        original: Option<&OriginalSrdf>,
         pairs: &[DecidedPair],
         allowed: &[[LinkId; 2]],
     ) -> Result<Vec<SrdfEntry>, Failure> {
         let Some(file) = &self.write_srdf else { return Ok(Vec::new()) };
-        let original = if file.exists() { Some(file.as_path()) } else { self.model.robot.srdf.as_deref() };
-        let text = original.map(|path| input_files::read_text(path, DESCRIPTION_LIMIT)).transpose();
-        let text = text.map_err(Failure::input)?;
-        // the entries of the original count, not those of --srdf
-        let of_original = original.map(|path| self.load_with_srdf(path)).transpose()?;
-        let entries = self.entries(robot, of_original.as_ref(), pairs, allowed);
-        let new = add_disabled_pairs(text.as_deref(), robot.name(), &entries)
+        let entries = self.entries(robot, original.map(|original| &original.model), pairs, allowed);
+        let new = add_disabled_pairs(original.map(|original| &*original.text), robot.name(), &entries)
             .map_err(|why| Failure::Input(format!("{}: {why}", file.display())))?;
-        input_files::write(file, new.as_bytes()).map_err(Failure::input)?;
+        input_files::replace(file, new.as_bytes()).map_err(Failure::input)?;
         Ok(entries)
     }
 
@@ -245,6 +259,19 @@ impl AcmArgs {
     }
 }
 
+/// An SRDF that entries are added to.
+struct OriginalSrdf {
+    text: String,
+    /// The robot with this SRDF.
+    model: RobotModel,
+}
+
+/// These decisions, and the known ones about other pairs.
+fn with_known(pairs: &[DecidedPair], known: &[DecidedPair]) -> Vec<DecidedPair> {
+    let is_new = |known: &&DecidedPair| !pairs.iter().any(|pair| pair.is_of(&known.link1, &known.link2));
+    pairs.iter().chain(known.iter().filter(is_new)).cloned().collect()
+}
+
 /// Writes the decisions so far.
 fn save(
     file: &Path,
@@ -252,6 +279,18 @@ fn save(
     settings: &Settings,
     pairs: Vec<DecidedPair>,
 ) -> Result<(), Failure> {
-    let text = MatrixDocument::new(robot, settings, pairs).to_json() + "\n";
-    input_files::write(file, text.as_bytes()).map_err(Failure::input)
+    write_limited(file, &(MatrixDocument::new(robot, settings, pairs).to_json() + "\n"))
+}
+
+/// Writes a text, if it is not longer than what is read.
+fn write_limited(file: &Path, text: &str) -> Result<(), Failure> {
+    if text.len() as u64 > STATES_LIMIT {
+        let size = text.len() >> 20;
+        let message = format!(
+            "{}: {size} MiB of proofs are more than is read: give a smaller --max-boxes",
+            file.display()
+        );
+        return Err(Failure::Input(message));
+    }
+    input_files::replace(file, text.as_bytes()).map_err(Failure::input)
 }

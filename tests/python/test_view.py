@@ -53,7 +53,7 @@ def test_a_slider_changes_the_distance(arm, home):
         assert first["status"] == "FREE" and np.array_equal(first["sliders"], home)
         near = arm.distance(home, 1.0)
         assert math.isclose(first["world_nearest"]["pair"]["distance"], near.world_distance, abs_tol=1e-9)
-        request(view.url + "state", {"joint": 1, "position": home[1] + 0.3})
+        request(view.url + "state", {"joint": arm.joint_names[1], "position": home[1] + 0.3})
         moved = home.copy()
         moved[1] += 0.3
         assert np.array_equal(view.state, moved)
@@ -79,9 +79,10 @@ def test_set_state(arm, home, robot, states):
 
 def test_requests_are_validated(arm, home):
     with arm.view(home) as view:
-        for bad in ({}, {"joint": 99, "position": 0.0}, {"joint": 0, "position": 1e3}, {"joint": 0, "position": "1"}, []):
+        name = arm.joint_names[0]
+        for bad in ({}, {"joint": "none", "position": 0.0}, {"joint": name, "position": 1e3}, {"joint": name, "position": "1"}, []):
             assert rejection(view.url + "state", bad) == 400
-        good = {"joint": 0, "position": 0.1}
+        good = {"joint": name, "position": 0.1}
         assert rejection(view.url + "state", good, Origin="http://evil.example") == 403
         assert rejection(view.url + "state", good, Host="evil.example") == 421
         assert rejection(view.url + "updates", Host="evil.example") == 421

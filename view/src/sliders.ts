@@ -28,6 +28,10 @@ export class Sliders {
   /** Moves that are not sent yet, by slider: only the last one of each. */
   private readonly pending = new Map<number, number>();
   private isSending = false;
+  /** The slider whose move is being sent. */
+  private sent = -1;
+  /** Number of the robot model that the sliders are of. */
+  private model = 0;
 
   constructor(
     private readonly place: HTMLElement,
@@ -35,28 +39,30 @@ export class Sliders {
   ) {}
 
   /** Sets the sliders to the state of an update; the first one creates them. */
-  show({ sliders }: Update): void {
-    if (!sliders) return;
-    if (this.sliders.length !== sliders.length) {
-      void this.load();
+  show({ sliders, model }: Update): void {
+    if (!sliders || model === 0) return;
+    if (this.model !== model || this.sliders.length !== sliders.length) {
+      void this.load(model);
       return;
     }
     const now = performance.now();
     this.sliders.forEach((slider, i) => {
       const position = sliders[i];
-      if (position === undefined || now - slider.movedAt < SETTLING || this.pending.has(i)) return;
+      if (position === undefined || now - slider.movedAt < SETTLING || this.pending.has(i) || this.sent === i) return;
       if (slider.input.valueAsNumber !== position) slider.input.valueAsNumber = position;
       write(slider, position);
     });
   }
 
-  private async load(): Promise<void> {
+  private async load(model: number): Promise<void> {
     if (this.isLoading) return;
     this.isLoading = true;
     try {
       const answer = await fetch("joints");
       if (!answer.ok) return;
       const ranges = (await answer.json()) as Range[];
+      this.pending.clear();
+      this.model = model;
       this.sliders = ranges.map((range, i) => this.create(range, i));
       this.place.replaceChildren(...this.sliders.map(row));
       document.body.dataset.sliders = "";
@@ -88,16 +94,18 @@ export class Sliders {
   private async send(): Promise<void> {
     if (this.isSending) return;
     this.isSending = true;
-    for (const [joint, position] of this.pending) {
-      this.pending.delete(joint);
-      this.fault.textContent = await post(joint, position);
+    for (const [index, position] of this.pending) {
+      this.pending.delete(index);
+      this.sent = index;
+      this.fault.textContent = await post(this.sliders[index]?.range.name ?? "", position);
     }
+    this.sent = -1;
     this.isSending = false;
   }
 }
 
 /** Why the server rejects a move; empty if it does not. */
-async function post(joint: number, position: number): Promise<string> {
+async function post(joint: string, position: number): Promise<string> {
   try {
     const headers = { "Content-Type": "application/json" };
     const answer = await fetch("state", { method: "POST", headers, body: JSON.stringify({ joint, position }) });

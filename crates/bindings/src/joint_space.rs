@@ -145,7 +145,12 @@ impl JointSpace {
         q: &mut Configuration,
     ) -> Result<(), ConfigurationError> {
         match &self.in_order {
-            Some(group) => group.set(q, row),
+            Some(group) => {
+                // the caller's memory may change meanwhile: what is validated is what is used
+                scratch.clear();
+                scratch.extend_from_slice(row);
+                group.set(q, scratch)
+            }
             None => self.read_into(row, scratch, q),
         }
     }

@@ -211,11 +211,15 @@ impl Builder<'_> {
         })
     }
 
-    /// The limits, or one whole turn if every pose recurs after a turn.
+    /// The limits, or one whole turn if every pose recurs after a turn; infinite if there is no range in which a proof holds.
+    ///
+    /// Limits of followers do not narrow those of their leader: drivers and planners often respect the leader's only. They count where the
+    /// leader has none.
     fn range(&self, position: usize, driver: JointId) -> [f64; 2] {
-        let [low, high] = self.ranges[position];
+        let own = self.robot.joint(driver).limits.map(|limits| [limits.lower, limits.upper]);
+        let [low, high] = own.unwrap_or(self.ranges[position]);
         if low.is_finite() && high.is_finite() {
-            return [low.min(high), low.max(high)];
+            return if low <= high { [low, high] } else { [f64::NEG_INFINITY, f64::INFINITY] };
         }
         let recurs = matches!(self.robot.joint(driver).kind, JointKind::Continuous(_))
             && self.robot.moved_by_whole_turns(driver).is_none();

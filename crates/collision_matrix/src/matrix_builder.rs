@@ -29,6 +29,9 @@ const MOST_CONTACT_BOXES: u64 = 20_000;
 /// Random states of the whole robot for a pair whose joints have no finite range.
 const UNBOUNDED_SAMPLES: usize = 500;
 
+/// Least gap (m) beyond contact of links that are fixed to each other: room for rounding in the verifier.
+const FIXED_GAP: f64 = 1e-8;
+
 /// Decides pairs of links of a robot. It is immutable and can be shared by threads.
 #[derive(Debug)]
 pub struct MatrixBuilder {
@@ -246,15 +249,18 @@ impl PairAttempt<'_, '_> {
         if self.problem.path.is_bounded() {
             return witness_search::search(self.problem, random, deadline, &mut self.workspace);
         }
-        self.unbounded_witnesses(random)
+        self.unbounded_witnesses(random, deadline)
     }
 
     /// States of the whole robot, as the path does not describe the pair's motion.
-    fn unbounded_witnesses(&mut self, random: &mut Rng) -> Witnesses {
+    fn unbounded_witnesses(&mut self, random: &mut Rng, deadline: Option<Instant>) -> Witnesses {
         let robot = &self.builder.robot;
         let links = self.problem.links.map(|link| link.link);
         let (mut found, mut contacts) = (Witnesses::default(), 0.0);
         for _ in 0..UNBOUNDED_SAMPLES {
+            if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+                return found;
+            }
             let q = robot.sample(&clearance_robot::SamplingBox::default(), || random.f64());
             let state = q.positions().to_vec();
             match self.builder.checker_collides(links, &state, self.checker_workspace) {
@@ -303,10 +309,12 @@ impl PairAttempt<'_, '_> {
         if witnesses.colliding.is_some() {
             return Decision::Always {};
         }
-        let Some(least_distance) = witnesses.least.as_ref().map(|least| Some(least.0)) else {
-            return self.undecided(None, f64::INFINITY);
-        };
-        Decision::Never { proof: ".".to_owned(), least_distance }
+        match witnesses.least.as_ref().map(|least| least.0) {
+            Some(least) if least > self.problem.threshold() + FIXED_GAP => {
+                Decision::Never { proof: ".".to_owned(), least_distance: Some(least) }
+            }
+            least => self.undecided(None, least.unwrap_or(f64::INFINITY)),
+        }
     }
 
     /// The decision if both states are known and confirmed; a state that is not confirmed is forgotten.

@@ -13,6 +13,8 @@ const STEPS: usize = 24;
 #[derive(Clone, Debug)]
 pub struct Outline {
     points: Vec<Point>,
+    /// Points of the body itself.
+    held: Vec<Point>,
     /// Radius (m).
     excess: f64,
     /// All vertices, if there are not too many: their hull is exact.
@@ -26,16 +28,13 @@ impl Outline {
     /// Outline of shapes at their poses; `None` if a shape is infinite.
     #[must_use]
     pub fn new(shapes: &[(Pose, Shape)]) -> Option<Self> {
-        let mut all = Vec::new();
+        let (mut all, mut of_body) = (Vec::new(), Vec::new());
         for (pose, shape) in shapes {
             all.extend(corners(shape)?.into_iter().map(|p| pose * p));
+            of_body.extend(points_of(shape).into_iter().map(|p| pose * p));
         }
-        let mut points: Vec<Point> = Vec::new();
-        for direction in directions() {
-            let outermost =
-                all.iter().max_by(|p, q| direction.dot(&p.coords).total_cmp(&direction.dot(&q.coords)));
-            points.extend(outermost.filter(|p| !points.contains(p)));
-        }
+        let held = outermost(&of_body);
+        let points = outermost(&all);
         let excess = all.iter().map(|p| distance_from_hull(p, &points)).fold(0.0, f64::max);
         // the distances are rounded
         let excess = excess * (1.0 + 1e-9) + 1e-12;
@@ -44,13 +43,14 @@ impl Outline {
         });
         all.dedup();
         let vertices = if all.len() <= MOST_VERTICES { all } else { Vec::new() };
-        Some(Self { points, excess, vertices })
+        Some(Self { points, held, excess, vertices })
     }
 
     /// The same outline with its points at a pose.
     #[must_use]
     pub fn placed(&self, pose: &MatrixPose) -> Self {
-        let mut placed = Self { points: Vec::new(), excess: self.excess, vertices: Vec::new() };
+        let mut placed =
+            Self { points: Vec::new(), held: Vec::new(), excess: self.excess, vertices: Vec::new() };
         self.place(pose, &mut placed);
         placed
     }
@@ -59,6 +59,8 @@ impl Outline {
     pub fn place(&self, pose: &MatrixPose, placed: &mut Self) {
         placed.points.clear();
         placed.points.extend(self.points.iter().map(|p| pose * *p));
+        placed.held.clear();
+        placed.held.extend(self.held.iter().map(|p| pose * *p));
         placed.excess = self.excess;
     }
 
@@ -69,11 +71,13 @@ impl Outline {
         squared.fold(0.0, f64::max).sqrt() + self.excess
     }
 
-    /// The largest coordinate (m) along a unit vector: a point of the body has it, and the upper bound for all points.
+    /// The coordinate (m) of a point of the body along a unit vector, and an upper bound for all points.
     #[must_use]
     pub fn extent_along(&self, direction: &Vector) -> [f64; 2] {
-        let largest = self.points.iter().map(|p| direction.dot(&p.coords)).fold(f64::NEG_INFINITY, f64::max);
-        [largest, largest + self.excess]
+        let largest = |points: &[Point]| {
+            points.iter().map(|p| direction.dot(&p.coords)).fold(f64::NEG_INFINITY, f64::max)
+        };
+        [largest(&self.held), largest(&self.points) + self.excess]
     }
 
     /// Upper bound (m) on the coordinate of all points along a unit vector, in the frame that the outline was made in.
@@ -96,6 +100,43 @@ impl Outline {
     #[must_use]
     pub fn size(&self) -> f64 {
         self.points.iter().map(|p| p.coords.amax()).fold(0.0, f64::max) + self.excess
+    }
+}
+
+/// The points that are farthest along one of many directions.
+fn outermost(all: &[Point]) -> Vec<Point> {
+    let mut points: Vec<Point> = Vec::new();
+    for direction in directions() {
+        let farthest =
+            all.iter().max_by(|p, q| direction.dot(&p.coords).total_cmp(&direction.dot(&q.coords)));
+        points.extend(farthest.filter(|p| !points.contains(p)));
+    }
+    points
+}
+
+/// Outer points of a shape itself: vertices of faces, and of a curved primitive the ends of its axis and points on its equator.
+fn points_of(shape: &Shape) -> Vec<Point> {
+    let ends = |z: f64| vec![Point::new(0.0, 0.0, z), Point::new(0.0, 0.0, -z)];
+    let around = |r: f64| {
+        [Point::new(r, 0.0, 0.0), Point::new(-r, 0.0, 0.0), Point::new(0.0, r, 0.0), Point::new(0.0, -r, 0.0)]
+    };
+    match shape {
+        Shape::Mesh(mesh) => {
+            mesh.triangles().iter().flatten().map(|v| mesh.vertices()[*v as usize]).collect()
+        }
+        Shape::Primitive(Primitive::Box { .. }) => corners(shape).unwrap_or_default(),
+        Shape::Primitive(Primitive::Sphere { radius }) => [ends(*radius), around(*radius).to_vec()].concat(),
+        Shape::Primitive(Primitive::Capsule { radius, half_length }) => {
+            [ends(radius + half_length), around(*radius).to_vec()].concat()
+        }
+        Shape::Primitive(Primitive::Cylinder { radius, half_length }) => {
+            [ends(*half_length), around(*radius).to_vec()].concat()
+        }
+        // half as wide in the middle
+        Shape::Primitive(Primitive::Cone { radius, half_length }) => {
+            [ends(*half_length), around(0.5 * radius).to_vec()].concat()
+        }
+        Shape::Plane(_) | Shape::Points(_) | Shape::Voxels(_) => Vec::new(),
     }
 }
 

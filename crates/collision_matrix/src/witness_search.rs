@@ -59,7 +59,8 @@ pub fn search(
     }
     #[expect(clippy::cast_precision_loss, reason = "a share needs few digits")]
     let share = f64::from(contacts) / (contacts as usize + starts.len()).max(1) as f64;
-    found.contact_share = share;
+    // few states say nothing about most
+    found.contact_share = if contacts as usize + starts.len() == count { share } else { 0.0 };
     starts.sort_by(|a, b| a.0.total_cmp(&b.0));
     found.free = starts.last().map(|(_, values)| values.clone());
     found.least = starts.first().cloned();

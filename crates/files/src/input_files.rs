@@ -82,6 +82,32 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), InputFileError> {
     file.set_len(0).and_then(|()| file.write_all(bytes)).map_err(unwritable)
 }
 
+/// As [`write`], so that an existing file is complete at every moment: the bytes are written to a file beside it, which then takes its
+/// place.
+///
+/// # Errors
+/// When there is something else than a regular file, or the file can not be written.
+pub fn replace(path: &Path, bytes: &[u8]) -> Result<(), InputFileError> {
+    check_target(path)?;
+    // of a link, the file that it points to
+    let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    let mut beside = target.clone().into_os_string();
+    beside.push(".part");
+    let beside = PathBuf::from(beside);
+    write(&beside, bytes)?;
+    let moved = || {
+        if let Ok(metadata) = target.metadata() {
+            std::fs::set_permissions(&beside, metadata.permissions())?;
+        }
+        File::open(&beside)?.sync_all()?;
+        std::fs::rename(&beside, &target)
+    };
+    moved().map_err(|error| InputFileError {
+        file: path.to_owned(),
+        reason: format!("cannot be written: {error}"),
+    })
+}
+
 /// Checks that a file may be written there: nothing exists, or a regular file.
 ///
 /// # Errors

@@ -162,9 +162,10 @@ pub fn evaluate<T: Send + Clone>(
 
 /// The error of an invalid row.
 fn row_error(core: &CheckerCore, rows: &Rows<'_>, row: usize) -> PyErr {
-    match core.space.read(rows.table().row(row)) {
+    let mut q = core.space.rest().clone();
+    match core.space.move_into(rows.table().row(row), &mut Vec::new(), &mut q) {
         Err(why) => error(format!("q{}: {why}", rows.place(row))),
-        Ok(_) => error(format!("q{} was changed during the call", rows.place(row))),
+        Ok(()) => error(format!("q{} was changed during the call", rows.place(row))),
     }
 }
 

@@ -134,10 +134,12 @@ impl MatrixState {
     }
 }
 
-/// The limits of a position, or one whole turn where every pose recurs after it.
-fn range(robot: &RobotModel, leader: JointId, [low, high]: [f64; 2]) -> Option<[f64; 2]> {
+/// The leader's own limits; where it has none those of its followers, or one whole turn where every pose recurs after it.
+fn range(robot: &RobotModel, leader: JointId, of_followers: [f64; 2]) -> Option<[f64; 2]> {
+    let own = robot.joint(leader).limits.map(|limits| [limits.lower, limits.upper]);
+    let [low, high] = own.unwrap_or(of_followers);
     if low.is_finite() && high.is_finite() {
-        return Some(if low <= high { [low, high] } else { [high, low] });
+        return (low <= high).then_some([low, high]);
     }
     let recurs = matches!(robot.joint(leader).kind, JointKind::Continuous(_))
         && robot.moved_by_whole_turns(leader).is_none();

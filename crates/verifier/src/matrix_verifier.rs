@@ -13,7 +13,7 @@ use super::matrix_path::{MatrixPath, MatrixState};
 use super::separation_test::SeparationTest;
 
 /// Largest number of nested halvings.
-const DEEPEST: usize = 2000;
+const DEEPEST: usize = 400;
 
 /// Reason why a certificate of a collision matrix is rejected.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -67,12 +67,14 @@ pub struct HttpService {
     control: Option<Arc<StateControl>>,
     viewers: Arc<Semaphore>,
     documents: Arc<Semaphore>,
+    /// One move of a slider is evaluated at a time.
+    moves: Arc<Semaphore>,
 }
 
 impl HttpService {
     pub fn new(slot: Arc<EvaluationSlot>, control: Option<Arc<StateControl>>) -> Self {
         let permits = |count| Arc::new(Semaphore::new(count));
-        Self { slot, control, viewers: permits(VIEWERS), documents: permits(DOCUMENTS) }
+        Self { slot, control, viewers: permits(VIEWERS), documents: permits(DOCUMENTS), moves: permits(1) }
     }
 
     pub async fn respond(&self, request: Request<Incoming>) -> HttpResponse {
@@ -85,7 +87,7 @@ impl HttpService {
             return rejection(StatusCode::FORBIDDEN, why);
         }
         if let Some(control) = self.control.as_ref().filter(|_| request.uri().path() == "/state") {
-            return move_slider(control, request).await;
+            return move_slider(control, &self.moves, request).await;
         }
         if request.method() != Method::GET {
             return rejection(StatusCode::METHOD_NOT_ALLOWED, "there is nothing but GET here");
@@ -180,7 +182,11 @@ impl UpdateStream {
 }
 
 /// Moves a slider as a browser requests it: POST of a JSON text. Its content is not trusted.
-async fn move_slider(control: &Arc<StateControl>, request: Request<Incoming>) -> HttpResponse {
+async fn move_slider(
+    control: &Arc<StateControl>,
+    moves: &Arc<Semaphore>,
+    request: Request<Incoming>,
+) -> HttpResponse {
     if request.method() != Method::POST {
         return rejection(StatusCode::METHOD_NOT_ALLOWED, "a state is only set, by POST");
     }
@@ -194,12 +200,18 @@ async fn move_slider(control: &Arc<StateControl>, request: Request<Incoming>) ->
     };
     let content = future::or(read, late).await.map(http_body_util::Collected::to_bytes);
     let Some(Ok(wanted)) = content.map(|content| serde_json::from_slice::<SliderMove>(&content)) else {
-        let why = r#"the request must be like {"joint": 0, "position": 0.5}"#;
+        let why = r#"the request must be like {"joint": "joint1", "position": 0.5}"#;
         return rejection(StatusCode::BAD_REQUEST, why);
     };
-    let control = Arc::clone(control);
+    let (control, permit) = (Arc::clone(control), moves.acquire_arc().await);
     // contacts of large meshes take a while, so it runs on another thread and other browsers continue
-    match smol::unblock(move || control.move_slider(wanted)).await {
+    // the permit belongs to that work, which continues after the browser has disconnected
+    let moved = smol::unblock(move || {
+        let moved = control.move_slider(&wanted);
+        drop(permit);
+        moved
+    });
+    match moved.await {
         Ok(()) => whole(StatusCode::OK, TEXT, Bytes::new(), None),
         Err(why) => rejection(StatusCode::BAD_REQUEST, why),
     }

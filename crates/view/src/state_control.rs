@@ -1,7 +1,7 @@
 //! The state of a view without a node: set by the program or by a browser, and evaluated at once.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::Instant;
+use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use clearance_checker::{CollisionChecker, CollisionReport, Question, Workspace};
 use clearance_monitor::{
@@ -35,11 +35,11 @@ pub struct Slider {
 }
 
 /// Request of a browser: one slider moves.
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SliderMove {
-    /// Index of the slider.
-    joint: usize,
+    /// Name of the slider. A page that was left open by another view has other names, or moves the same joint.
+    joint: String,
     /// New position (rad, m).
     position: f64,
 }
@@ -72,8 +72,13 @@ impl StateControl {
         let sliders = sliders(checker.robot(), positions);
         let held = Mutex::new(Held { state: state.clone(), workspace: checker.workspace() });
         let settings = MonitorSettings { heartbeat_rate: HEARTBEAT_RATE, ..MonitorSettings::default() };
-        let control =
-            Self { revision: Arc::new(Revision::new(checker, 1, 1)), sliders, settings, slot, held };
+        let control = Self {
+            revision: Arc::new(Revision::new(checker, new_number(), 1)),
+            sliders,
+            settings,
+            slot,
+            held,
+        };
         control.evaluate(&mut control.held(), state);
         Ok(control)
     }
@@ -95,14 +100,15 @@ impl StateControl {
     }
 
     /// Moves one slider, within its range. The request is not trusted.
-    pub fn move_slider(&self, SliderMove { joint, position }: SliderMove) -> Result<(), &'static str> {
-        let slider = self.sliders.get(joint).ok_or("there is no such slider: reload the page")?;
-        if !(slider.lower..=slider.upper).contains(&position) {
+    pub fn move_slider(&self, SliderMove { joint, position }: &SliderMove) -> Result<(), &'static str> {
+        let named = self.sliders.iter().find(|slider| slider.name == *joint);
+        let slider = named.ok_or("there is no such slider: reload the page")?;
+        if !(slider.lower..=slider.upper).contains(position) {
             return Err("the position is beyond the range of the slider");
         }
         let mut held = self.held();
         let mut positions = held.state.positions().to_vec();
-        positions[slider.position] = position;
+        positions[slider.position] = *position;
         let state = self.revision.checker.robot().configuration(&positions);
         self.evaluate(&mut held, state.map_err(|_| "the robot has no such state")?);
         Ok(())
@@ -119,10 +125,10 @@ impl StateControl {
 
     /// Evaluates a state and passes the result to the browsers.
     fn evaluate(&self, held: &mut Held, state: Configuration) {
-        held.state = state.clone();
         let robot = self.revision.checker.robot();
         let warnings = robot.outside_limits(state.positions()).map(|outside| outside.to_string()).collect();
-        let checked = Arc::new(self.check(state, &mut held.workspace));
+        let checked = Arc::new(self.check(state.clone(), &mut held.workspace));
+        held.state = state;
         let status = if checked.report.is_free() { Status::Free } else { Status::Colliding };
         let evaluation = Evaluation {
             speed_scale: if status.is_free() { 1.0 } else { 0.0 },
@@ -179,6 +185,12 @@ fn contacts(
         Some(ContactsOfPair { bodies, contacts })
     });
     found.collect()
+}
+
+/// Number of a model that no other view has, so that a page that was left open loads the new robot: the time in microseconds.
+fn new_number() -> u64 {
+    let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    u64::try_from(since.as_micros()).unwrap_or(1).max(1)
 }
 
 /// Sliders of these positions. Floating joints have none: the numbers of their quaternions do not move alone.

@@ -74,12 +74,12 @@ fn a_slider_moves_the_robot() {
     );
     let stretched = update(&view);
     assert_eq!((&stretched["status"], &stretched["sliders"]), (&"FREE".into(), &serde_json::json!([0.0])));
-    let moved = answer(&view, "POST /state", JSON, r#"{"joint": 0, "position": 3.14159}"#);
+    let moved = answer(&view, "POST /state", JSON, r#"{"joint": "elbow", "position": 3.1}"#);
     assert!(moved.starts_with("HTTP/1.1 200"), "{moved}");
     let folded = update(&view);
-    assert_eq!((&folded["status"], &folded["sliders"]), (&"COLLIDING".into(), &serde_json::json!([3.14159])));
+    assert_eq!((&folded["status"], &folded["sliders"]), (&"COLLIDING".into(), &serde_json::json!([3.1])));
     assert!(folded["contacts"][0]["depth"].as_f64().unwrap() > 0.0, "{folded}");
-    assert_eq!(view.state().positions().iter().filter(|q| **q == 3.14159).count(), 1);
+    assert_eq!(view.state().positions().iter().filter(|q| **q == 3.1).count(), 1);
 }
 
 #[test]
@@ -101,19 +101,19 @@ fn states_of_browsers_are_validated() {
     for content in [
         "",
         "{}",
-        r#"{"joint": 0}"#,
-        r#"{"joint": 1, "position": 0.5}"#,
-        r#"{"joint": -1, "position": 0.5}"#,
-        r#"{"joint": 0, "position": 3.3}"#,
-        r#"{"joint": 0, "position": 1e999}"#,
-        r#"{"joint": 0, "position": null}"#,
-        r#"{"joint": 0, "position": 0.5, "more": 1}"#,
-        &format!(r#"{{"joint": 0, "position": 0.5{}}}"#, " ".repeat(2000)),
+        r#"{"joint": "elbow"}"#,
+        r#"{"joint": "follower", "position": 0.5}"#,
+        r#"{"joint": 0, "position": 0.5}"#,
+        r#"{"joint": "elbow", "position": 3.3}"#,
+        r#"{"joint": "elbow", "position": 1e999}"#,
+        r#"{"joint": "elbow", "position": null}"#,
+        r#"{"joint": "elbow", "position": 0.5, "more": 1}"#,
+        &format!(r#"{{"joint": "elbow", "position": 0.5{}}}"#, " ".repeat(2000)),
     ] {
         let refused = answer(&view, "POST /state", JSON, content);
         assert!(refused.starts_with("HTTP/1.1 400"), "{content}: {refused}");
     }
-    let good = r#"{"joint": 0, "position": 0.5}"#;
+    let good = r#"{"joint": "elbow", "position": 0.5}"#;
     let refused = answer(&view, "POST /state", &format!("{JSON}Origin: http://evil.example\r\n"), good);
     assert!(refused.starts_with("HTTP/1.1 403"), "{refused}");
     let refused = answer(&view, "POST /state", "Content-Type: text/plain\r\n", good);

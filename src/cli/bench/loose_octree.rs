@@ -72,7 +72,7 @@ impl BroadPhase for LooseOctree {
                 let corner: [f32; 3] =
                     std::array::from_fn(|i| corner[i] + if octant >> i & 1 == 1 { half } else { 0.0 });
                 // half an edge on either side, and a little for rounding
-                let slack = 0.5001 * half;
+                let slack = 0.5 * half + 1e-5 * self.edge;
                 let loose = AxisBox { lo: corner.map(|x| x - slack), hi: corner.map(|x| x + half + slack) };
                 if overlap(&loose, with) {
                     self.stack.push((child, corner, half));

@@ -187,7 +187,7 @@ struct Queries {
 #[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, clippy::cast_sign_loss)] // few steps
 fn motion(checker: &CollisionChecker, states: &[Configuration]) -> Vec<Configuration> {
     let robot = checker.robot();
-    let along = states.iter().zip(states.iter().skip(1)).flat_map(|(from, to)| {
+    let along = states.iter().zip(states.iter().cycle().skip(1)).flat_map(|(from, to)| {
         let steps = (robot.joint_space_distance(from, to) / STEP).ceil().clamp(1.0, 1e6) as usize;
         (0..steps).map(move |i| robot.interpolate(from, to, i as f64 / steps as f64))
     });

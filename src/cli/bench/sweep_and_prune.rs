@@ -133,7 +133,7 @@ impl Axis {
             })
         };
         let mut ends: Vec<End> = items.iter().flat_map(ends).collect();
-        ends.sort_by(|a, b| a.at.total_cmp(&b.at).then(a.is_upper.cmp(&b.is_upper)));
+        ends.sort_by(|a, b| (a.at + 0.0).total_cmp(&(b.at + 0.0)).then(a.is_upper.cmp(&b.is_upper)));
         let mut made = Self { ends, of_items: vec![[0; 2]; count], of_queries: Vec::new() };
         (0..made.ends.len()).for_each(|place| made.note(place));
         made

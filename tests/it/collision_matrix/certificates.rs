@@ -16,14 +16,14 @@ fn document(robot: &Arc<RobotModel>) -> MatrixDocument {
 }
 
 /// Verifies a certificate as a whole.
-fn verify(robot: &RobotModel, certificate: &MatrixCertificate) -> Result<u64, MatrixRejection> {
+pub fn verify(robot: &RobotModel, certificate: &MatrixCertificate) -> Result<u64, MatrixRejection> {
     let verifier = MatrixVerifier::new(robot, &Settings::default()).unwrap();
     verifier.check_subject(certificate)?;
     certificate.pairs.iter().map(|proof| verifier.verify_pair(proof)).sum()
 }
 
 /// A certificate of other proofs, whose digest fits.
-fn claiming(robot: &RobotModel, pairs: Vec<NeverProof>) -> MatrixCertificate {
+pub fn claiming(robot: &RobotModel, pairs: Vec<NeverProof>) -> MatrixCertificate {
     MatrixCertificate::new(robot, &Settings::default(), pairs)
 }
 

@@ -149,6 +149,18 @@ fn a_search_resumes_from_its_file_and_rejects_changed_ones() {
     assert_eq!(first.status.code(), Some(0), "{first:?}");
     assert_eq!(without_time(&first), without_time(&second));
     let kept = std::fs::read_to_string(folder.path("s.json")).unwrap();
+    // an audit adds to the file
+    let audited =
+        ["acm", "--urdf", "r.urdf", "--audit", "r.srdf", "--resume", "s.json", "--deadline", "1e20"];
+    assert_eq!(folder.run(&audited).status.code(), Some(1));
+    let after = std::fs::read_to_string(folder.path("s.json")).unwrap();
+    assert_eq!(after.matches("link1").count(), kept.matches("link1").count());
+    assert_eq!(without_time(&run()), without_time(&first));
+    folder.write("broken.srdf", "<robot");
+    assert_bad_input(
+        &folder.run(&["acm", "--urdf", "r.urdf", "--write-srdf", "broken.srdf"]),
+        &["broken.srdf"],
+    );
     folder.write("s.json", &kept.replacen("sometimes", "never", 1).replacen("colliding", "proof", 1));
     assert_bad_input(&run(), &["s.json"]);
     folder.write("s.json", &kept);

@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use clearance::collision_matrix::{DecidedPair, Decision, MatrixBuilder, MatrixDocument, MatrixOptions};
-use clearance::robot::RobotModel;
+use clearance::robot::{MeshFiles, RobotModel};
 use clearance::scene::Settings;
+use clearance::verifier::NeverProof;
 use fastrand::Rng;
 
 use super::small_robots::{PairOracle, decide, robot, urdf};
@@ -156,6 +157,50 @@ fn a_mimic_joint_moves_with_its_leader() {
     assert_eq!(decision("<mimic joint='ja'/>"), "never");
     assert_eq!(decision("<mimic joint='ja' multiplier='-1'/>"), "sometimes");
     assert_eq!(decision(""), "sometimes");
+}
+
+#[test]
+fn limits_of_followers_do_not_narrow_those_of_their_leader() {
+    // the follower's limits have the wrong sign, and together with the leader's only zero would remain
+    let text = "<robot name='hand'>
+        <link name='palm'><collision><origin xyz='0 0.15 0'/><geometry><box size='0.02 0.02 0.1'/></geometry></collision></link>
+        <link name='a'><collision><geometry><box size='0.02 0.02 0.1'/></geometry></collision></link>
+        <link name='b'/>
+        <joint name='ja' type='prismatic'><parent link='palm'/><child link='a'/><axis xyz='0 1 0'/>
+        <limit lower='0' upper='0.2' effort='1' velocity='1'/></joint>
+        <joint name='jb' type='prismatic'><parent link='palm'/><child link='b'/><axis xyz='0 1 0'/>
+        <limit lower='0' upper='0.2' effort='1' velocity='1'/><mimic joint='ja' multiplier='-1'/></joint></robot>";
+    let robot = robot(text);
+    let pairs = decide(&robot, 1);
+    assert_eq!(pairs[0].decision.name(), "sometimes");
+    // the verifier agrees on the range: a proof at zero alone is none
+    let proof =
+        NeverProof { link1: pairs[0].link1.clone(), link2: pairs[0].link2.clone(), proof: ".".to_owned() };
+    assert!(
+        super::certificates::verify(&robot, &super::certificates::claiming(&robot, vec![proof])).is_err()
+    );
+}
+
+#[test]
+fn what_a_closed_surface_can_contain_is_not_always_in_contact() {
+    // a ball in a box of faces that is a micrometre wider: free near zero only
+    let folder = crate::program::Folder::new();
+    let corner = |i: u32| {
+        let side = |bit: u32| if i & bit == 0 { -0.100_001 } else { 0.100_001 };
+        format!("v {} {} {}\n", side(1), side(2), side(4))
+    };
+    let faces = "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+    folder.write("box.obj", &((0..8).map(corner).collect::<String>() + faces));
+    folder.write(
+        "r.urdf",
+        "<robot name='shaker'>
+        <link name='box'><collision><geometry><mesh filename='box.obj'/></geometry></collision></link>
+        <link name='ball'><collision><geometry><sphere radius='0.1'/></geometry></collision></link>
+        <joint name='j' type='prismatic'><parent link='box'/><child link='ball'/><axis xyz='1 0 0'/>
+        <limit lower='-0.05' upper='0.06' effort='1' velocity='1'/></joint></robot>",
+    );
+    let robot = Arc::new(RobotModel::load(&folder.path("r.urdf"), None, &[]).unwrap());
+    assert_ne!(decide(&robot, 1)[0].decision.name(), "always");
 }
 
 #[test]
