@@ -82,7 +82,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), InputFileError> {
     file.set_len(0).and_then(|()| file.write_all(bytes)).map_err(unwritable)
 }
 
-/// As [`write`], so that an existing file is complete at every moment: the bytes are written to a file beside it, which then takes its
+/// As [`write()`], so that an existing file is complete at every moment: the bytes are written to a file beside it, which then takes its
 /// place.
 ///
 /// # Errors
