@@ -2,6 +2,7 @@
 
 import json
 import math
+import os
 import urllib.error
 import urllib.request
 
@@ -99,6 +100,25 @@ def test_a_closed_view(arm):
         request(view.url)
     with pytest.raises(cl.Error, match="closed"):
         view.set_state(arm.configuration())
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="the system has no fork")
+def test_a_forked_process_leaves_the_view_alone(arm, home):
+    with arm.view(home) as view:
+        child = os.fork()
+        if child == 0:
+            try:
+                with pytest.raises(cl.Error, match="process"):
+                    view.set_state(home)
+                assert view.url in repr(view)
+                view.close()
+                del view
+                os._exit(0)
+            except BaseException:
+                os._exit(1)
+        assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+        assert np.array_equal(view.state, home)
+        assert update(view)["status"] == "FREE"
 
 
 def test_a_taken_port(arm):

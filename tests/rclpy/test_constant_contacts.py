@@ -33,3 +33,10 @@ def test_a_pair_that_was_apart_once_is_never_named(cell):
     for step in range(30):
         assert not remarks(cell.evaluate(joint1=0.01 * step, joint2=pi))
     assert ENTRY not in cell.node.output()
+
+
+def test_an_ignored_pair_is_not_checked(start):
+    cell = start("--ignore", "base,tip")
+    assert cell.evaluate(joint1=0, joint2=pi).status == CollisionState.FREE
+    state = cell.evaluate(joint1=0, joint2=0)
+    assert state.status == CollisionState.FREE and ENTRY not in cell.node.output()

@@ -116,7 +116,7 @@ fn moves_along<'p>(
         let across = direction.cross(&axis.axis);
         let radial = direction - axis.axis * direction.dot(&axis.axis);
         let farthest = |v: &Vector| outline.largest_product(v, &axis.origin) + v.norm() * moved;
-        let any = 2.0 * (outline.reach(&axis.origin, &axis.axis) + moved) * (0.5 * delta.min(PI)).sin();
+        let any = displacement_by_turn(axis, outline, moved, delta);
         found.push(any.min(delta * (farthest(&across) + 0.5 * delta * farthest(&radial))));
         moved += any;
     }
@@ -133,13 +133,14 @@ fn moves<'p>(
     let mut moved = 0.0;
     for axis in axes {
         let delta = axis.factor.abs() * half_widths[axis.variable];
-        let displacement = if axis.turns {
-            let reach = outline.reach(&axis.origin, &axis.axis) + moved;
-            2.0 * reach * (0.5 * delta.min(PI)).sin()
-        } else {
-            delta
-        };
+        let displacement = if axis.turns { displacement_by_turn(axis, outline, moved, delta) } else { delta };
         found.push(displacement);
         moved += displacement;
     }
+}
+
+/// Upper bound (m) on the chord of a turn by `delta` (rad) of any point that joints nearer to it have moved by at most `moved` (m).
+fn displacement_by_turn(axis: &PlacedAxis, outline: &Outline, moved: f64, delta: f64) -> f64 {
+    let reach = outline.reach(&axis.origin, &axis.axis) + moved;
+    2.0 * reach * (0.5 * delta.min(PI)).sin()
 }

@@ -20,6 +20,8 @@ pub struct View {
     url: String,
     /// None once it is closed.
     server: Mutex<Option<StateView>>,
+    /// The process of the server: a forked one has neither its thread nor a lock that another thread held.
+    process: u32,
 }
 
 impl View {
@@ -42,17 +44,36 @@ impl View {
         if open_browser {
             py.import("webbrowser")?.call_method1("open", (&url,))?;
         }
-        Ok(Self { core: Arc::clone(core), url, server: Mutex::new(Some(opened)) })
+        let (core, server) = (Arc::clone(core), Mutex::new(Some(opened)));
+        Ok(Self { core, url, server, process: std::process::id() })
     }
 
     fn server(&self) -> MutexGuard<'_, Option<StateView>> {
         self.server.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    fn is_of_this_process(&self) -> bool {
+        self.process == std::process::id()
+    }
+
     /// Calls a function of the server, without the GIL.
     fn with_server<T: Send>(&self, py: Python<'_>, call: impl Fn(&StateView) -> T + Sync) -> PyResult<T> {
+        if !self.is_of_this_process() {
+            return Err(error(
+                "the view belongs to the process that opened it: open another one by checker.view()",
+            ));
+        }
         let result = py.detach(|| self.server().as_ref().map(&call));
         result.ok_or_else(|| error("the view is closed: open another one by checker.view()"))
+    }
+}
+
+impl Drop for View {
+    fn drop(&mut self) {
+        if !self.is_of_this_process() {
+            // its thread runs in the other process only, and cannot be waited for
+            std::mem::forget(self.server.get_mut().unwrap_or_else(PoisonError::into_inner).take());
+        }
     }
 }
 
@@ -77,9 +98,11 @@ impl View {
         self.with_server(py, |server| server.set_state(state.positions()))?.map_err(error)
     }
 
-    /// Stops the server. A closed view stays closed.
+    /// Stops the server. A closed view stays closed. A forked process leaves the server of its parent as it is.
     fn close(&self, py: Python<'_>) {
-        py.detach(|| drop(self.server().take()));
+        if self.is_of_this_process() {
+            py.detach(|| drop(self.server().take()));
+        }
     }
 
     fn __enter__(slf: Py<Self>) -> Py<Self> {
@@ -97,7 +120,8 @@ impl View {
     }
 
     fn __repr__(&self) -> String {
-        let closed = if self.server().is_none() { ", closed" } else { "" };
+        let is_closed = self.is_of_this_process() && self.server().is_none();
+        let closed = if is_closed { ", closed" } else { "" };
         format!("<clearance.View at {}{closed}>", self.url)
     }
 }

@@ -212,7 +212,9 @@ impl PairProof<'_> {
         let motion = MatrixMotion { bodies: self.bodies, state: &state, half_widths: &half_widths };
         let target = motion.bound(MotionAlong::Any) + self.threshold;
         let [a, b] = self.bodies;
-        target.is_finite() && SeparationTest::new(a, b, state.pose_ab(), target).prove()
+        // no bound holds for the motion of a plane
+        let is_bounded = half_widths.is_empty() || self.bodies.iter().all(|body| body.planes().is_empty());
+        is_bounded && target.is_finite() && SeparationTest::new(a, b, state.pose_ab(), target).prove()
     }
 
     /// True if the gap along a direction (frame of the first link) exceeds the motion along it.

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 
 use clearance::proximity::bvh::AxisBox;
 
-use super::structures::{BroadPhase, overlap};
+use super::structures::{BroadPhase, ItemBoxes};
 
 /// Maximum number of cells of a box; boxes with more are stored in a separate list.
 const MOST_CELLS: usize = 512;
@@ -18,8 +18,7 @@ pub struct HashGrid {
     cells: HashMap<Cell, Vec<u32>>,
     /// Items that overlap too many cells.
     large: Vec<u32>,
-    /// Box of each item.
-    boxes: Vec<Option<AxisBox>>,
+    boxes: ItemBoxes,
     /// Number of the last search that found each item.
     seen: Vec<u32>,
     search: u32,
@@ -33,7 +32,7 @@ impl BroadPhase for HashGrid {
         sizes.sort_by(f32::total_cmp);
         // the cell size matches most of the boxes
         let edge = sizes.get(sizes.len() / 2).map_or(0.1, |median| (2.0 * median).max(0.01));
-        let (boxes, seen) = (Vec::new(), Vec::new());
+        let (boxes, seen) = (ItemBoxes::default(), Vec::new());
         let mut grid = Self { edge, cells: HashMap::new(), large: Vec::new(), boxes, seen, search: 0 };
         for (item, bounds) in items {
             grid.set(*item, bounds);
@@ -43,11 +42,8 @@ impl BroadPhase for HashGrid {
 
     fn set(&mut self, item: u32, bounds: &AxisBox) {
         self.remove(item);
-        if self.boxes.len() <= item as usize {
-            self.boxes.resize(item as usize + 1, None);
-            self.seen.resize(item as usize + 1, 0);
-        }
-        self.boxes[item as usize] = Some(*bounds);
+        self.boxes.insert(item, bounds);
+        self.seen.resize(self.boxes.len(), 0);
         match self.cells_of(bounds) {
             Some(cells) => cells.for_each(|cell| self.cells.entry(cell).or_default().push(item)),
             None => self.large.push(item),
@@ -55,7 +51,7 @@ impl BroadPhase for HashGrid {
     }
 
     fn remove(&mut self, item: u32) {
-        let Some(bounds) = self.boxes.get_mut(item as usize).and_then(Option::take) else { return };
+        let Some(bounds) = self.boxes.take(item) else { return };
         let Some(cells) = self.cells_of(&bounds) else {
             return self.large.retain(|other| *other != item);
         };
@@ -71,7 +67,7 @@ impl BroadPhase for HashGrid {
         let Self { edge, cells, large, boxes, seen, search } = &mut *self;
         let mut look = |item: u32| {
             let known = std::mem::replace(&mut seen[item as usize], *search) == *search;
-            if !known && boxes[item as usize].is_some_and(|bounds| overlap(&bounds, with)) {
+            if !known && boxes.overlaps(item, with) {
                 found.push(item);
             }
         };

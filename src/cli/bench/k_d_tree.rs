@@ -2,7 +2,7 @@
 
 use clearance::proximity::bvh::AxisBox;
 
-use super::structures::{BroadPhase, overlap};
+use super::structures::{BroadPhase, ItemBoxes};
 
 /// Largest number of boxes that are not divided further.
 const LEAF: usize = 8;
@@ -10,8 +10,7 @@ const LEAF: usize = 8;
 /// Boxes divided at the median of their centres. After as many edits as there are boxes, the tree is built again.
 pub struct KdTree {
     nodes: Vec<Node>,
-    /// Box of each item.
-    boxes: Vec<Option<AxisBox>>,
+    boxes: ItemBoxes,
     edits: usize,
     stack: Vec<u32>,
 }
@@ -42,10 +41,9 @@ impl BroadPhase for KdTree {
     const NAME: &'static str = "k-d tree";
 
     fn build(items: &[(u32, AxisBox)]) -> Self {
-        let count = items.iter().map(|(item, _)| *item as usize + 1).max().unwrap_or(0);
-        let mut tree = Self { nodes: Vec::new(), boxes: vec![None; count], edits: 0, stack: Vec::new() };
+        let mut tree = Self { nodes: Vec::new(), boxes: ItemBoxes::default(), edits: 0, stack: Vec::new() };
         for (item, bounds) in items {
-            tree.boxes[*item as usize] = Some(*bounds);
+            tree.boxes.insert(*item, bounds);
         }
         tree.divide_all();
         tree
@@ -53,10 +51,7 @@ impl BroadPhase for KdTree {
 
     fn set(&mut self, item: u32, bounds: &AxisBox) {
         self.remove(item);
-        if self.boxes.len() <= item as usize {
-            self.boxes.resize(item as usize + 1, None);
-        }
-        self.boxes[item as usize] = Some(*bounds);
+        self.boxes.insert(item, bounds);
         let node = self.node_of(bounds);
         self.nodes[node].items.push(item);
         self.edits += 1;
@@ -66,7 +61,7 @@ impl BroadPhase for KdTree {
     }
 
     fn remove(&mut self, item: u32) {
-        if let Some(bounds) = self.boxes.get_mut(item as usize).and_then(Option::take) {
+        if let Some(bounds) = self.boxes.take(item) {
             let node = self.node_of(&bounds);
             self.nodes[node].items.retain(|other| *other != item);
         }
@@ -76,11 +71,7 @@ impl BroadPhase for KdTree {
         self.stack.push(0);
         while let Some(number) = self.stack.pop() {
             let node = &self.nodes[number as usize];
-            let near = node
-                .items
-                .iter()
-                .filter(|item| self.boxes[**item as usize].is_some_and(|b| overlap(&b, with)));
-            found.extend(near);
+            found.extend(node.items.iter().filter(|item| self.boxes.overlaps(**item, with)));
             if let Some(plane) = node.plane {
                 match plane.side(with) {
                     Side::Below => self.stack.push(plane.sides[0]),
@@ -94,7 +85,7 @@ impl BroadPhase for KdTree {
 
 impl KdTree {
     fn divide_all(&mut self) {
-        let items = (0..).zip(&self.boxes).filter_map(|(item, bounds)| bounds.map(|_| item)).collect();
+        let items = self.boxes.items().collect();
         self.nodes.clear();
         self.edits = 0;
         self.nodes.push(Node { items, plane: None });
@@ -127,7 +118,7 @@ impl KdTree {
     }
 
     fn median_plane(&self, items: &[u32], axis: usize) -> DividingPlane {
-        let centre = |item: &u32| self.boxes[*item as usize].map_or(0.0, |b| 0.5 * (b.lo[axis] + b.hi[axis]));
+        let centre = |item: &u32| self.boxes.get(*item).map_or(0.0, |b| 0.5 * (b.lo[axis] + b.hi[axis]));
         let mut centres: Vec<f32> = items.iter().map(centre).collect();
         centres.sort_by(f32::total_cmp);
         DividingPlane { axis, at: centres[centres.len() / 2], sides: [0; 2] }
@@ -137,7 +128,7 @@ impl KdTree {
     fn parts(&self, items: &[u32], plane: DividingPlane) -> [Vec<u32>; 3] {
         let mut parts: [Vec<u32>; 3] = Default::default();
         for &item in items {
-            let side = self.boxes[item as usize].map_or(Side::Both, |bounds| plane.side(&bounds));
+            let side = self.boxes.get(item).map_or(Side::Both, |bounds| plane.side(&bounds));
             parts[side as usize].push(item);
         }
         parts

@@ -3,7 +3,7 @@
 
 use clearance::proximity::bvh::AxisBox;
 
-use super::structures::{BroadPhase, overlap};
+use super::structures::{BroadPhase, ItemBoxes, overlap};
 
 /// Depth of the smallest cells below the root.
 const MOST_LEVELS: u32 = 12;
@@ -15,8 +15,7 @@ pub struct LooseOctree {
     /// Edge of the root (m).
     edge: f32,
     cells: Vec<Cell>,
-    /// Box of each item.
-    boxes: Vec<Option<AxisBox>>,
+    boxes: ItemBoxes,
     stack: Vec<(u32, [f32; 3], f32)>,
 }
 
@@ -33,8 +32,8 @@ impl BroadPhase for LooseOctree {
     fn build(items: &[(u32, AxisBox)]) -> Self {
         let all = items.iter().fold(AxisBox::EMPTY, |all, (_, bounds)| all.union(bounds));
         let edge = (0..3).map(|i| all.hi[i] - all.lo[i]).fold(0.01, f32::max);
-        let mut tree =
-            Self { corner: all.lo, edge, cells: vec![Cell::default()], boxes: Vec::new(), stack: Vec::new() };
+        let (cells, boxes) = (vec![Cell::default()], ItemBoxes::default());
+        let mut tree = Self { corner: all.lo, edge, cells, boxes, stack: Vec::new() };
         for (item, bounds) in items {
             tree.set(*item, bounds);
         }
@@ -43,16 +42,13 @@ impl BroadPhase for LooseOctree {
 
     fn set(&mut self, item: u32, bounds: &AxisBox) {
         self.remove(item);
-        if self.boxes.len() <= item as usize {
-            self.boxes.resize(item as usize + 1, None);
-        }
-        self.boxes[item as usize] = Some(*bounds);
+        self.boxes.insert(item, bounds);
         let cell = self.cell_of(bounds);
         self.cells[cell].items.push(item);
     }
 
     fn remove(&mut self, item: u32) {
-        if let Some(bounds) = self.boxes.get_mut(item as usize).and_then(Option::take) {
+        if let Some(bounds) = self.boxes.take(item) {
             let cell = self.cell_of(&bounds);
             self.cells[cell].items.retain(|other| *other != item);
         }
@@ -62,11 +58,7 @@ impl BroadPhase for LooseOctree {
         self.stack.push((0, self.corner, self.edge));
         while let Some((number, corner, edge)) = self.stack.pop() {
             let cell = &self.cells[number as usize];
-            let near = cell
-                .items
-                .iter()
-                .filter(|item| self.boxes[**item as usize].is_some_and(|b| overlap(&b, with)));
-            found.extend(near);
+            found.extend(cell.items.iter().filter(|item| self.boxes.overlaps(**item, with)));
             let half = 0.5 * edge;
             for (octant, &child) in cell.children.iter().enumerate().filter(|(_, child)| **child != 0) {
                 let corner: [f32; 3] =

@@ -46,6 +46,43 @@ impl BroadPhase for Tree {
     }
 }
 
+/// Box of each item that is in a set, by the number of the item.
+#[derive(Default)]
+pub struct ItemBoxes(Vec<Option<AxisBox>>);
+
+impl ItemBoxes {
+    /// Largest number of an item, plus one.
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    pub fn insert(&mut self, item: u32, bounds: &AxisBox) {
+        if self.0.len() <= item as usize {
+            self.0.resize(item as usize + 1, None);
+        }
+        self.0[item as usize] = Some(*bounds);
+    }
+
+    /// Removes an item; its box, if it was in the set.
+    pub fn take(&mut self, item: u32) -> Option<AxisBox> {
+        self.0.get_mut(item as usize).and_then(Option::take)
+    }
+
+    pub fn get(&self, item: u32) -> Option<AxisBox> {
+        self.0.get(item as usize).copied().flatten()
+    }
+
+    /// Whether the box of an item has a common point with another one.
+    pub fn overlaps(&self, item: u32, with: &AxisBox) -> bool {
+        self.get(item).is_some_and(|bounds| overlap(&bounds, with))
+    }
+
+    /// The items of the set.
+    pub fn items(&self) -> impl Iterator<Item = u32> {
+        (0..).zip(&self.0).filter_map(|(item, bounds)| bounds.map(|_| item))
+    }
+}
+
 /// Whether two boxes have a common point.
 pub fn overlap(a: &AxisBox, b: &AxisBox) -> bool {
     (0..3).all(|i| a.lo[i] <= b.hi[i] && b.lo[i] <= a.hi[i])

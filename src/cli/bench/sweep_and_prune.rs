@@ -40,7 +40,7 @@ enum Owner {
     Query(u32),
 }
 
-/// What one query box overlaps.
+/// Overlaps of one query box with the items.
 struct Overlaps {
     /// How many of the comparisons with each item are true.
     comparisons: Vec<u8>,

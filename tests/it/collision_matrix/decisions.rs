@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use clearance::collision_matrix::{DecidedPair, Decision, MatrixBuilder, MatrixDocument, MatrixOptions};
-use clearance::robot::{MeshFiles, RobotModel};
+use clearance::robot::RobotModel;
 use clearance::scene::Settings;
 use clearance::verifier::NeverProof;
 use fastrand::Rng;
