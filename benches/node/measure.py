@@ -98,14 +98,14 @@ def facts(options):
     from latency import REALTIME
     from realtime import may_be_realtime
 
-    send = lambda *command: subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False).stdout.strip()
+    output_of = lambda *command: subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False).stdout.strip()
     with open("/proc/cpuinfo") as cpus:
         names = [line.split(":")[1].strip() for line in cpus if line.startswith("model name")]
-    changed = " with changes" if send("git", "status", "--porcelain", "--untracked-files=no") else ""
+    changed = " with changes" if output_of("git", "status", "--porcelain", "--untracked-files=no") else ""
     return {
         "date": datetime.now(UTC).strftime("%Y-%m-%d"),
         "machine": f"{names[0] if names else platform.machine()}, {os.cpu_count()} threads, Linux {platform.release()}",
-        "program": f"{tell(options.binary.resolve(), '--version')}; the tree is at {tell('git', 'rev-parse', '--short', 'HEAD')}{changed}",
+        "program": f"{output_of(options.binary.resolve(), '--version')}; the tree is at {output_of('git', 'rev-parse', '--short', 'HEAD')}{changed}",
         "peers": f"rclpy of {os.environ.get('CLEARANCE_ROS', 'kilted')}, Python {platform.python_version()}, on the same machine",
         "latency": f"with {REALTIME}: {str(may_be_realtime()).lower()}",
         "length": length(options),

@@ -55,7 +55,7 @@ def main(service, count, joints):
         rclpy.spin_once(node, timeout_sec=0.05)
     seconds = time.monotonic() - start
     reported = ", ".join(f"{number} {verdict}" for verdict, number in verdicts.items()) or "none"
-    print(f"{verdicts.total() / seconds:.1f} answers a second ({told})", flush=True)
+    print(f"{verdicts.total() / seconds:.1f} answers a second ({reported})", flush=True)
 
 
 if __name__ == "__main__":

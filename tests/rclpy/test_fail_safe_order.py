@@ -18,14 +18,6 @@ from scene import ball
 from scene_client import SceneClient
 
 
-def disabled_and_memory(s):
-    s.evaluating()
-    assert s.enable(False).success
-    s.cell.unknown("disabled")
-    yield
-    runs_out_of_memory(s)
-
-
 def disabled_and_no_model(s):
     s.start(urdf=None)
     assert s.enable(False).success

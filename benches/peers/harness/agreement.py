@@ -49,6 +49,6 @@ def compare(voices: list[Voice], question: str, states: str) -> list[Agreement]:
             continue
         off = [differs(question, r, a) for r, a in zip(reference, responses)]
         wrong = [i for i, d in enumerate(off) if d > DISTANCE_TOLERANCE]
-        example = f"state {wrong[0]}: {reference[wrong[0]]} here, {answers[wrong[0]]} there" if wrong else ""
+        example = f"state {wrong[0]}: {reference[wrong[0]]} here, {responses[wrong[0]]} there" if wrong else ""
         found.append(Agreement(voice.name, len(off), len(wrong), max(off, default=0.0), example))
     return found

@@ -72,7 +72,7 @@ class EdgeComparison:
             return EdgeMeasured(count)
         measured = EdgeMeasured(count, undecided=ours.count("undecided"))
         judge = f"coal_cpp every {JUDGED_EVERY} rad"
-        measured.agreements.append(_agreement(judge, True, ours, [_kind_of_check(measure.kind)] * count))
+        measured.agreements.append(_agreement(judge, True, ours, [_expected(measure.kind)] * count))
         voices = [Voice("clearance", self.clearance)]
         for peer in measure.peers:
             if peer.contestant in self._children and (theirs := self._responses(peer, measure.question, some)):
@@ -90,7 +90,7 @@ class EdgeComparison:
             return None
 
 
-def _kind_of_check(kind: str) -> str:
+def _expected(kind: str) -> str:
     return "1" if kind == "free" else "0"
 
 

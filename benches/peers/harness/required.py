@@ -80,7 +80,7 @@ def _disagreements(results: Results) -> Requirement:
     name, count = "Edges called free in which a sample hits", sum(a.disagreements for a in responses)
     if not responses:
         return Requirement(name, "0", "0", "not measured", "–")
-    measured = f"{count} of {sum(a.compared for a in answers)}"
+    measured = f"{count} of {sum(a.compared for a in responses)}"
     return Requirement(name, "0", "0", measured, verdict(count == 0, count == 0))
 
 

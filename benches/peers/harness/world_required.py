@@ -40,7 +40,7 @@ def _against(
 
 
 def _informative(ratios: dict[str, float]) -> Requirement:
-    return Requirement("… and against careful Coal in C++", "–", "–", _printed(ratios), "–")
+    return Requirement("… and against careful Coal in C++", "–", "–", _summary(ratios), "–")
 
 
 def _each(found: list[WorldsResult], kind: str) -> list[tuple[str, WorldResult]]:
@@ -72,10 +72,10 @@ def _ratios(name: str, ratios: dict[str, float], least: float, aim: float) -> Re
     """Every robot and world must reach what is required."""
     worst = min(ratios.values(), default=None)
     reached = "–" if worst is None else verdict(worst >= least, worst >= aim)
-    return Requirement(name, f"{least}x", f"{aim}x", _printed(ratios), reached)
+    return Requirement(name, f"{least}x", f"{aim}x", _summary(ratios), reached)
 
 
-def _printed(ratios: dict[str, float]) -> str:
+def _summary(ratios: dict[str, float]) -> str:
     if not ratios:
         return "not measured"
     worst = min(ratios, key=lambda where: ratios[where])

@@ -51,5 +51,5 @@ def against_truth(responses: list[str], question: str, truth: Path) -> Agreement
     else:
         off = [abs(float(a) - least) for a, least in zip(responses, reported["min_distance"])]
     wrong = [i for i, d in enumerate(off) if d > TRUTH_TOLERANCE]
-    example = f"state {wrong[0]}: {answers[wrong[0]]} here" if wrong else ""
+    example = f"state {wrong[0]}: {responses[wrong[0]]} here" if wrong else ""
     return Agreement("truth", len(off), len(wrong), max(off, default=0.0), example)
