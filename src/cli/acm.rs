@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 use clearance::collision_matrix::{
-    DecidedPair, Decision, MatrixBuilder, MatrixDocument, MatrixOptions, SrdfEntry, add_disabled_pairs, audit,
+    AllowedPairs, DecidedPair, MatrixBuilder, MatrixDocument, MatrixOptions, SrdfEntry, add_disabled_pairs,
+    audit,
 };
 use clearance::robot::{LinkId, RobotModel};
 use clearance::scene::Settings;
@@ -86,8 +87,7 @@ pub fn run(args: &AcmArgs) -> Result<ExitStatus, Failure> {
     let robot = Arc::new(args.robot_args().load()?);
     let settings = args.model.settings();
     warn_of_meshes(&robot, &clearance::scene::World::default(), &settings);
-    let allowed = args.allow.iter().map(|pair| link_pair(&robot, "--allow", pair));
-    let allowed: Vec<[LinkId; 2]> = allowed.collect::<Result<_, _>>()?;
+    let allowed = args.allowed(&robot)?;
     let known = args.known(&robot, &settings)?;
     let original = args.original_srdf(&robot)?;
     let start = Instant::now();
@@ -99,8 +99,7 @@ pub fn run(args: &AcmArgs) -> Result<ExitStatus, Failure> {
     }
     let document = MatrixDocument::new(&robot, &settings, pairs);
     if let Some(file) = &args.certificate {
-        let text = serde_json::to_string(&document.certificate(&robot, &settings)).map_err(internal)?;
-        write_limited(file, &(text + "\n"))?;
+        write_limited(file, &(document.certificate_json(&robot, &settings) + "\n"))?;
     }
     let written = args.write_srdf(&robot, original.as_ref(), &document.pairs, &allowed)?;
     let output = AcmOutput { document: &document, robot: &robot, seconds, written, lists_all: args.list };
@@ -119,6 +118,15 @@ impl AcmArgs {
         let mut robot = self.model.robot.clone();
         robot.srdf = self.audit.clone().or(robot.srdf);
         robot
+    }
+
+    /// Pairs that are written although they can collide.
+    fn allowed(&self, robot: &RobotModel) -> Result<AllowedPairs, Failure> {
+        let pairs = self.allow.iter().map(|pair| {
+            let links = link_pair(robot, "--allow", pair)?;
+            Ok(links.map(|link| robot.described_name(link).to_owned()))
+        });
+        Ok(AllowedPairs { pairs: pairs.collect::<Result<_, Failure>>()?, adjacent: self.allow_adjacent })
     }
 
     /// Decisions of an earlier run.
@@ -210,10 +218,10 @@ impl AcmArgs {
         robot: &RobotModel,
         original: Option<&OriginalSrdf>,
         pairs: &[DecidedPair],
-        allowed: &[[LinkId; 2]],
+        allowed: &AllowedPairs,
     ) -> Result<Vec<SrdfEntry>, Failure> {
         let Some(file) = &self.write_srdf else { return Ok(Vec::new()) };
-        let entries = self.entries(robot, original.map(|original| &original.model), pairs, allowed);
+        let entries = allowed.new_entries(pairs, original.map(|original| &original.model));
         let new = add_disabled_pairs(original.map(|original| &*original.text), robot.name(), &entries)
             .map_err(|why| Failure::Input(format!("{}: {why}", file.display())))?;
         input_files::replace(file, new.as_bytes()).map_err(Failure::input)?;
@@ -223,39 +231,6 @@ impl AcmArgs {
     fn load_with_srdf(&self, srdf: &Path) -> Result<RobotModel, Failure> {
         let robot = RobotArgs { srdf: Some(srdf.to_owned()), ..self.model.robot.clone() };
         robot.load_quietly(&robot.mesh_files())
-    }
-
-    /// New entries: pairs that the original neither disables nor enables.
-    fn entries(
-        &self,
-        robot: &RobotModel,
-        original: Option<&RobotModel>,
-        pairs: &[DecidedPair],
-        allowed: &[[LinkId; 2]],
-    ) -> Vec<SrdfEntry> {
-        let is_named = |pair: &DecidedPair| {
-            let Some((model, srdf)) = original.and_then(|model| Some((model, model.srdf()?))) else {
-                return false;
-            };
-            let disabled = srdf.disabled_pairs.iter().map(|entry| (entry.a, entry.b));
-            disabled
-                .chain(srdf.enabled_pairs.iter().copied())
-                .any(|(a, b)| pair.is_of(model.described_name(a), model.described_name(b)))
-        };
-        let is_allowed = |pair: &DecidedPair| {
-            allowed.iter().any(|[a, b]| pair.is_of(robot.described_name(*a), robot.described_name(*b)))
-        };
-        let reason = |pair: &DecidedPair| match pair.decision {
-            Decision::Never { .. } => Some("Never"),
-            _ if is_allowed(pair) => Some("User"),
-            _ if self.allow_adjacent && pair.is_adjacent && pair.touches_mostly() => Some("Adjacent"),
-            _ => None,
-        };
-        let entry = |pair: &DecidedPair| {
-            let (link1, link2) = (pair.link1.clone(), pair.link2.clone());
-            Some(SrdfEntry { link1, link2, reason: reason(pair)? })
-        };
-        pairs.iter().filter(|pair| !is_named(pair)).filter_map(entry).collect()
     }
 }
 

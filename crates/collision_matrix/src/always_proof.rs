@@ -11,7 +11,7 @@ use clearance_proximity::penetration_depth;
 use crate::inner_points::{InnerPointSearch, OverlapBox};
 use crate::joint_box::JointBox;
 use crate::link_geometry::LinkGeometry;
-use crate::never_proof::{ProofLimits, is_over, widest};
+use crate::never_proof::{ProofLimits, widest};
 use crate::outline::{Outline, directions};
 use crate::pair_problem::{PairProblem, PairWorkspace};
 use crate::solid_parts::SolidPart;
@@ -46,7 +46,7 @@ pub fn search(
         .filter_map(|parts| Some(PartOverlap { parts, points: InnerPointSearch::new()?, meshes_are_solid }))
         .collect();
     while let Some(ranges) = open.pop() {
-        if limits.are_reached(boxes) || is_over(limits.deadline) {
+        if limits.are_reached(boxes) || limits.options.is_over() {
             return AlwaysSearch::Exhausted;
         }
         boxes += 1;

@@ -5,7 +5,7 @@
 //! | decisions about pairs | `decision` |
 //! | decisions as a document that a search resumes from | `matrix_document` |
 //! | pairs that an SRDF disables, compared with the decisions | `audit` |
-//! | new entries in the text of an SRDF | `srdf_update` |
+//! | pairs that become entries of an SRDF; new entries in its text | `srdf_entries`, `srdf_update` |
 //! | limits of the search | `options` |
 //! | decides all pairs, on many threads | `matrix_builder` |
 //! | joints between two links | `joint_path` |
@@ -37,6 +37,7 @@ mod plane_direction;
 mod relative_motion;
 mod solid_parts;
 mod split_tree;
+mod srdf_entries;
 mod srdf_update;
 mod witness_search;
 
@@ -45,4 +46,5 @@ pub use decision::{DecidedPair, Decision};
 pub use matrix_builder::MatrixBuilder;
 pub use matrix_document::{DocumentError, MatrixDocument};
 pub use options::{MatrixFailure, MatrixOptions};
+pub use srdf_entries::AllowedPairs;
 pub use srdf_update::{SrdfEntry, SrdfTextError, add_disabled_pairs};

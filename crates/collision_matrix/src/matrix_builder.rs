@@ -1,7 +1,6 @@
 //! Computes the decisions about all pairs of links.
 
 use std::sync::Arc;
-use std::time::Instant;
 
 use clearance_checker::{CollisionChecker, Question, Workspace};
 use clearance_proximity::Scratch;
@@ -121,11 +120,11 @@ impl MatrixBuilder {
             results.push(found.cloned());
         }
         for budget in ROUNDS {
-            let limits = ProofLimits { boxes: budget.min(options.most_boxes), deadline: options.deadline };
+            let limits = ProofLimits { boxes: budget.min(options.most_boxes), options };
             open.par_iter_mut().with_max_len(1).for_each_init(
                 || (self.checker.workspace(), Scratch::default()),
                 |(workspace, scratch), open| {
-                    self.advance(open, limits, options.seed, workspace, scratch);
+                    self.advance(open, limits, workspace, scratch);
                     if let Some(pair) = open.decided.as_ref().filter(|pair| pair.decision.is_final()) {
                         progress(pair);
                     }
@@ -153,7 +152,6 @@ impl MatrixBuilder {
         &self,
         open: &mut OpenPair,
         limits: ProofLimits,
-        seed: u64,
         workspace: &mut Workspace,
         scratch: &mut Scratch,
     ) {
@@ -168,8 +166,8 @@ impl MatrixBuilder {
             workspace: problem.workspace(std::mem::take(scratch)),
         };
         let witnesses = open.witnesses.get_or_insert_with(|| {
-            let mut random = Rng::with_seed(seed ^ ((i as u64) << 32) ^ j as u64);
-            attempt.witnesses(&mut random, limits.deadline)
+            let mut random = Rng::with_seed(limits.options.seed ^ ((i as u64) << 32) ^ j as u64);
+            attempt.witnesses(&mut random, limits.options)
         });
         let decision = attempt.decide(witnesses, limits);
         *scratch = attempt.workspace.scratch;
@@ -245,20 +243,20 @@ struct PairAttempt<'p, 'w> {
 }
 
 impl PairAttempt<'_, '_> {
-    fn witnesses(&mut self, random: &mut Rng, deadline: Option<Instant>) -> Witnesses {
+    fn witnesses(&mut self, random: &mut Rng, options: &MatrixOptions) -> Witnesses {
         if self.problem.path.is_bounded() {
-            return witness_search::search(self.problem, random, deadline, &mut self.workspace);
+            return witness_search::search(self.problem, random, options, &mut self.workspace);
         }
-        self.unbounded_witnesses(random, deadline)
+        self.unbounded_witnesses(random, options)
     }
 
     /// States of the whole robot, as the path does not describe the pair's motion.
-    fn unbounded_witnesses(&mut self, random: &mut Rng, deadline: Option<Instant>) -> Witnesses {
+    fn unbounded_witnesses(&mut self, random: &mut Rng, options: &MatrixOptions) -> Witnesses {
         let robot = &self.builder.robot;
         let links = self.problem.links.map(|link| link.link);
         let (mut found, mut contacts) = (Witnesses::default(), 0.0);
         for _ in 0..UNBOUNDED_SAMPLES {
-            if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+            if options.is_over() {
                 return found;
             }
             let q = robot.sample(&clearance_robot::SamplingBox::default(), || random.f64());

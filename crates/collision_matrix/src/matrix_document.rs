@@ -102,6 +102,13 @@ impl MatrixDocument {
         MatrixCertificate::new(robot, settings, proofs.collect())
     }
 
+    /// The certificate as one line of JSON.
+    #[must_use]
+    pub fn certificate_json(&self, robot: &RobotModel, settings: &Settings) -> String {
+        // all content can be written as JSON
+        serde_json::to_string(&self.certificate(robot, settings)).unwrap_or_default()
+    }
+
     fn computed_digest(&self) -> String {
         let unsigned = Self { digest: String::new(), ..self.clone() };
         let mut print = Fingerprint::default();

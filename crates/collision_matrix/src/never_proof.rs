@@ -6,9 +6,9 @@
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
-use std::time::Instant;
 
 use crate::joint_box::JointBox;
+use crate::options::MatrixOptions;
 use crate::pair_problem::{PairProblem, PairWorkspace};
 use crate::split_tree::SplitTree;
 
@@ -29,24 +29,19 @@ const TOUCHING: f64 = 1e-4;
 
 /// Limits of a search.
 #[derive(Clone, Copy, Debug)]
-pub struct ProofLimits {
+pub struct ProofLimits<'o> {
     /// Largest number of boxes.
     pub boxes: u64,
-    /// Time at which the search ends.
-    pub deadline: Option<Instant>,
+    /// When the search ends early.
+    pub options: &'o MatrixOptions,
 }
 
-impl ProofLimits {
+impl ProofLimits<'_> {
     /// True if the search must end after a number of boxes.
     #[must_use]
     pub fn are_reached(&self, boxes: u64) -> bool {
-        boxes >= self.boxes || (boxes.is_multiple_of(BOXES_PER_LOOK) && is_over(self.deadline))
+        boxes >= self.boxes || (boxes.is_multiple_of(BOXES_PER_LOOK) && self.options.is_over())
     }
-}
-
-/// True if a deadline has passed.
-pub fn is_over(deadline: Option<Instant>) -> bool {
-    deadline.is_some_and(|end| Instant::now() >= end)
 }
 
 /// Result of the search.

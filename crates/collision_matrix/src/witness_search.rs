@@ -1,10 +1,8 @@
 //! Search for a colliding and a free state of a pair: random states, then descent of the distance.
 
-use std::time::Instant;
-
 use fastrand::Rng;
 
-use crate::never_proof::is_over;
+use crate::options::MatrixOptions;
 use crate::pair_problem::{PairProblem, PairWorkspace};
 
 /// Random states, and more for each variable.
@@ -32,11 +30,11 @@ pub struct Witnesses {
     pub contact_share: f64,
 }
 
-/// Searches a colliding and a free state until a deadline.
+/// Searches a colliding and a free state until the options end it.
 pub fn search(
     problem: &PairProblem,
     random: &mut Rng,
-    deadline: Option<Instant>,
+    options: &MatrixOptions,
     workspace: &mut PairWorkspace,
 ) -> Witnesses {
     let ranges = problem.ranges();
@@ -45,7 +43,7 @@ pub fn search(
     let mut starts: Vec<(f64, Vec<f64>)> = Vec::with_capacity(count);
     let mut contacts = 0u32;
     for _ in 0..count {
-        if is_over(deadline) {
+        if options.is_over() {
             break;
         }
         let values = sample(&ranges, random);
@@ -66,7 +64,7 @@ pub fn search(
     found.least = starts.first().cloned();
     if found.colliding.is_none() {
         for (_, values) in starts.into_iter().take(DESCENTS) {
-            if is_over(deadline) {
+            if options.is_over() {
                 break;
             }
             let (distance, values) = descend(problem, &ranges, values, workspace);
@@ -81,7 +79,7 @@ pub fn search(
     }
     if found.free.is_none() && !ranges.is_empty() {
         let more = (0..MORE_SAMPLES).map(|_| corner_or_sample(&ranges, random));
-        let mut more = more.take_while(|_| !is_over(deadline));
+        let mut more = more.take_while(|_| !options.is_over());
         found.free = more.find(|values| !problem.collides(values, workspace));
     }
     found

@@ -9,6 +9,7 @@
 //! | batches of edges; single motions and trajectories | `edge_queries`; `motion_queries`, `motion_options`, `trajectory_arrays` |
 //! | ways out of a collision | `recovery` |
 //! | paths of the planner | `planning` |
+//! | pairs of links that can collide | `collision_matrix` |
 //! | `Certificate` and its verification | `certificate`, `verification` |
 //! | arrays and poses | `arrays`, `poses` |
 //! | `View`, the view in a web browser | `view` |
@@ -28,6 +29,7 @@ mod batches;
 mod certificate;
 mod checker;
 mod checker_core;
+mod collision_matrix;
 mod command;
 mod edge_queries;
 mod error;
@@ -63,6 +65,7 @@ fn _clearance(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<world::World>()?;
     module.add_class::<checker::Checker>()?;
     module.add_class::<certificate::Certificate>()?;
+    module.add_class::<collision_matrix::CollisionMatrix>()?;
     module.add_class::<view::View>()?;
     module.add_function(wrap_pyfunction!(verification::verify, module)?)?;
     module.add_function(wrap_pyfunction!(command::run_command, module)?)?;

@@ -31,6 +31,7 @@ options! {
     edge: f64 = number;
     influence_distance: f64 = real;
     length_of_shape: f64 = |_, value| number("length", value);
+    max_boxes: Option<u64> = |name, value| optional(name, value, count);
     max_checks: u64 = count;
     max_contacts: usize = size_of;
     max_distance: f64 = length_or_infinity;

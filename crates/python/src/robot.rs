@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Instant;
 
 use clearance::geometry::math::Pose;
 use clearance::robot::{Configuration, GroupState, JointKind, LinkId, LinkPoses, Mimic, RobotModel};
@@ -13,6 +14,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple};
 
 use crate::arrays::{Rows, array};
+use crate::collision_matrix::{CollisionMatrix, MatrixArguments};
 use crate::error::{error, warn};
 use crate::memory::collected;
 use crate::robot_sources::{MeshBytes, RobotSources, Text};
@@ -253,6 +255,27 @@ impl Robot {
             result.set_item(name, array(py, matrices, &shape)?)?;
         }
         Ok(result)
+    }
+
+    /// Decides for every pair of links with collision geometry whether it can collide within the joint limits: `CollisionMatrix`.
+    ///
+    /// The pairs that the SRDF disables are decided, too. `never` and `always` are proofs; the states of `sometimes` are checked; a pair is
+    /// `undecided` if `timeout` (s) ended or `max_boxes` joint boxes (4 million by default) were not enough. Without `timeout`, the result
+    /// is the same for any `num_threads`. Settings: `padding`, `pad_self`, `link_padding`, `link_scale` and `mesh_model`, as of `Checker`.
+    #[pyo3(
+        signature = (*, timeout=None, max_boxes=None, num_threads=None, **settings),
+        text_signature = "($self, *, timeout=None, max_boxes=None, num_threads=None, **settings)"
+    )]
+    fn collision_matrix(
+        &self,
+        py: Python<'_>,
+        #[pyo3(from_py_with = options::timeout)] timeout: Option<Instant>,
+        #[pyo3(from_py_with = options::max_boxes)] max_boxes: Option<u64>,
+        #[pyo3(from_py_with = options::num_threads)] num_threads: Option<usize>,
+        settings: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<CollisionMatrix> {
+        let arguments = MatrixArguments { deadline: timeout, max_boxes, num_threads };
+        CollisionMatrix::compute(py, self, &arguments, settings)
     }
 
     fn __repr__(&self) -> String {

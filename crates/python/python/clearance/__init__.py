@@ -13,7 +13,7 @@ Units are metres, radians and seconds. All poses and points are in the frame of 
 the order of ``joint_names``. All objects pickle. The package has no thread of its own until the first batch.
 """
 
-from ._clearance import Certificate, Checker, Error, Robot, View, World, __version__, verify
+from ._clearance import Certificate, Checker, CollisionMatrix, Error, Robot, View, World, __version__, verify
 from ._results import (
     Clearance,
     CollisionReport,
@@ -22,6 +22,7 @@ from ._results import (
     EdgeReports,
     FreeState,
     InputWarning,
+    LinkPair,
     MotionReport,
     PairDistance,
     Plan,
@@ -35,6 +36,7 @@ __all__ = [
     "Certificate",
     "Checker",
     "Clearance",
+    "CollisionMatrix",
     "CollisionReport",
     "Contact",
     "Distances",
@@ -42,6 +44,7 @@ __all__ = [
     "Error",
     "FreeState",
     "InputWarning",
+    "LinkPair",
     "MotionReport",
     "PairDistance",
     "Plan",

@@ -14,6 +14,7 @@ from ._results import (
     Distances,
     EdgeReports,
     FreeState,
+    LinkPair,
     MotionReport,
     Plan,
     TrajectoryReport,
@@ -37,6 +38,13 @@ class _Settings(TypedDict, total=False):
     mesh_model: Literal["surface", "solid"]
     allowed_collisions: _Pairs
     checked_collisions: _Pairs
+
+class _MatrixSettings(TypedDict, total=False):
+    padding: float
+    link_padding: Mapping[str, float]
+    link_scale: Mapping[str, float]
+    pad_self: bool
+    mesh_model: Literal["surface", "solid"]
 
 class _MotionOptions(TypedDict, total=False):
     tolerance: float
@@ -84,6 +92,23 @@ class Robot:
     def configuration(self, positions: Mapping[str, float] = ...) -> _Floats: ...
     def random(self, rng: np.random.Generator | int | None = None, size: int | None = None) -> _Floats: ...
     def forward_kinematics(self, q: ArrayLike, links: Sequence[str] | None = None) -> dict[str, _Floats]: ...
+    def collision_matrix(
+        self,
+        *,
+        timeout: float | None = None,
+        max_boxes: int | None = None,
+        num_threads: int | None = None,
+        **settings: Unpack[_MatrixSettings],
+    ) -> CollisionMatrix: ...
+
+@final
+class CollisionMatrix:
+    @property
+    def pairs(self) -> tuple[LinkPair, ...]: ...
+    @property
+    def joint_names(self) -> list[str]: ...
+    def srdf(self, allow: Sequence[tuple[str, str]] = ..., allow_adjacent: bool = False) -> str: ...
+    def certificate(self) -> str: ...
 
 @final
 class World:

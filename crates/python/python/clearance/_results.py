@@ -233,6 +233,30 @@ class FreeState:
 
 
 @dataclass(frozen=True, eq=False)
+class LinkPair:
+    """Decision whether two links can collide within the joint limits."""
+
+    links: Pair
+    """Names of the links."""
+    decision: str
+    """``never`` or ``always``, both proven; ``sometimes``; ``undecided``."""
+    colliding: Optional[Floats]
+    """A state in which the links collide, shape (n,), for ``sometimes``."""
+    free: Optional[Floats]
+    """A state in which they do not, for ``sometimes``."""
+    nearest: Optional[Floats]
+    """State of ``least_distance``, for ``undecided``."""
+    least_distance: Optional[float]
+    """Smallest distance (m) found, for ``never`` and ``undecided``, where one was measured."""
+    contact_share: float
+    """Share of the random states in which the links collide."""
+    depth: Optional[float]
+    """Penetration depth (m) in one colliding state, where it was computed."""
+    adjacent: bool
+    """True if the links are joined by one joint, or are fixed to each other."""
+
+
+@dataclass(frozen=True, eq=False)
 class Plan:
     """Result of the search of a path."""
 

@@ -1,0 +1,45 @@
+//! Which pairs become entries of an SRDF.
+
+use clearance_robot::RobotModel;
+
+use crate::decision::{DecidedPair, Decision};
+use crate::srdf_update::SrdfEntry;
+
+/// Pairs that become entries besides those that never collide.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct AllowedPairs {
+    /// Pairs of names of links, in any order, which get the reason `User`.
+    pub pairs: Vec<[String; 2]>,
+    /// Whether links that are joined by a joint and touch in most states get the reason `Adjacent`.
+    pub adjacent: bool,
+}
+
+impl AllowedPairs {
+    /// Entries of the decided pairs that the SRDF of `original` neither disables nor enables. Only what is proven gets the reason `Never`.
+    #[must_use]
+    pub fn new_entries(&self, pairs: &[DecidedPair], original: Option<&RobotModel>) -> Vec<SrdfEntry> {
+        let entry = |pair: &DecidedPair| {
+            let (link1, link2) = (pair.link1.clone(), pair.link2.clone());
+            Some(SrdfEntry { link1, link2, reason: self.reason(pair)? })
+        };
+        let is_new = |pair: &&DecidedPair| !original.is_some_and(|model| names(model, pair));
+        pairs.iter().filter(is_new).filter_map(entry).collect()
+    }
+
+    fn reason(&self, pair: &DecidedPair) -> Option<&'static str> {
+        match pair.decision {
+            Decision::Never { .. } => Some("Never"),
+            _ if self.pairs.iter().any(|[a, b]| pair.is_of(a, b)) => Some("User"),
+            _ if self.adjacent && pair.is_adjacent && pair.touches_mostly() => Some("Adjacent"),
+            _ => None,
+        }
+    }
+}
+
+/// True if the model's SRDF disables or enables the pair.
+fn names(model: &RobotModel, pair: &DecidedPair) -> bool {
+    let Some(srdf) = model.srdf() else { return false };
+    let disabled = srdf.disabled_pairs.iter().map(|entry| (entry.a, entry.b));
+    let mut named = disabled.chain(srdf.enabled_pairs.iter().copied());
+    named.any(|(a, b)| pair.is_of(model.described_name(a), model.described_name(b)))
+}
