@@ -269,30 +269,28 @@ impl Walk<'_> {
         match result {
             Proximity::Overlap(point) => a.holds(point) && b.holds(point),
             Proximity::Apart { distance, nearest } => {
-                let gap = gap_along(&a.vertices, &b.vertices, &self.direction(nearest));
+                let gaps =
+                    self.directions(nearest).into_iter().map(|n| gap_along(&a.vertices, &b.vertices, &n));
+                let gap = gaps.fold(f64::NEG_INFINITY, f64::max);
                 let are_inside = a.holds(&nearest[0]) && b.holds(&nearest[1]);
                 are_inside && distance - gap <= ROUNDING * self.reach()
             }
         }
     }
 
-    /// Unit vector from the first to the second polytope at nearest points. The features give it more accurately than near points do.
-    fn direction(&self, nearest: &[Point; 2]) -> Vector {
+    /// Unit vectors of which one is at right angles to the widest gap's planes. The gap along any of them proves a distance. Between points
+    /// that are near to each other the direction is inaccurate; the normals of faces and edges are not.
+    fn directions(&self, nearest: &[Point; 2]) -> Vec<Vector> {
         let between = (nearest[1] - nearest[0]).normalize();
-        let from_features = match self.features {
-            [Feature::Face(face), _] => self.polytopes[0].faces[face].normal,
-            [_, Feature::Face(face)] => self.polytopes[1].faces[face].normal,
-            [Feature::Edge(e), Feature::Edge(f)] => {
-                let [along_e, along_f] = [self.ends(0, e), self.ends(1, f)].map(|[p, q]| (q - p).normalize());
-                along_e.cross(&along_f)
-            }
-            _ => return between,
-        };
-        // edges that are nearly parallel have no accurate common normal
-        if from_features.norm() < 1e-6 {
-            return between;
+        let [of_a, of_b] = self.polytopes.map(|of| of.faces.iter().map(|face| face.normal));
+        let mut all: Vec<Vector> = of_a.chain(of_b.map(|normal| -normal)).collect();
+        if let [Feature::Edge(e), Feature::Edge(f)] = self.features {
+            let [along_e, along_f] = [self.ends(0, e), self.ends(1, f)].map(|[p, q]| (q - p).normalize());
+            let across = along_e.cross(&along_f);
+            all.extend(across.try_normalize(1e-6).map(|n| n * n.dot(&between).signum()));
         }
-        from_features.normalize() * from_features.dot(&between).signum()
+        all.push(between);
+        all
     }
 }
 
