@@ -10,6 +10,8 @@ mod command_line;
 mod command_messages;
 mod contacts;
 mod continuous_joints;
+mod convex;
+mod convex_oracles;
 mod default_collisions;
 mod documentation;
 mod effort;
