@@ -123,7 +123,7 @@ impl CollisionMatrix {
 }
 
 fn read_settings(keywords: Option<&Bound<'_, PyDict>>) -> PyResult<Settings> {
-    for keyword in keywords.into_iter().flat_map(|keywords| keywords.keys()) {
+    for (keyword, _) in keywords.into_iter().flatten() {
         let keyword: String = keyword.extract()?;
         if !KEYWORDS.contains(&keyword.as_str()) {
             let text = format!(
