@@ -23,6 +23,7 @@
 //! | check states | [`CollisionChecker::is_free`], [`CollisionChecker::check`], [`CollisionChecker::check_states`] |
 //! | sample and interpolate states | [`RobotModel::sample`], [`RobotModel::interpolate`], [`RobotModel::joint_group`] |
 //! | check motions | [`CollisionChecker::check_motion`], [`CollisionChecker::check_trajectory`] |
+//! | least distance along a motion | [`CollisionChecker::clearance_along`], [`CollisionChecker::event_distance`] |
 //! | check the edges of a planner | [`CollisionChecker::is_motion_free`], [`CollisionChecker::are_motions_free`] |
 //! | plan a path of proven motions | [`planner::plan`] |
 //! | decide which links can collide | [`collision_matrix::MatrixBuilder`] |
@@ -102,9 +103,9 @@ pub use clearance_verifier as verifier;
 pub use clearance_monitor as monitor;
 
 pub use clearance_checker::{
-    CollisionChecker, CollisionReport, Contact, LookAhead, MotionOptions, MotionOrder, MotionReport,
-    MotionVerdict, PairDistance, Question, SettingsError, TrajectoryReport, UndecidedPair, UndecidedReason,
-    Workspace,
+    CollisionChecker, CollisionReport, Contact, LeastClearance, LookAhead, MotionClearance,
+    MotionClearanceOptions, MotionOptions, MotionOrder, MotionReport, MotionVerdict, NearestMoment,
+    PairDistance, Question, SettingsError, TrajectoryReport, UndecidedPair, UndecidedReason, Workspace,
 };
 pub use clearance_geometry::{Primitive, Shape};
 pub use clearance_motion::{Certificate, MotionSegment, Trajectory, TrajectoryPoint};

@@ -25,6 +25,7 @@ mod matrix_verification;
 mod model_args;
 mod motion;
 mod motion_args;
+mod motion_clearance;
 #[cfg(feature = "ros")]
 mod node;
 mod plan;

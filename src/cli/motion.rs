@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use clearance::checker::{CollisionChecker, MotionOptions, MotionOrder, MotionVerdict, TrajectoryReport};
+use clearance::checker::{
+    CollisionChecker, MotionClearanceOptions, MotionOptions, MotionOrder, MotionVerdict, TrajectoryReport,
+};
 use clearance::motion::{ContinuousTurn, MotionSegment, Trajectory};
 use clearance::robot::{Configuration, RobotModel};
 use clearance::scene::BodyId;
@@ -17,6 +19,7 @@ use super::exit_status::ExitStatus;
 use super::failure::Failure;
 use super::model_args::{ModelArgs, WorldArgs};
 use super::motion_args::MotionInputArgs;
+use super::motion_clearance::ClearanceResult;
 use super::progress::Progress;
 use super::run_args::{Format, RunArgs, Stats, internal, positive, print_line};
 use super::summary::Summary;
@@ -49,6 +52,20 @@ pub struct MotionArgs {
     /// Write a certificate (proof that the motion is free) to this file, as JSON; check it with `clearance verify`
     #[arg(long, value_name = "FILE")]
     certificate: Option<PathBuf>,
+
+    /// Report proven bounds on the least distance along each motion, of the robot from itself and from the world
+    #[arg(long)]
+    clearance: bool,
+
+    /// Distance in metres that pairs have to keep, besides their paddings: find the first time at which a pair is nearer
+    #[arg(
+        long,
+        value_name = "M",
+        default_value_t = 0.0,
+        allow_negative_numbers = true,
+        conflicts_with = "certificate"
+    )]
+    margin: f64,
 
     /// Report bounding volumes of the region that each link sweeps, in this many intervals (with --format json)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
@@ -103,6 +120,8 @@ struct MotionResult {
     turns: Vec<TurnResult>,
     #[serde(skip_serializing_if = "Option::is_none")]
     swept_volumes: Option<Vec<SweptVolumeResult>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    clearance: Option<ClearanceResult>,
     #[serde(skip)]
     reason_text: String,
 }
@@ -170,8 +189,10 @@ pub fn run(args: &MotionArgs) -> Result<ExitStatus, Failure> {
             MotionResult {
                 turns,
                 swept_volumes: swept,
+                clearance: args.clearance(&checker, trajectory),
                 ..MotionResult::new(report, trajectory, &checker, is_trajectory)
             }
+            .with_margin(args.margin)
         },
     );
     let output = MotionOutput {
@@ -194,11 +215,18 @@ pub fn run(args: &MotionArgs) -> Result<ExitStatus, Failure> {
 impl MotionArgs {
     fn options(&self) -> Result<MotionOptions, Failure> {
         self.deadline.map(|s| positive("--deadline", s)).transpose()?;
+        if !(self.margin >= 0.0 && self.margin.is_finite()) {
+            let margin = self.margin;
+            return Err(Failure::Input(format!(
+                "--margin is {margin}, but must be a finite number of metres, zero or more"
+            )));
+        }
         if self.swept_volumes.is_some() && self.run.format == Format::Text {
             return Err(Failure::Input("--swept-volumes needs --format json".to_owned()));
         }
         Ok(MotionOptions {
             tolerance: positive("--tolerance", self.tolerance)?,
+            margin: self.margin,
             order: match self.order {
                 Order::Earliest => MotionOrder::Earliest,
                 Order::Any => MotionOrder::Any,
@@ -207,10 +235,23 @@ impl MotionArgs {
         })
     }
 
+    /// The least distances along a motion, if they are wanted.
+    fn clearance(&self, checker: &CollisionChecker, trajectory: &Trajectory) -> Option<ClearanceResult> {
+        let options =
+            || MotionClearanceOptions { deadline: self.ends_at(), ..MotionClearanceOptions::default() };
+        let is_trajectory = self.motion.is_trajectory();
+        self.clearance.then(|| ClearanceResult::along(checker, trajectory, &options(), is_trajectory))
+    }
+
+    /// The deadline of a check that starts now.
+    fn ends_at(&self) -> Option<Instant> {
+        let span = self.deadline.and_then(|s| Duration::try_from_secs_f64(s).ok());
+        span.and_then(|span| Instant::now().checked_add(span))
+    }
+
     /// Options for a check that starts now.
     fn starting_now(&self, options: &MotionOptions) -> MotionOptions {
-        let span = self.deadline.and_then(|s| Duration::try_from_secs_f64(s).ok());
-        MotionOptions { deadline: span.and_then(|span| Instant::now().checked_add(span)), ..options.clone() }
+        MotionOptions { deadline: self.ends_at(), ..options.clone() }
     }
 }
 
@@ -343,6 +384,7 @@ impl MotionResult {
             time: report.time,
             turns: Vec::new(),
             swept_volumes: None,
+            clearance: None,
             reason_text: String::new(),
         };
         match report.verdict {
@@ -361,13 +403,25 @@ impl MotionResult {
         output
     }
 
+    /// With a margin, a pair within it need not touch.
+    fn with_margin(mut self, margin: f64) -> Self {
+        if margin > 0.0 && self.verdict == "contact" {
+            self.verdict = "within_margin";
+        }
+        self
+    }
+
     fn text(&self) -> String {
-        let verdict =
-            if self.verdict == "free" { "free, proven".to_owned() } else { self.verdict.to_uppercase() };
+        let verdict = if self.verdict == "free" {
+            "free, proven".to_owned()
+        } else {
+            self.verdict.to_uppercase().replace('_', " ")
+        };
         let pair = self.pair.as_ref().map_or_else(String::new, |[a, b]| format!(": {a} – {b}"));
         let when = self.t.map_or_else(String::new, |[lo, hi]| match self.verdict {
             // with the order "any", nothing before the contact is checked
             "contact" if lo == 0.0 && hi > 0.0 => format!(", colliding at t = {hi:.6}"),
+            "within_margin" => format!(", farther until t = {lo:.6}, within the margin at t = {hi:.6}"),
             "contact" => format!(", free until t = {lo:.6}, colliding at t = {hi:.6}"),
             _ => format!(", open from t = {lo:.6} to {hi:.6}: {}", self.reason_text),
         });
@@ -376,7 +430,8 @@ impl MotionResult {
         let turn = |TurnResult { joint, from, to }: &TurnResult| format!("{joint} from {from} to {to}");
         let turns: Vec<String> = self.turns.iter().map(turn).collect();
         let turns = if turns.is_empty() { String::new() } else { format!("; turning {}", turns.join(", ")) };
-        [verdict, pair, when, segment, time, turns].concat()
+        let clearance = self.clearance.as_ref().map_or_else(String::new, ClearanceResult::text);
+        [verdict, pair, when, segment, time, turns, clearance].concat()
     }
 }
 

@@ -470,3 +470,23 @@ fn bench_reports_costs_of_checks_and_compares_broad_phases() {
     let bad = clearance(&[&["bench"], &ARM[..], &["--obstacles", "0"]].concat());
     assert_bad_input(&bad, &["--obstacles", "0"]);
 }
+
+const BENT_ARM: [&str; 4] = ["--from", "joint4=-1.6", "--to", "joint4=-2.2"];
+
+/// The least distance of a motion is bounded, and the motion reaches no margin below the lower bound.
+#[test]
+fn motions_have_least_distances_and_margins() {
+    let motion = |more: &[&str]| clearance(&[&["motion"], &ARM[..], &BENT_ARM, more].concat());
+    let found = json(&motion(&["--clearance", "--format", "json"]));
+    let least = &found["results"][0]["clearance"];
+    let [lower, upper] = ["lower", "upper"].map(|bound| least["self"][bound].as_f64().unwrap());
+    assert!(0.0 < lower && lower <= upper && upper - lower < 1.001e-3, "{least}");
+    assert!(least["world"].is_null() && least.get("reason").is_none(), "{least}");
+    let verdict = |margin: f64| {
+        let output = motion(&["--margin", &margin.to_string(), "--format", "json"]);
+        json(&output)["results"][0]["verdict"].as_str().unwrap().to_owned()
+    };
+    assert_eq!(verdict(lower - 1e-3), "free");
+    assert_eq!(verdict(upper + 1e-3), "within_margin");
+    assert_bad_input(&motion(&["--margin", "-1"]), &["--margin", "-1"]);
+}

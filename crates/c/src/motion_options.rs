@@ -86,7 +86,7 @@ impl ReadOptions {
         let order = if given.any_contact == 0 { MotionOrder::Earliest } else { MotionOrder::Any };
         let deadline = deadline(timeout)?;
         Ok(Self {
-            options: MotionOptions { tolerance, order, deadline, budget, watch: None },
+            options: MotionOptions { tolerance, order, deadline, budget, ..MotionOptions::default() },
             tube: tube_of(arguments, tube, tube_count, space)?,
             certificate: given.certificate != 0,
             threads: given.threads,

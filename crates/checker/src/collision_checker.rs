@@ -451,7 +451,8 @@ impl CollisionChecker {
         workspace: &mut Workspace,
     ) -> Vec<SweptVolume> {
         workspace.adapt(self.identity, &self.pairs);
-        motion::swept_volumes(CheckedMotion { pairs: &self.pairs, segment }, intervals, workspace.motion())
+        let motion = CheckedMotion { pairs: &self.pairs, segment, margin: 0.0 };
+        motion::swept_volumes(motion, intervals, workspace.motion())
     }
 
     /// The boxes around links and their attached objects, at a given depth below the roots of their hierarchies

@@ -14,6 +14,8 @@
 //! | is a motion free? | [`CollisionChecker::is_motion_free`] |
 //! | the same for many motions | [`CollisionChecker::are_motions_free`] |
 //! | where does it collide? | [`CollisionChecker::check_motion`], [`CollisionChecker::check_trajectory`] |
+//! | how near do bodies come along a motion? | [`CollisionChecker::clearance_along`] |
+//! | when does a distance first fall below a value? | [`CollisionChecker::event_distance`] |
 //! | the same, with a certificate | [`CollisionChecker::certify_motion`], [`CollisionChecker::certify_trajectory`] |
 //! | for how long can nothing touch? | [`CollisionChecker::look_ahead`] |
 
@@ -23,6 +25,7 @@
 
 mod capsules;
 mod clearance;
+mod clearance_along;
 mod collision_checker;
 mod collision_report;
 mod free_motions;
@@ -44,8 +47,8 @@ pub use clearance::{Clearance, ClearanceCandidate, ClearanceOptions, PairClearan
 pub use collision_checker::CollisionChecker;
 pub use collision_report::{CollisionReport, PairDistance, Question, UndecidedPair};
 pub use motion::{
-    LookAhead, MotionOptions, MotionOrder, MotionReport, MotionVerdict, SweptVolume, TrajectoryReport,
-    UndecidedReason, Watch,
+    LeastClearance, LookAhead, MotionClearance, MotionClearanceOptions, MotionOptions, MotionOrder,
+    MotionReport, MotionVerdict, NearestMoment, SweptVolume, TrajectoryReport, UndecidedReason, Watch,
 };
 pub use pair_kind::PairKind;
 pub use recovery::{

@@ -167,6 +167,8 @@ impl Workspace {
             obstacles: &mut self.obstacles,
             scratch: &mut self.scratch,
             motion: &mut self.motion,
+            candidates: &mut self.candidates,
+            distance: &mut self.distance,
         }
     }
 

@@ -54,6 +54,7 @@ impl MotionSettings {
             deadline: self.deadline,
             budget: self.budget,
             watch: Some(watch.clone()),
+            ..MotionOptions::default()
         }
     }
 }

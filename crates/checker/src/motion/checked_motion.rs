@@ -13,6 +13,8 @@ use crate::pairs::{CheckedPairs, PairBodies, PosedPair};
 pub struct CheckedMotion<'c> {
     pub pairs: &'c CheckedPairs,
     pub segment: &'c MotionSegment,
+    /// Distance (m) that the pairs have to keep, besides their paddings.
+    pub margin: f64,
 }
 
 /// Scratch memory for the poses of one pair at one time.
@@ -38,10 +40,11 @@ impl<'c> CheckedMotion<'c> {
             && self.segment.obstacles().iter().all(|mover| known(&mover.name))
     }
 
-    /// A pair at t.
+    /// A pair at t; its padding includes the margin.
     pub fn placed_pair(&self, index: usize, t: f64, poses: &mut PoseScratch) -> PlacedPair<'c> {
-        let Self { pairs, segment } = *self;
-        let (info, path) = (pairs.info(index), pairs.path_between(index));
+        let Self { pairs, segment, margin } = *self;
+        let (mut info, path) = (pairs.info(index), pairs.path_between(index));
+        info.padding += margin;
         let PoseScratch { frames, positions, level } = poses;
         segment.positions_at(t, positions);
         dispatch!(*level, simd => pairs.robot().chain().frames_between(simd, &path, positions, frames));

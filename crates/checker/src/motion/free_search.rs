@@ -56,7 +56,7 @@ impl<'p, 'a, 'w> FreeSearch<'p, 'a, 'w> {
             self.memory.intervals.extend(motion.pairs.numbers().map(whole));
             return self.evaluate_intervals();
         }
-        match Intervals::of(self.prover) {
+        match Intervals::of(&mut self.prover.level_zero()) {
             Intervals::Whole => {
                 self.prover.level_zero().screen_whole();
                 self.memory.intervals.extend(self.prover.near().iter().map(|near| whole(near.pair)));
@@ -64,8 +64,8 @@ impl<'p, 'a, 'w> FreeSearch<'p, 'a, 'w> {
             }
             // most motions that collide do so at their end
             Intervals::Blocks(blocks) => (0..blocks).rev().all(|block| {
-                let ends = screen_block(self.prover, block, blocks);
-                self.memory.intervals.extend(open_runs(self.prover, &ends));
+                let ends = screen_block(&mut self.prover.level_zero(), block, blocks);
+                self.memory.intervals.extend(open_runs(self.prover.near(), &ends));
                 self.search_open_intervals()
             }),
         }

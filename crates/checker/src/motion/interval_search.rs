@@ -39,7 +39,7 @@ impl<'p, 'a, 'w> IntervalSearch<'p, 'a, 'w> {
         if segment.widens() {
             return self.search_widening();
         }
-        let intervals = Intervals::of(self.prover);
+        let intervals = Intervals::of(&mut self.prover.level_zero());
         match (self.prover.options().order, intervals) {
             (MotionOrder::Earliest, Intervals::Whole) => self.search_short(),
             (MotionOrder::Earliest, Intervals::Blocks(blocks)) => self.search_earliest(blocks),
@@ -92,7 +92,7 @@ impl<'p, 'a, 'w> IntervalSearch<'p, 'a, 'w> {
     /// open, the pair is searched in the whole run: a pair that is always near often moves little.
     fn search_earliest(&mut self, blocks: usize) {
         for block in 0..blocks {
-            let ends = screen_block(self.prover, block, blocks);
+            let ends = screen_block(&mut self.prover.level_zero(), block, blocks);
             for lane in 0..LANES {
                 self.prover.set_searched_until(ends[lane]);
                 if ends[lane] >= self.prover.cutoff() || self.prover.is_stopped() {
@@ -117,8 +117,8 @@ impl<'p, 'a, 'w> IntervalSearch<'p, 'a, 'w> {
         }
         let mut queue = VecDeque::new();
         for block in 0..blocks {
-            let ends = screen_block(self.prover, block, blocks);
-            queue.extend(open_runs(self.prover, &ends));
+            let ends = screen_block(&mut self.prover.level_zero(), block, blocks);
+            queue.extend(open_runs(self.prover.near(), &ends));
         }
         while let Some(interval) = queue.pop_front() {
             self.prover.evaluate_interval(interval);

@@ -16,6 +16,12 @@ use crate::robot::set_bits;
 use crate::state::EightStates;
 use crate::world::{BroadPhaseScratch, EightStatesQuery, WorldPair};
 
+/// Margins (m) beyond this one are as good as none: their square is a number in f32.
+const LARGEST_MARGIN: f64 = 1e9;
+
+/// Share of a margin that covers the rounding of distances of this size in f32.
+const MARGIN_SLACK: f64 = 1e-6;
+
 /// Scratch memory of level 0.
 #[derive(Clone, Debug, Default)]
 pub struct LevelZeroScratch {
@@ -82,6 +88,8 @@ impl Deviations for WithTolerance<'_> {
 /// Level 0 of a motion, with the memory that it uses.
 pub struct LevelZero<'w> {
     pub motion: CheckedMotion<'w>,
+    /// Distances (m) up to which self pairs and world pairs matter, besides their paddings.
+    pub margins: [f64; 2],
     pub robot: &'w mut PlacedRobot,
     pub broad_phase: &'w mut BroadPhaseScratch,
     pub scratch: &'w mut Scratch,
@@ -120,7 +128,7 @@ impl MotionBounds {
 impl LevelZero<'_> {
     /// Computes the bounds on the decrease of distances, which the other methods use.
     pub fn bound_motion(&mut self) {
-        let CheckedMotion { pairs, segment } = self.motion;
+        let CheckedMotion { pairs, segment, .. } = self.motion;
         let LevelZeroScratch { path_values, motion: MotionBounds { speeds, tolerances }, .. } =
             &mut *self.memory;
         let self_pairs = pairs.self_pairs().count();
@@ -141,10 +149,10 @@ impl LevelZero<'_> {
 
     /// The pairs that capsules do not prove apart in eight intervals of this half width around `middles`.
     pub fn screen_intervals(&mut self, middles: [f64; LANES], half_width: f64) {
-        let CheckedMotion { pairs, segment } = self.motion;
+        let CheckedMotion { pairs, segment, .. } = self.motion;
         let LevelZeroScratch { positions, columns, near, motion, .. } = &mut *self.memory;
         let motion = motion.within(half_width);
-        let padding = padding_with_slack(pairs);
+        let padding = padding_with_slack(pairs, self.margins[0]);
         let self_pairs = pairs.self_pairs().count();
         near.clear();
         columns.resize(positions.len(), [0.0; LANES]);
@@ -169,6 +177,7 @@ impl LevelZero<'_> {
             near.extend(of_parts.map(|(pair, intervals)| NearPair { pair, intervals: *intervals }));
             ObstacleScreen {
                 motion: self.motion,
+                margin: self.margins[1],
                 broad_phase: self.broad_phase,
                 scratch: self.scratch,
                 near,
@@ -181,11 +190,11 @@ impl LevelZero<'_> {
     /// The pairs that capsules do not prove apart in the whole motion, from its middle alone; reported as the first
     /// interval.
     pub fn screen_whole(&mut self) {
-        let CheckedMotion { pairs, segment } = self.motion;
+        let CheckedMotion { pairs, segment, .. } = self.motion;
         let LevelZeroScratch { positions, near, motion, .. } = &mut *self.memory;
         segment.positions_at(0.5, positions);
         let motion = motion.within(0.5);
-        let padding = padding_with_slack(pairs);
+        let padding = padding_with_slack(pairs, self.margins[0]);
         let self_pairs = pairs.self_pairs().count();
         // an incomplete group repeats its last pair
         let last = self_pairs.saturating_sub(1);
@@ -198,6 +207,7 @@ impl LevelZero<'_> {
         near.extend(set_bits(robot.near()).map(|pair| NearPair { pair, intervals: 1 }));
         ObstacleScreen {
             motion: self.motion,
+            margin: self.margins[1],
             broad_phase: self.broad_phase,
             scratch: self.scratch,
             near,
@@ -208,7 +218,7 @@ impl LevelZero<'_> {
 
     /// The pairs that capsules do not prove apart in an interval of a widening motion; reported as the first interval.
     pub fn screen_widening(&mut self, [from, to]: [f64; 2]) {
-        let CheckedMotion { pairs, segment } = self.motion;
+        let CheckedMotion { pairs, segment, .. } = self.motion;
         let LevelZeroScratch { positions, near, .. } = &mut *self.memory;
         near.clear();
         near.extend((0..pairs.self_pairs().count()).map(|pair| NearPair { pair, intervals: 1 }));
@@ -227,6 +237,7 @@ impl LevelZero<'_> {
         };
         ObstacleScreen {
             motion: self.motion,
+            margin: self.margins[1],
             broad_phase: self.broad_phase,
             scratch: self.scratch,
             near,
@@ -239,6 +250,8 @@ impl LevelZero<'_> {
 /// Level 0 for pairs with obstacles.
 struct ObstacleScreen<'w> {
     motion: CheckedMotion<'w>,
+    /// Distance (m) up to which obstacles matter, besides paddings.
+    margin: f64,
     broad_phase: &'w mut BroadPhaseScratch,
     scratch: &'w mut Scratch,
     near: &'w mut Vec<NearPair>,
@@ -250,7 +263,8 @@ impl ObstacleScreen<'_> {
     /// Adds the pairs that are not proven apart; `frame` gives the pose of a chain body in the middle of an interval,
     /// and `motion` the maximum motion (m) of a part towards either end.
     fn run(self, frame: impl Fn(usize, usize) -> Frame<f64>, motion: impl Fn(usize) -> f32) {
-        let Self { motion: CheckedMotion { pairs, .. }, broad_phase, scratch, near, intervals: mask } = self;
+        let Self { motion: CheckedMotion { pairs, .. }, margin, broad_phase, scratch, near, intervals: mask } =
+            self;
         let world = pairs.world();
         if world.is_empty() {
             return;
@@ -259,7 +273,7 @@ impl ObstacleScreen<'_> {
         for (part, robot_body) in pairs.robot().parts().iter().enumerate() {
             let capsules: [_; LANES] =
                 std::array::from_fn(|lane| robot_body.padded_capsule(&frame(robot_body.chain_body(), lane)));
-            let limit = round_up(f64::from(motion(part)) + CONTACT_DISTANCE + MOTION_SLACK);
+            let limit = round_up(f64::from(motion(part)) + with_slack(margin));
             let query = EightStatesQuery { part, capsules: &capsules, limit };
             world.for_each_near_in_eight_states(query, broad_phase, scratch, |place, intervals| {
                 if !movers.contains(&place) && intervals & mask != 0 {
@@ -292,9 +306,14 @@ impl ObstacleScreen<'_> {
     }
 }
 
-/// The largest padding (m) of any self pair, rounded up.
-fn padding_with_slack(pairs: &CheckedPairs) -> f32 {
-    round_up(pairs.self_pairs().largest_padding() + CONTACT_DISTANCE + MOTION_SLACK)
+/// The largest padding (m) of any self pair and a margin (m), rounded up.
+fn padding_with_slack(pairs: &CheckedPairs, margin: f64) -> f32 {
+    round_up(pairs.self_pairs().largest_padding() + with_slack(margin))
+}
+
+/// A margin (m) with the slack of contacts and of the rounding of the margin itself.
+fn with_slack(margin: f64) -> f64 {
+    margin.lesser(LARGEST_MARGIN) * (1.0 + MARGIN_SLACK) + CONTACT_DISTANCE + MOTION_SLACK
 }
 
 /// By self pair: the sum of the values along its kinematic path; then by part: the sum along its path to the root. All

@@ -4,8 +4,8 @@ use clearance_geometry::math::Extremes;
 use clearance_geometry::simd::LANES;
 use clearance_motion::MotionSegment;
 
+use super::level_zero::{LevelZero, NearPair};
 use super::motion_scratch::PairInterval;
-use super::prover::Prover;
 
 /// Target motion (m) within one interval at level 0.
 const LEVEL_ZERO_MOTION: f32 = 0.1;
@@ -29,10 +29,10 @@ pub enum Intervals {
 }
 
 impl Intervals {
-    /// The intervals of the prover's motion; its level 0 then has the bounds on the motion in them.
-    pub fn of(prover: &mut Prover) -> Self {
-        prover.level_zero().bound_motion();
-        let fastest = prover.level_zero().memory.fastest();
+    /// The intervals of a motion; level 0 then has the bounds on the motion in them.
+    pub fn of(level_zero: &mut LevelZero) -> Self {
+        level_zero.bound_motion();
+        let fastest = level_zero.memory.fastest();
         if 0.5 * fastest <= SHORT_MOTION { Self::Whole } else { Self::Blocks(blocks(fastest)) }
     }
 
@@ -51,25 +51,25 @@ pub fn is_beyond_level_zero(segment: &MotionSegment) -> bool {
 }
 
 /// Level 0 of a block; returns the ends of its eight intervals.
-pub fn screen_block(prover: &mut Prover, block: usize, blocks: usize) -> [f64; LANES + 1] {
+pub fn screen_block(level_zero: &mut LevelZero, block: usize, blocks: usize) -> [f64; LANES + 1] {
     #[allow(clippy::cast_precision_loss)] // small numbers
     let end = |i: usize| (block * LANES + i) as f64 / (blocks * LANES) as f64;
     let ends = std::array::from_fn(end);
     let middles = std::array::from_fn(|lane| 0.5 * (end(lane) + end(lane + 1)));
     #[allow(clippy::cast_precision_loss)]
     let half_width = 0.5 / (blocks * LANES) as f64;
-    prover.level_zero().screen_intervals(middles, half_width);
+    level_zero.screen_intervals(middles, half_width);
     ends
 }
 
 /// The runs of a block's intervals in which level 0 leaves pairs open. A pair that is always near often moves little:
 /// its whole run is searched as one interval.
 pub fn open_runs<'p>(
-    prover: &'p Prover,
+    near: &'p [NearPair],
     ends: &'p [f64; LANES + 1],
 ) -> impl Iterator<Item = PairInterval> + 'p {
     (0..LANES).flat_map(move |lane| {
-        prover.near().iter().filter_map(move |near| {
+        near.iter().filter_map(move |near| {
             let end = run_from(near.intervals, lane)?;
             Some(PairInterval { pair: near.pair, from: ends[lane], to: ends[end] })
         })

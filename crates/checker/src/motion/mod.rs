@@ -18,6 +18,10 @@
 //! | check of one motion | `motion_check` |
 //! | options and result of the check | `motion_report` |
 //! | check of a trajectory, segment by segment | `trajectory_check` |
+//! | least distance along a motion or trajectory | `clearance_along` |
+//! | branch and bound of the least distance | `clearance_search` |
+//! | bounds on the least distance, so far | `least_bounds` |
+//! | options and result of the least distance | `motion_clearance` |
 //! | certificates of free motions | `certification` |
 //! | progress of a check, and its cancellation | `watch` |
 //! | volumes around a motion | `swept_volume` |
@@ -25,13 +29,17 @@
 
 mod certification;
 mod checked_motion;
+mod clearance_along;
+mod clearance_search;
 mod free_search;
 mod interval_midpoint;
 mod interval_search;
+mod least_bounds;
 mod level_zero;
 mod level_zero_intervals;
 mod look_ahead;
 mod motion_check;
+mod motion_clearance;
 mod motion_report;
 mod motion_scratch;
 mod probe_credits;
@@ -42,8 +50,10 @@ mod watch;
 
 pub use certification::{CertificateConstants, CertificateSubject, prove_motion, prove_trajectory};
 pub use checked_motion::CheckedMotion;
+pub use clearance_along::ClearanceAlong;
 pub use look_ahead::{LookAhead, MovingState, look_ahead};
 pub use motion_check::MotionCheck;
+pub use motion_clearance::{LeastClearance, MotionClearance, MotionClearanceOptions, NearestMoment};
 pub use motion_report::{MotionOptions, MotionOrder, MotionReport, MotionVerdict, UndecidedReason};
 pub use motion_scratch::{MotionScratch, MotionWorkspace};
 pub use swept_volume::{SweptVolume, swept_volumes};

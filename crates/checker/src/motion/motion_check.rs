@@ -40,7 +40,7 @@ impl<'a> MotionCheck<'a> {
             return self.prove(segment, false).0.is_free();
         }
         self.workspace.scratch.work = Work::default();
-        let motion = CheckedMotion { pairs: self.pairs, segment };
+        let motion = CheckedMotion { pairs: self.pairs, segment, margin: self.options.kept_margin() };
         let mut memory = std::mem::take(&mut self.workspace.motion.free_search);
         let mut prover = Prover::new(motion, self.options, &mut self.workspace, false);
         let is_free = motion.is_valid() && FreeSearch::new(&mut prover, &mut memory).run();
@@ -74,7 +74,7 @@ impl<'a> MotionCheck<'a> {
     /// Checks a motion with its tracking tolerance; returns all proofs if they are to be kept.
     pub fn prove(&mut self, segment: &MotionSegment, keep_proofs: bool) -> (MotionReport, Vec<Proof>) {
         self.workspace.scratch.work = Work::default();
-        let motion = CheckedMotion { pairs: self.pairs, segment };
+        let motion = CheckedMotion { pairs: self.pairs, segment, margin: self.options.kept_margin() };
         if !motion.is_valid() {
             // it would otherwise be checked at rest, and might wrongly be free
             return (MotionReport::not_evaluated(UndecidedReason::Mismatch), Vec::new());

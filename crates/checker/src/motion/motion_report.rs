@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use clearance_geometry::math::Point;
+use clearance_geometry::math::{Extremes, Point};
 use clearance_proximity::Work;
 
 use super::watch::Watch;
@@ -14,6 +14,9 @@ pub struct MotionOptions {
     /// An interval in which no body moves more than this (m) may stay undecided: pairs that stay farther apart than
     /// this are always decided.
     pub tolerance: f64,
+    /// Distance (m) that pairs must keep, besides their paddings: a pair that is not farther apart counts as touching.
+    /// Numbers below zero count as zero.
+    pub margin: f64,
     /// Which contact the check searches for.
     pub order: MotionOrder,
     /// Time at which the check stops with its results so far.
@@ -35,20 +38,31 @@ pub enum MotionOrder {
 }
 
 impl MotionOptions {
+    /// The margin (m) that is checked: with NaN, nothing is free.
+    pub(crate) fn kept_margin(&self) -> f64 {
+        if self.margin.is_nan() { f64::INFINITY } else { self.margin.greater(0.0) }
+    }
+
     /// The reason to stop now, if the watching thread has stopped the check or the deadline has passed.
     pub(crate) fn stopped_by(&self) -> Option<UndecidedReason> {
-        if self.watch.as_ref().is_some_and(Watch::is_stopped) {
-            return Some(UndecidedReason::Canceled);
-        }
-        let is_over = self.deadline.is_some_and(|deadline| Instant::now() >= deadline);
-        is_over.then_some(UndecidedReason::Deadline)
+        is_over(self.watch.as_ref(), self.deadline)
     }
+}
+
+/// The reason to stop now, if the watching thread has stopped the check or the deadline has passed.
+pub fn is_over(watch: Option<&Watch>, deadline: Option<Instant>) -> Option<UndecidedReason> {
+    if watch.is_some_and(Watch::is_stopped) {
+        return Some(UndecidedReason::Canceled);
+    }
+    let has_passed = deadline.is_some_and(|deadline| Instant::now() >= deadline);
+    has_passed.then_some(UndecidedReason::Deadline)
 }
 
 impl Default for MotionOptions {
     fn default() -> Self {
         Self {
             tolerance: 5e-4,
+            margin: 0.0,
             order: MotionOrder::Earliest,
             deadline: None,
             budget: 10_000_000,

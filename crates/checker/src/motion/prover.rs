@@ -137,7 +137,15 @@ impl<'a, 'w> Prover<'a, 'w> {
     pub fn level_zero(&mut self) -> LevelZero<'_> {
         let MotionWorkspace { robot, obstacles, scratch, motion, .. } = &mut *self.workspace;
         let broad_phase = &mut obstacles.broad_phase;
-        LevelZero { motion: self.motion, robot, broad_phase, scratch, memory: &mut motion.level_zero }
+        let margins = [self.motion.margin; 2];
+        LevelZero {
+            motion: self.motion,
+            margins,
+            robot,
+            broad_phase,
+            scratch,
+            memory: &mut motion.level_zero,
+        }
     }
 
     /// Pairs that level 0 left open.
@@ -217,11 +225,11 @@ impl<'a, 'w> Prover<'a, 'w> {
     /// True if any pair touches at t, as in a query on that state; `None` if obstacles move. Overwrites the pairs that
     /// level 0 left open.
     pub fn collides_at(&mut self, t: f64) -> Option<bool> {
-        let CheckedMotion { pairs, segment } = self.motion;
+        let CheckedMotion { pairs, segment, .. } = self.motion;
         if !segment.obstacles().is_empty() {
             return None;
         }
-        let MotionWorkspace { robot, priority, obstacles, scratch, motion } = &mut *self.workspace;
+        let MotionWorkspace { robot, priority, obstacles, scratch, motion, .. } = &mut *self.workspace;
         segment.positions_at(t, &mut motion.positions);
         Some(ContactSearch { pairs, robot, priority, obstacles, scratch }.any_contact_at(&motion.positions))
     }
@@ -333,12 +341,14 @@ impl<'a, 'w> Prover<'a, 'w> {
         let midpoint = IntervalMidpoint::new(self.motion, interval.pair, [middle, half_width], &mut poses);
         scratch.work.volume_tests += 1;
         let IntervalMidpoint { pair, approach, lower } = &midpoint;
-        let padding = pair.info.padding;
+        // the padding includes the margin
+        let (padding, margin) = (pair.info.padding, self.motion.margin);
+        let without_padding = |distance: f64| (distance - padding + margin).greater(0.0);
         let (bound, motion) = (approach.within(1.0), approach.motion());
         if lower - padding > bound {
             return Evaluation::Proven { share: 1.0, lower: *lower, bound };
         }
-        let unknown = [(lower - padding).greater(0.0), f64::INFINITY];
+        let unknown = [without_padding(*lower), f64::INFINITY];
         if motion > WORTH_SEARCHING {
             if self.seeks_contacts
                 && *lower <= padding
@@ -361,7 +371,7 @@ impl<'a, 'w> Prover<'a, 'w> {
             let point = self.point_in_root(pair, &near.witness_points[0], middle);
             return Evaluation::Contact(point, motion);
         }
-        let distance = [(found.lower - padding).greater(0.0), near.distance - padding];
+        let distance = [without_padding(found.lower), near.distance - padding + margin];
         proven_by(&midpoint, found.lower).unwrap_or(Evaluation::Open { distance, motion })
     }
 
@@ -379,7 +389,7 @@ impl<'a, 'w> Prover<'a, 'w> {
 
     /// Transforms a point from the frame of a pair's first body to the root frame.
     fn point_in_root(&self, pair: &PosedPair, point: &Point, t: f64) -> Point {
-        let CheckedMotion { pairs, segment } = self.motion;
+        let CheckedMotion { pairs, segment, .. } = self.motion;
         pairs.robot().point_in_root(pair.info.bodies.0, point, &segment.at(t))
     }
 

@@ -27,7 +27,7 @@ pub struct SweptVolume {
 
 /// The swept volumes of all links and attached objects with geometry, in intervals of equal length.
 pub fn swept_volumes(
-    CheckedMotion { pairs, segment }: CheckedMotion,
+    CheckedMotion { pairs, segment, .. }: CheckedMotion,
     intervals: usize,
     MotionWorkspace { robot, scratch, .. }: MotionWorkspace,
 ) -> Vec<SweptVolume> {

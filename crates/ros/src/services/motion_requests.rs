@@ -124,7 +124,7 @@ pub fn options(
         order: if terms.any_contact { MotionOrder::Any } else { MotionOrder::Earliest },
         deadline: deadline(terms.timeout, default_timeout, started)?,
         budget: LOOKS,
-        watch: None,
+        ..standard
     })
 }
 

@@ -1,0 +1,295 @@
+//! Least distances along motions: bounds hold at dense samples and are within the tolerance.
+
+use std::sync::Arc;
+
+use clearance_geometry::testing::Random;
+use clearance_motion::{MotionSegment, MovingObstacle, Trajectory};
+use clearance_robot::{Configuration, RobotModel};
+use clearance_scene::World;
+
+use crate::random_scenes::{coordinate, robot, settings, world};
+use crate::{
+    CollisionChecker, LeastClearance, MotionClearance, MotionClearanceOptions, MotionOptions, MotionVerdict,
+    PairKind, Question, UndecidedReason, Workspace,
+};
+
+/// Error (m) of distances by rounding.
+const ROUNDING: f64 = 1e-8;
+
+const SAMPLES: u32 = 100;
+
+fn checker(random: &mut Random) -> CollisionChecker {
+    let (robot, world) = (Arc::new(robot(random)), world(random));
+    CollisionChecker::new(robot, &world, settings(random)).unwrap()
+}
+
+fn state(robot: &RobotModel, random: &mut Random) -> Configuration {
+    let positions: Vec<f64> = robot.position_names().iter().map(|_| coordinate(random, 1.0)).collect();
+    robot.configuration(&positions).unwrap()
+}
+
+fn moved(from: &Configuration, length: f64, robot: &RobotModel, random: &mut Random) -> Configuration {
+    let to: Vec<f64> = from.positions().iter().map(|q| q + random.within(length)).collect();
+    robot.configuration(&to).unwrap()
+}
+
+fn length(random: &mut Random) -> f64 {
+    [0.0, 0.01, 0.1, 0.5, 0.5, 3.0, 3.0, 2e4][random.below(8)]
+}
+
+/// A straight or curved motion.
+fn motion(robot: &RobotModel, random: &mut Random) -> MotionSegment {
+    let from = state(robot, random);
+    if random.below(5) == 0 {
+        let polynomial = |q: &f64| [*q, random.within(0.3), random.within(0.3), random.within(0.1), 0.0, 0.0];
+        return MotionSegment::polynomial(robot, from.positions().iter().map(polynomial).collect()).unwrap();
+    }
+    let length = length(random);
+    MotionSegment::straight(robot, &from, &moved(&from, length, robot, random))
+}
+
+fn options(random: &mut Random) -> MotionClearanceOptions {
+    let absolute_tolerance = [1e-3, 1e-2, 1e-4][random.below(3)];
+    MotionClearanceOptions { absolute_tolerance, budget: 100_000, ..MotionClearanceOptions::default() }
+}
+
+/// The least distances (m) of self pairs and of world pairs in a state.
+fn distances(checker: &CollisionChecker, q: &Configuration, workspace: &mut Workspace) -> [f64; 2] {
+    let report = checker.check(q, Question::SelfAndWorldDistance { limit: f64::INFINITY }, workspace);
+    PairKind::ALL.map(|kind| report.distance_of(kind))
+}
+
+fn by_kind(found: &MotionClearance) -> [Option<LeastClearance>; 2] {
+    PairKind::ALL.map(|kind| found.nearest_of(kind).copied())
+}
+
+/// The allowed difference of the bounds.
+fn allowed(options: &MotionClearanceOptions, upper: f64) -> f64 {
+    options.absolute_tolerance.max(options.relative_tolerance * upper) + ROUNDING
+}
+
+#[test]
+fn bounds_hold_at_dense_samples_and_are_within_the_tolerance() {
+    let mut random = Random::new(71);
+    let (mut finished, mut compared) = (0, 0);
+    for _ in 0..400 {
+        let checker = checker(&mut random);
+        let mut workspace = checker.workspace();
+        let (motion, options) = (motion(checker.robot(), &mut random), options(&mut random));
+        let found = checker.clearance_along(&motion, &options, &mut workspace);
+        finished += u32::from(found.unfinished.is_none());
+        let mut least = [f64::INFINITY; 2];
+        for i in 0..=SAMPLES {
+            let q = motion.at(f64::from(i) / f64::from(SAMPLES));
+            let sample = distances(&checker, &q, &mut workspace);
+            least = [0, 1].map(|kind| least[kind].min(sample[kind]));
+        }
+        for (kind, found_of_kind) in PairKind::ALL.into_iter().zip(by_kind(&found)) {
+            let Some(LeastClearance { lower, upper, nearest }) = found_of_kind else { continue };
+            let sampled = least[kind as usize];
+            assert!(lower <= upper && lower <= sampled + ROUNDING, "{lower} {sampled}");
+            if found.unfinished.is_none() {
+                compared += 1;
+                assert!(upper - lower <= allowed(&options, upper), "{lower} {upper}");
+                assert!(sampled >= upper - allowed(&options, upper), "{sampled} {upper}");
+            }
+            let Some(nearest) = nearest else { continue };
+            let there = distances(&checker, &motion.at(nearest.t), &mut workspace)[kind as usize];
+            assert!(there <= upper + ROUNDING && nearest.pair.distance == upper, "{there} {upper}");
+        }
+    }
+    assert!(finished > 380 && compared > 300, "{finished} {compared}");
+}
+
+#[test]
+fn a_motion_without_movement_has_the_distance_of_its_state() {
+    let mut random = Random::new(72);
+    for _ in 0..200 {
+        let checker = checker(&mut random);
+        let mut workspace = checker.workspace();
+        let q = state(checker.robot(), &mut random);
+        let motion = MotionSegment::straight(checker.robot(), &q, &q);
+        let found = checker.clearance_along(&motion, &MotionClearanceOptions::default(), &mut workspace);
+        let expected = distances(&checker, &q, &mut workspace);
+        for (least, expected) in by_kind(&found).into_iter().zip(expected) {
+            let Some(least) = least else { continue };
+            assert_eq!(least.upper, expected);
+        }
+        assert_eq!(found.unfinished, None);
+    }
+}
+
+/// The reverse motion, and the two halves of a motion, have the same least distances.
+#[test]
+fn bounds_of_reverse_and_divided_motions_agree() {
+    let mut random = Random::new(73);
+    let options = MotionClearanceOptions { budget: 100_000, ..MotionClearanceOptions::default() };
+    for _ in 0..200 {
+        let checker = checker(&mut random);
+        let (robot, mut workspace) = (checker.robot(), checker.workspace());
+        let from = state(robot, &mut random);
+        let to = moved(&from, length(&mut random).min(3.0), robot, &mut random);
+        let whole = MotionSegment::straight(robot, &from, &to);
+        let middle = whole.at(0.5);
+        let straight = |a: &Configuration, b: &Configuration| MotionSegment::straight(robot, a, b);
+        let mut along = |motion: &MotionSegment| checker.clearance_along(motion, &options, &mut workspace);
+        let (found, reverse) = (along(&whole), along(&straight(&to, &from)));
+        let halves = [straight(&from, &middle), straight(&middle, &to)];
+        let of_halves = halves.each_ref().map(&mut along);
+        let trajectory = Trajectory::of_segments(halves.to_vec()).unwrap();
+        let joined = checker.clearance_along_trajectory(&trajectory, &options, &mut workspace);
+        for kind in PairKind::ALL {
+            let Some(whole) = found.nearest_of(kind) else { continue };
+            let parts = of_halves.each_ref().map(|half| half.nearest_of(kind).unwrap());
+            let [lower, upper] = [parts[0].lower.min(parts[1].lower), parts[0].upper.min(parts[1].upper)];
+            let others = [
+                *reverse.nearest_of(kind).unwrap(),
+                *joined.nearest_of(kind).unwrap(),
+                LeastClearance { lower, upper, nearest: None },
+            ];
+            for other in others {
+                assert!(whole.lower <= other.upper + ROUNDING, "{whole:?} {other:?}");
+                assert!(other.lower <= whole.upper + ROUNDING, "{whole:?} {other:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_stopped_search_has_wider_bounds_and_a_reason() {
+    let mut random = Random::new(74);
+    let mut stopped = 0;
+    for _ in 0..200 {
+        let checker = checker(&mut random);
+        let mut workspace = checker.workspace();
+        let motion = motion(checker.robot(), &mut random);
+        let options =
+            MotionClearanceOptions { budget: random.below(6) as u64, ..MotionClearanceOptions::default() };
+        let found = checker.clearance_along(&motion, &options, &mut workspace);
+        let full = checker.clearance_along(&motion, &MotionClearanceOptions::default(), &mut workspace);
+        for (found, full) in by_kind(&found).into_iter().zip(by_kind(&full)) {
+            let (Some(found), Some(full)) = (found, full) else { continue };
+            assert!(found.lower <= full.upper && full.lower <= found.upper);
+        }
+        stopped += u32::from(found.unfinished == Some(UndecidedReason::Budget));
+    }
+    assert!(stopped > 50, "{stopped}");
+    let checker = checker(&mut random);
+    let over = MotionClearanceOptions {
+        deadline: Some(std::time::Instant::now()),
+        ..MotionClearanceOptions::default()
+    };
+    let motion = motion(checker.robot(), &mut random);
+    let found = checker.clearance_along(&motion, &over, &mut checker.workspace());
+    for least in by_kind(&found).into_iter().flatten() {
+        assert_eq!((least.lower, least.nearest), (0.0, None));
+        assert_eq!(found.unfinished, Some(UndecidedReason::Deadline));
+    }
+}
+
+/// With a tracking tolerance, the lower bound holds for states off the motion.
+#[test]
+fn lower_bounds_hold_within_tracking_tolerances_and_for_moving_obstacles() {
+    let mut random = Random::new(75);
+    for _ in 0..150 {
+        let checker = checker(&mut random);
+        let (robot, mut workspace) = (checker.robot(), checker.workspace());
+        let from = state(robot, &mut random);
+        let to = moved(&from, 0.5, robot, &mut random);
+        let tube: Vec<f64> = from.positions().iter().map(|_| random.within(0.01).abs()).collect();
+        let motion = MotionSegment::straight(robot, &from, &to).with_tube(robot, tube.clone()).unwrap();
+        let options = MotionClearanceOptions { budget: 100_000, ..MotionClearanceOptions::default() };
+        let found = checker.clearance_along(&motion, &options, &mut workspace);
+        for i in 0..=20 {
+            let centre = motion.at(f64::from(i) / 20.0);
+            let loose: Vec<f64> =
+                centre.positions().iter().zip(&tube).map(|(q, tube)| q + random.within(*tube)).collect();
+            let there = distances(&checker, &robot.configuration(&loose).unwrap(), &mut workspace);
+            for (least, there) in by_kind(&found).into_iter().zip(there) {
+                assert!(least.is_none_or(|least| least.lower <= there + ROUNDING));
+            }
+        }
+        moving_obstacle(&checker, &from, &to, &mut random);
+    }
+}
+
+/// Compares with the obstacle placed at its pose at dense times.
+fn moving_obstacle(
+    checker: &CollisionChecker,
+    from: &Configuration,
+    to: &Configuration,
+    random: &mut Random,
+) {
+    let Some(name) = checker.world().obstacles().next().map(|obstacle| obstacle.name.clone()) else { return };
+    let mover = MovingObstacle {
+        name: name.clone(),
+        linear: random.vector(0.4).into(),
+        angular: random.vector(0.4).into(),
+        centre: [0.0; 3],
+        start: None,
+    };
+    let motion = MotionSegment::straight(checker.robot(), from, to);
+    let motion = motion.with_obstacles(checker.world(), vec![mover]).unwrap();
+    let options = MotionClearanceOptions { budget: 20_000, ..MotionClearanceOptions::default() };
+    let found = checker.clearance_along(&motion, &options, &mut checker.workspace());
+    let mover = &motion.obstacles()[0];
+    for i in 0..=10 {
+        let t = f64::from(i) / 10.0;
+        let mut world = World::default();
+        for obstacle in checker.world().obstacles() {
+            let mut obstacle = obstacle.clone();
+            if obstacle.name == name {
+                obstacle.pose_ro = mover.displacement(t) * obstacle.pose_ro;
+            }
+            world.add(obstacle).unwrap();
+        }
+        for attached in checker.world().attached() {
+            world.attach((**attached).clone()).unwrap();
+        }
+        let there = checker.with_world(&world, checker.settings().clone(), None).unwrap();
+        let distances = distances(&there, &motion.at(t), &mut there.workspace());
+        for (least, distance) in by_kind(&found).into_iter().zip(distances) {
+            let Some(least) = least else { continue };
+            assert!(least.lower <= distance + ROUNDING, "{least:?} {distance}");
+            if found.unfinished.is_none() {
+                assert!(distance >= least.upper - allowed(&options, least.upper));
+            }
+        }
+    }
+}
+
+#[test]
+fn a_distance_is_first_reached_where_dense_samples_reach_it() {
+    let mut random = Random::new(76);
+    let mut counts = [0; 3];
+    for _ in 0..400 {
+        let checker = checker(&mut random);
+        let mut workspace = checker.workspace();
+        let motion = motion(checker.robot(), &mut random);
+        let distance = [0.0, 0.01, 0.1, 0.5][random.below(4)];
+        let options = MotionOptions { budget: 100_000, ..MotionOptions::default() };
+        let report = checker.event_distance(&motion, distance, &options, &mut workspace);
+        let mut least = |t: f64| {
+            distances(&checker, &motion.at(t), &mut workspace).into_iter().fold(f64::INFINITY, f64::min)
+        };
+        let free_until = match report.verdict {
+            MotionVerdict::Free => {
+                counts[0] += 1;
+                2.0
+            }
+            MotionVerdict::Contact { t: [before, at], .. } => {
+                counts[1] += 1;
+                assert!(least(at) <= distance + ROUNDING && before <= at);
+                before
+            }
+            MotionVerdict::Undecided { t: [before, _], .. } => {
+                counts[2] += 1;
+                before
+            }
+        };
+        for t in (0..=SAMPLES).map(|i| f64::from(i) / f64::from(SAMPLES)).filter(|t| *t < free_until) {
+            assert!(least(t) > distance - ROUNDING, "{t} {free_until}");
+        }
+    }
+    assert!(counts[0] > 50 && counts[1] > 50 && counts[2] < 40, "{counts:?}");
+}

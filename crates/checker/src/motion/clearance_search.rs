@@ -1,0 +1,332 @@
+//! Search for the least distance along a motion: branch and bound on intervals of single pairs.
+//!
+//! A pair's distance in an interval is at least its distance in the middle minus the bound on its motion. The least
+//! distance that was measured so far, minus the tolerance, is the *target*: where a lower bound exceeds the target, an
+//! interval is done. Other intervals are divided as in the proof that a motion is free, the one with the least lower
+//! bound first. The target only ever decreases, so that everything that was done before stays done.
+//!
+//! 1. One state is measured, and then its nearest pair along the whole motion: the target is then near the result.
+//! 2. Level 0 excludes the pairs whose capsules stay farther apart than the target.
+//! 3. The other pairs are searched in the intervals that level 0 left open.
+
+use clearance_geometry::constants::CONTACT_DISTANCE;
+use clearance_geometry::math::Extremes;
+use clearance_proximity::{DistanceBounds, Effort};
+
+use super::checked_motion::{CheckedMotion, PlacedPair, PoseScratch};
+use super::interval_midpoint::IntervalMidpoint;
+use super::least_bounds::{LeastBounds, NearestSoFar};
+use super::level_zero::LevelZero;
+use super::level_zero_intervals::{Intervals, is_beyond_level_zero, open_runs, screen_block};
+use super::motion_clearance::MotionClearanceOptions;
+use super::motion_report::UndecidedReason;
+use super::motion_scratch::{BoundedInterval, MotionWorkspace, PairInterval};
+use crate::collision_report::{CollisionReport, Question};
+use crate::pair_kind::PairKind;
+use crate::state::{PairEvaluation, QueriedState, StateQuery};
+
+/// Motion (m) within an interval above which the hierarchies are not searched, and its share of the target.
+const WORTH_SEARCHING: [f64; 2] = [0.04, 0.5];
+
+/// Tolerances of a distance: shares of the motion in the interval and of the tolerance of the result.
+const DISTANCE_TOLERANCE: [f64; 2] = [0.1, 0.1];
+
+/// Smallest fraction of an interval that becomes an interval of its own.
+const LEAST_SHARE: f64 = 0.15;
+
+/// An interval in which the pair moves less than this share of the tolerance cannot be refined: the rest of its bound comes
+/// from tracking tolerances or rounding.
+const LEAST_MOTION: f64 = 0.05;
+
+/// Number of evaluations between two reads of the clock.
+const EVALUATIONS_PER_CLOCK_READ: u64 = 16;
+
+/// Progress of a search over all segments of a trajectory.
+pub struct SearchProgress {
+    /// Of self pairs, and of world pairs.
+    pub least: [LeastBounds; 2],
+    pub evaluations: u64,
+    /// Why the search was stopped, or why parts could not be refined.
+    pub unfinished: Option<UndecidedReason>,
+    stopped: bool,
+}
+
+impl SearchProgress {
+    pub fn new() -> Self {
+        Self { least: [LeastBounds::new(); 2], evaluations: 0, unfinished: None, stopped: false }
+    }
+
+    /// Records that nothing is proven of what has not been searched.
+    pub fn stop(&mut self, reason: UndecidedReason) {
+        self.stopped = true;
+        self.unfinished = Some(reason);
+        self.least.iter_mut().for_each(|least| least.prove(0.0));
+    }
+
+    pub fn is_stopped(&self) -> bool {
+        self.stopped
+    }
+}
+
+/// Search along one segment.
+pub struct ClearanceSearch<'p, 'a, 'w> {
+    pub motion: CheckedMotion<'a>,
+    pub options: &'a MotionClearanceOptions,
+    pub workspace: &'p mut MotionWorkspace<'w>,
+    pub progress: &'p mut SearchProgress,
+    /// Index of the segment.
+    pub segment: usize,
+}
+
+impl ClearanceSearch<'_, '_, '_> {
+    /// Searches the whole segment.
+    pub fn run(&mut self) {
+        self.workspace.motion.positions.resize(self.motion.segment.position_count(), 0.0);
+        self.workspace.motion.level_zero.resize(self.motion.segment.position_count());
+        self.workspace.motion.queue.clear();
+        let first = self.measure_middle();
+        for index in first.into_iter().flatten() {
+            self.push(0.0, PairInterval { pair: index, from: 0.0, to: 1.0 });
+        }
+        self.search_queue();
+        self.search_others(first);
+        if self.progress.stopped {
+            self.progress.least.iter_mut().for_each(|least| least.prove(0.0));
+        }
+        self.measure_nearest();
+    }
+
+    /// Measures the state in the middle; returns the nearest pairs, by kind.
+    fn measure_middle(&mut self) -> [Option<usize>; 2] {
+        if let Some(reason) = self.options.stopped_by() {
+            self.progress.stop(reason);
+            return [None; 2];
+        }
+        let CheckedMotion { pairs, segment, .. } = self.motion;
+        let (q, effort, mut report) = (segment.at(0.5), Effort::default(), CollisionReport::default());
+        let limit = PairKind::ALL.map(|kind| self.least(kind).upper().lesser(self.options.limit));
+        let question = Question::SelfAndWorldDistance { limit: limit[0].greater(limit[1]) };
+        let MotionWorkspace { robot, obstacles, scratch, candidates, distance, .. } = &mut *self.workspace;
+        let broad_phase = &mut obstacles.broad_phase;
+        let state = QueriedState { pairs, q: &q, robot, broad_phase, candidates, scratch, stream: None };
+        let evaluation = PairEvaluation { state, effort: &effort, report: &mut report };
+        StateQuery { evaluation, distance }.evaluate(question);
+        PairKind::ALL.map(|kind| {
+            // obstacles that move are elsewhere in this state
+            let is_known = kind == PairKind::SelfPair || segment.obstacles().is_empty();
+            let nearest = report.nearest_of(kind).filter(|_| is_known)?;
+            let index = pairs.number_of((nearest.a, nearest.b))?;
+            let found = NearestSoFar { segment: self.segment, t: 0.5, index, pair: *nearest, is_exact: true };
+            self.least_mut(kind).offer(found);
+            Some(index)
+        })
+    }
+
+    /// Searches all pairs except those that were searched before.
+    fn search_others(&mut self, searched: [Option<usize>; 2]) {
+        let CheckedMotion { pairs, segment, .. } = self.motion;
+        if is_beyond_level_zero(segment) || segment.widens() {
+            for pair in pairs.numbers().filter(|pair| !searched.contains(&Some(*pair))) {
+                self.push(0.0, PairInterval { pair, from: 0.0, to: 1.0 });
+            }
+            return self.search_queue();
+        }
+        let intervals = Intervals::of(&mut self.level_zero());
+        for block in 0..intervals.blocks() {
+            if self.progress.stopped {
+                return;
+            }
+            if PairKind::ALL.iter().all(|kind| self.target(*kind) < 0.0) {
+                break;
+            }
+            match intervals {
+                Intervals::Whole => {
+                    self.level_zero().screen_whole();
+                    self.queue_runs(&[0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0], searched);
+                }
+                Intervals::Blocks(blocks) => {
+                    let ends = screen_block(&mut self.level_zero(), block, blocks);
+                    self.queue_runs(&ends, searched);
+                }
+            }
+            self.search_queue();
+        }
+        // what level 0 excluded is at least as far apart as the last target
+        for kind in PairKind::ALL {
+            let target = self.target(kind);
+            self.least_mut(kind).prove(target);
+        }
+    }
+
+    /// Queues the intervals that level 0 left open.
+    fn queue_runs(&mut self, ends: &[f64; 9], searched: [Option<usize>; 2]) {
+        let scratch = &mut *self.workspace.motion;
+        let open = open_runs(scratch.level_zero.near(), ends);
+        let open = open.filter(|interval| !searched.contains(&Some(interval.pair)));
+        scratch.queue.extend(open.map(|interval| BoundedInterval { lower: 0.0, interval }));
+    }
+
+    fn level_zero(&mut self) -> LevelZero<'_> {
+        let margins = PairKind::ALL.map(|kind| self.target(kind).greater(0.0));
+        let MotionWorkspace { robot, obstacles, scratch, motion, .. } = &mut *self.workspace;
+        let broad_phase = &mut obstacles.broad_phase;
+        LevelZero {
+            motion: self.motion,
+            margins,
+            robot,
+            broad_phase,
+            scratch,
+            memory: &mut motion.level_zero,
+        }
+    }
+
+    /// Searches the queued intervals, and their parts, until all have reached the target.
+    fn search_queue(&mut self) {
+        while let Some(BoundedInterval { lower, interval }) = self.workspace.motion.queue.pop() {
+            let kind = self.motion.pairs.kind(interval.pair);
+            if self.progress.stopped || lower > self.target(kind) {
+                self.least_mut(kind).prove(lower);
+            } else {
+                self.evaluate(interval, lower);
+            }
+        }
+    }
+
+    /// Evaluates an interval with a known lower bound (m), and queues the parts of it that are not done.
+    fn evaluate(&mut self, interval: PairInterval, known: f64) {
+        let PairInterval { pair: index, from, to } = interval;
+        let (middle, half_width) = (0.5 * (from + to), 0.5 * (to - from));
+        self.progress.evaluations += 1;
+        let kind = self.motion.pairs.kind(index);
+        if self.is_over() {
+            return self.least_mut(kind).prove(known);
+        }
+        let mut target = self.target(kind);
+        let MotionWorkspace { robot, scratch, motion, .. } = &mut *self.workspace;
+        let mut poses = PoseScratch {
+            frames: robot.frames_mut(),
+            positions: &mut motion.positions,
+            level: scratch.level(),
+        };
+        let midpoint = IntervalMidpoint::new(self.motion, index, [middle, half_width], &mut poses);
+        scratch.work.volume_tests += 1;
+        let IntervalMidpoint { pair, approach, lower } = &midpoint;
+        let padding = pair.info.padding;
+        let (bound, motion) = (approach.within(1.0), approach.motion());
+        let mut lower = lower - padding;
+        let tolerance = self.options.tolerance(self.progress.least[kind as usize].upper());
+        if lower - bound <= target && motion <= WORTH_SEARCHING[0] + WORTH_SEARCHING[1] * target.greater(0.0)
+        {
+            let effort = Effort {
+                absolute_tolerance: DISTANCE_TOLERANCE[0] * motion
+                    + DISTANCE_TOLERANCE[1] * tolerance.lesser(1.0),
+                ..Effort::default()
+            };
+            let limit = target.greater(0.0) + bound + padding + CONTACT_DISTANCE;
+            let DistanceBounds { lower: found, upper, .. } = pair.separation_bounds(limit, &effort, scratch);
+            lower = lower.greater(found - padding);
+            match upper {
+                None => lower = lower.greater(limit - padding),
+                Some(near) => {
+                    let mut near_pair = pair.padded(&near);
+                    if near.distance <= padding.greater(CONTACT_DISTANCE) {
+                        near_pair.distance = 0.0;
+                    }
+                    let found = NearestSoFar {
+                        segment: self.segment,
+                        t: middle,
+                        index,
+                        pair: near_pair,
+                        is_exact: near_pair.distance == 0.0,
+                    };
+                    self.progress.least[kind as usize].offer(found);
+                    target = self.progress.least[kind as usize].target(self.options);
+                }
+            }
+        }
+        let least = &mut self.progress.least[kind as usize];
+        let value = (lower - bound).greater(known);
+        if value >= target {
+            return least.prove(value);
+        }
+        let share = approach.share(lower - target);
+        let queue = &mut self.workspace.motion.queue;
+        let mut push = |from: f64, to: f64| {
+            if from < to {
+                queue
+                    .push(BoundedInterval { lower: value, interval: PairInterval { pair: index, from, to } });
+            }
+        };
+        if share >= LEAST_SHARE {
+            least.prove(target);
+            push(from, middle - share * half_width);
+            push(middle + share * half_width, to);
+        } else if !motion.is_finite() {
+            least.leave(value);
+            self.progress.unfinished = Some(UndecidedReason::Overflow);
+        } else if motion <= LEAST_MOTION * tolerance || !(from < middle && middle < to) {
+            least.leave(value);
+            let is_loose = self.motion.segment.is_loose();
+            let reason = if is_loose { UndecidedReason::Tube } else { UndecidedReason::Tolerance };
+            self.progress.unfinished.get_or_insert(reason);
+        } else {
+            push(from, middle);
+            push(middle, to);
+        }
+    }
+
+    /// Measures the nearest pairs exactly, where a tolerance was used.
+    fn measure_nearest(&mut self) {
+        for kind in PairKind::ALL {
+            let Some(nearest) = self.least(kind).nearest() else { continue };
+            if nearest.is_exact || nearest.segment != self.segment {
+                continue;
+            }
+            let MotionWorkspace { robot, scratch, motion, .. } = &mut *self.workspace;
+            let mut poses = PoseScratch {
+                frames: robot.frames_mut(),
+                positions: &mut motion.positions,
+                level: scratch.level(),
+            };
+            let PlacedPair { pair, .. } = self.motion.placed_pair(nearest.index, nearest.t, &mut poses);
+            let limit = nearest.pair.distance + pair.info.padding + CONTACT_DISTANCE;
+            if let Some(exact) = pair.separation(limit, scratch) {
+                let pair = pair.padded(&exact);
+                self.least_mut(kind).set_exact(NearestSoFar { pair, is_exact: true, ..nearest });
+            }
+        }
+    }
+
+    /// True if the search is to stop here.
+    fn is_over(&mut self) -> bool {
+        let SearchProgress { evaluations, stopped, unfinished, .. } = &mut *self.progress;
+        let reason = if *evaluations > self.options.budget {
+            Some(UndecidedReason::Budget)
+        } else if *evaluations % EVALUATIONS_PER_CLOCK_READ == 1 {
+            self.options.stopped_by()
+        } else {
+            None
+        };
+        if reason.is_some() {
+            (*stopped, *unfinished) = (true, reason);
+        }
+        *stopped
+    }
+
+    fn push(&mut self, lower: f64, interval: PairInterval) {
+        self.workspace.motion.queue.push(BoundedInterval { lower, interval });
+    }
+
+    fn least(&self, kind: PairKind) -> &LeastBounds {
+        &self.progress.least[kind as usize]
+    }
+
+    fn least_mut(&mut self, kind: PairKind) -> &mut LeastBounds {
+        &mut self.progress.least[kind as usize]
+    }
+
+    /// Lower bound (m) that suffices for pairs of this kind.
+    fn target(&self, kind: PairKind) -> f64 {
+        self.least(kind).target(self.options)
+    }
+}
