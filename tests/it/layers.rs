@@ -3,7 +3,7 @@
 use std::path::Path;
 
 /// The crates, and those of them that each may use.
-const CRATES: [(&str, &[&str]); 14] = [
+const CRATES: [(&str, &[&str]); 15] = [
     ("geometry", &[]),
     ("files", &[]),
     ("proximity", &["geometry"]),
@@ -14,6 +14,7 @@ const CRATES: [(&str, &[&str]); 14] = [
     ("planner", &["robot", "motion", "checker"]),
     ("verifier", &["geometry", "robot", "scene", "motion"]),
     ("monitor", &["geometry", "proximity", "robot", "scene", "checker"]),
+    ("lint", &["geometry", "robot"]),
     ("ros", &["geometry", "files", "proximity", "robot", "scene", "motion", "checker", "monitor"]),
     // above the root package, which it uses like any other program
     ("bindings", &[]),

@@ -54,8 +54,8 @@ pub struct HausdorffBounds {
 
 /// Largest distance of a point of the surface of `from` to the set `to`, both in one frame. `None` if one of them is empty.
 ///
-/// The bounds hold for the shapes as given in f64; roundings are added to them. Cylinders and cones of `from` are measured by 512 strips,
-/// whose deviation is within the bounds. The same input gives the same bounds.
+/// The bounds hold for the shapes as given in f64; roundings are added to them. Cylinders and cones of `from` are measured by 512 strips, spheres by
+/// triangles, whose deviation is within the bounds. The same input gives the same bounds.
 pub fn hausdorff(
     from: &[PlacedShape],
     to: &[PlacedShape],

@@ -11,6 +11,9 @@ use crate::welded_mesh::WeldedMesh;
 /// Number of flat strips around a cylinder or cone: they lie within 2e-5 of its radius.
 const STRIPS: u32 = 512;
 
+/// Deviation of a patch from a sphere, relative to its radius, below which it counts as flat.
+const SPHERE_DEVIATION: f64 = 1e-4;
+
 /// The surface that a patch over a triangle is part of.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Carrier {
@@ -27,7 +30,9 @@ impl Carrier {
             Self::Flat => 0.0,
             Self::Sphere { centre, radius } => {
                 let nearest = triangle.nearest_point(&centre);
-                (radius - (nearest - centre).norm()).greater(0.0)
+                let bulge = radius - (nearest - centre).norm();
+                // a part of the deviation
+                if bulge <= SPHERE_DEVIATION * radius { 0.0 } else { bulge }
             }
         }
     }
@@ -158,6 +163,7 @@ impl MeasuredSurface {
             self.corners.push(pose * Point::new(x * radius, y * radius, z));
         }
         self.corners.push(pose * Point::new(0.0, 0.0, z + side * radius));
+        self.deviation = self.deviation.greater(SPHERE_DEVIATION * radius);
         let carrier = Carrier::Sphere { centre: pose * Point::new(0.0, 0.0, z), radius };
         for quarter in 0..4 {
             self.add_patch([first + quarter, first + (quarter + 1) % 4, first + 4], carrier);
@@ -180,4 +186,32 @@ fn angle(strip: u32) -> f64 {
 /// Distance (m) of an arc from the middle of its chord, and a little more for rounding.
 fn sagitta(radius: f64) -> f64 {
     radius * (1.0 - (0.5 * TAU / f64::from(STRIPS)).cos()) * 1.001
+}
+
+impl MeasuredSurface {
+    /// Triangles for a picture; spheres are drawn by many.
+    pub fn drawn_triangles(&self) -> Vec<Triangle> {
+        let mut drawn = Vec::with_capacity(self.patches.len());
+        for patch in &self.patches {
+            let [a, b, c] = patch.corners.map(|v| self.corners[v as usize]);
+            let depth = if matches!(patch.carrier, Carrier::Flat) { 0 } else { SPHERE_SPLITS };
+            divide(&Triangle { a, b, c }, &patch.carrier, depth, &mut drawn);
+        }
+        drawn
+    }
+}
+
+/// Number of times that the octants of a drawn sphere are split.
+const SPHERE_SPLITS: u32 = 4;
+
+fn divide(triangle: &Triangle, carrier: &Carrier, depth: u32, drawn: &mut Vec<Triangle>) {
+    if depth == 0 {
+        drawn.push(*triangle);
+        return;
+    }
+    let Triangle { a, b, c } = *triangle;
+    let [ab, bc, ca] = [[a, b], [b, c], [c, a]].map(|[p, q]| carrier.midpoint(&p, &q));
+    for [a, b, c] in [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]] {
+        divide(&Triangle { a, b, c }, carrier, depth - 1, drawn);
+    }
 }

@@ -33,8 +33,4 @@ impl WeldedMesh {
         let [a, b, c] = self.faces[face].map(|v| self.positions[v as usize]);
         Triangle { a, b, c }
     }
-
-    pub fn triangles(&self) -> Vec<Triangle> {
-        (0..self.faces.len()).map(|face| self.triangle(face)).collect()
-    }
 }

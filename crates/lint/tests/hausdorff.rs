@@ -16,7 +16,7 @@ fn bounds(from: &PlacedShape, to: &PlacedShape, options: &HausdorffOptions) -> H
         hausdorff(std::slice::from_ref(from), std::slice::from_ref(to), options).expect("neither is empty");
     assert!(found.lower <= found.upper && found.is_within_gap, "{found:?}");
     let gap = (found.lower * options.relative_gap).max(options.absolute_gap);
-    assert!(found.upper - found.lower <= gap + 1e-4, "{found:?}");
+    assert!(found.upper - found.lower <= gap + 3e-4, "{found:?}");
     found
 }
 
@@ -100,7 +100,7 @@ fn primitives_are_as_their_meshes() {
     ] {
         let own = PlacedShape::primitive(primitive.unwrap(), Pose::identity());
         let found = bounds(&own, &own, &HausdorffOptions::default());
-        assert!(found.lower == 0.0 && found.upper < 1e-4, "{found:?}");
+        assert!(found.lower == 0.0 && found.upper < 3e-4, "{found:?}");
     }
 }
 
