@@ -7,7 +7,7 @@ use clearance_lint::MeshDefects;
 const FACES: [[u32; 3]; 4] = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
 
 fn corners(shift: f64) -> Vec<Point> {
-    let corner = |x: f64, y: f64, z: f64| Point::new(x + shift, y, z);
+    let corner = |x: f64, y: f64, z: f64| Point::new(x + shift, y + 0.4 * shift, z + 0.3 * shift);
     vec![corner(0.0, 0.0, 0.0), corner(1.0, 0.0, 0.0), corner(0.0, 1.0, 0.0), corner(0.0, 0.0, 1.0)]
 }
 
