@@ -87,10 +87,6 @@ pub use clearance_checker as checker;
 #[doc(inline)]
 pub use clearance_planner as planner;
 
-/// Checks of robot models: mesh defects, and certified distances between collision and visual geometry.
-#[doc(inline)]
-pub use clearance_lint as lint;
-
 /// Independent verification of certificates.
 #[doc(inline)]
 pub use clearance_verifier as verifier;

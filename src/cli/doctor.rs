@@ -1,12 +1,8 @@
 //! `clearance doctor`: reports the faults of this machine and its ROS network, one line each.
 
-use std::path::Path;
 use std::time::Duration;
 
 use clap::Args;
-use clearance::lint::{Severity, lint_collision_meshes};
-use clearance::robot::RobotModel;
-use clearance_files::readable_text::on_one_line;
 use clearance_ros::{DoctorOptions, Finding, RosArguments, Verdict};
 use log::LevelFilter;
 
@@ -44,39 +40,16 @@ pub fn run(args: &DoctorArgs, level: LevelFilter) -> Result<ExitStatus, Failure>
     clearance_ros::start_logging(level);
     let mesh_files = args.robot.mesh_files();
     let robot = args.robot.urdf.as_ref().map(|_| args.robot.load_quietly(&mesh_files)).transpose()?;
-    let meshes = robot.as_ref().map(|robot| mesh_finding(robot, args.robot.urdf.as_deref()));
     let arguments = RosArguments::parse(&args.ros_args).map_err(Failure::input)?;
     let mesh_model = args.robot.mesh_model();
     let options = DoctorOptions { arguments, robot, mesh_files, mesh_model, duration };
-    let mut findings = clearance_ros::run_doctor(options).map_err(failure)?;
-    findings.extend(meshes);
+    let findings = clearance_ros::run_doctor(options).map_err(failure)?;
     match args.format {
         Format::Json => print_line(&serde_json::to_string(&findings).map_err(internal)?)?,
         Format::Text => findings.iter().try_for_each(print_finding)?,
     }
     let is_wrong = findings.iter().any(|finding| finding.verdict == Verdict::Wrong);
     Ok(ExitStatus::from(u8::from(is_wrong)))
-}
-
-/// The defects of the collision meshes, in one line; `clearance lint` lists them.
-fn mesh_finding(robot: &RobotModel, urdf: Option<&Path>) -> Finding {
-    let found = lint_collision_meshes(robot);
-    let count = |severity| found.iter().filter(|finding| finding.severity == severity).count();
-    let [errors, warnings] = [Severity::Error, Severity::Warning].map(count);
-    let verdict = match (errors, warnings) {
-        (0, 0) => Verdict::Good,
-        (0, _) => Verdict::Note,
-        _ => Verdict::Wrong,
-    };
-    let first = match found.first().filter(|_| verdict != Verdict::Good) {
-        Some(first) => format!(
-            ", the first: {first}; `clearance lint {}` lists all",
-            urdf.unwrap_or(Path::new("")).display()
-        ),
-        None => String::new(),
-    };
-    let text = on_one_line(&format!("{errors} errors, {warnings} warnings{first}")).into_owned();
-    Finding { verdict, about: "collision meshes".to_owned(), text }
 }
 
 fn print_finding(Finding { verdict, about, text }: &Finding) -> Result<(), Failure> {

@@ -19,7 +19,6 @@ mod demo_table;
 mod doctor;
 mod exit_status;
 mod failure;
-mod lint;
 mod model_args;
 mod motion;
 mod motion_args;
@@ -82,8 +81,6 @@ enum Command {
     Plan(Box<plan::PlanArgs>),
     /// Verify a certificate that a motion is free, with code that is independent of the checker
     Verify(Box<verify::VerifyArgs>),
-    /// Find defects of a robot's geometry, and compare its collision with its visual geometry
-    Lint(lint::LintArgs),
     /// Measure the time of checks of a robot in a world, and compare broad-phase structures
     Bench(bench::BenchArgs),
     /// Run the ROS 2 node: subscribes to joint states, publishes collisions and distances
@@ -153,10 +150,6 @@ fn dispatch(arguments: Arguments) -> Result<ExitStatus, Failure> {
         Some(Command::Verify(args)) => {
             log_to_stderr(arguments.log_level.unwrap_or(LevelFilter::Warn));
             verify::run(&args)
-        }
-        Some(Command::Lint(args)) => {
-            log_to_stderr(arguments.log_level.unwrap_or(LevelFilter::Warn));
-            lint::run(&args)
         }
         Some(Command::Bench(args)) => {
             log_to_stderr(arguments.log_level.unwrap_or(LevelFilter::Warn));

@@ -33,7 +33,7 @@ pub struct HausdorffOptions {
 
 impl Default for HausdorffOptions {
     fn default() -> Self {
-        Self { relative_gap: 1e-3, absolute_gap: 1e-5, most_samples: 1_000_000, target_is_solid: true }
+        Self { relative_gap: 1e-3, absolute_gap: 1e-6, most_samples: 4_000_000, target_is_solid: true }
     }
 }
 

@@ -140,7 +140,7 @@ fn add_pictures(page: &mut String, report: &LinkReport, robot: &RobotModel, visu
         (report.excess, "collision geometry stands out"),
     ];
     let mut marked: Vec<(LargestDistance, &str)> =
-        places.into_iter().filter_map(|(d, text)| Some((d.filter(|d| d.upper > 2e-5)?, text))).collect();
+        places.into_iter().filter_map(|(d, text)| Some((d.filter(|d| d.upper > 1e-5)?, text))).collect();
     marked.dedup_by_key(|(distance, _)| distance.point);
     for (distance, text) in &marked {
         let caption = format!(
@@ -157,7 +157,7 @@ fn add_pictures(page: &mut String, report: &LinkReport, robot: &RobotModel, visu
         let caption = match (collision.is_empty(), visual.is_empty()) {
             (false, true) => "No visual geometry",
             (true, false) => "No collision geometry",
-            _ => "Both are the same within 0.02 mm",
+            _ => "Both are the same within 0.01 mm",
         };
         add_view(page, bounds, [&collision, &visual], None, caption);
     }

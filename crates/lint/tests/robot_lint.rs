@@ -80,7 +80,7 @@ fn geometry_that_does_not_fit_is_found() {
     assert!(unprotected.lower <= 0.1 && 0.1 <= unprotected.upper, "{unprotected:?}");
     // the corner region of the larger one is nearest to a corner of the smaller one
     assert!(unprotected.point.iter().any(|c| (c - 0.3).abs() < 1e-9), "{unprotected:?}");
-    assert!(found.links[1].excess.unwrap().upper < 2e-5);
+    assert!(found.links[1].excess.unwrap().upper < 1e-5);
     let found = report(&link("arm", &mesh("whole", 0.3), &mesh("whole", 0.2)));
     assert_eq!(checks(&found), [(Severity::Note, Check::ExcessCollision, "")]);
 }
