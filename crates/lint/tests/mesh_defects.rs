@@ -1,0 +1,76 @@
+//! Each defect with a small mesh that has it, and a clean mesh that has none.
+
+use clearance_geometry::TriangleMesh;
+use clearance_geometry::math::Point;
+use clearance_lint::MeshDefects;
+
+const FACES: [[u32; 3]; 4] = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+
+fn corners(shift: f64) -> Vec<Point> {
+    let corner = |x: f64, y: f64, z: f64| Point::new(x + shift, y, z);
+    vec![corner(0.0, 0.0, 0.0), corner(1.0, 0.0, 0.0), corner(0.0, 1.0, 0.0), corner(0.0, 0.0, 1.0)]
+}
+
+fn defects(vertices: Vec<Point>, faces: &[[u32; 3]]) -> MeshDefects {
+    MeshDefects::find(&TriangleMesh::new(vertices, faces.to_vec()).unwrap())
+}
+
+fn clean() -> MeshDefects {
+    MeshDefects { triangles: 4, components: 1, ..MeshDefects::default() }
+}
+
+#[test]
+fn a_tetrahedron_is_clean() {
+    assert_eq!(defects(corners(0.0), &FACES), clean());
+    // also as a soup of triangles, as in an STL
+    let vertices: Vec<Point> = FACES.iter().flatten().map(|&v| corners(0.0)[v as usize]).collect();
+    let faces: Vec<[u32; 3]> = (0..4).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    assert_eq!(defects(vertices, &faces), clean());
+}
+
+#[test]
+fn open_edges_are_counted() {
+    let found = defects(corners(0.0), &FACES[..3]);
+    assert_eq!(found.open_edges.unwrap().count, 3);
+    assert_eq!(MeshDefects { open_edges: None, ..found }, MeshDefects { triangles: 3, ..clean() });
+}
+
+#[test]
+fn inward_faces_are_found() {
+    let found = defects(corners(0.0), &FACES.map(|[a, b, c]| [a, c, b]));
+    assert_eq!(found.inverted.unwrap().count, 1);
+    assert_eq!(MeshDefects { inverted: None, ..found }, clean());
+}
+
+#[test]
+fn a_face_of_the_other_winding_is_found() {
+    let mut faces = FACES;
+    faces[3].swap(0, 1);
+    let found = defects(corners(0.0), &faces);
+    assert_eq!(found.mixed_orientation.unwrap().count, 3);
+    assert_eq!(MeshDefects { mixed_orientation: None, ..found }, clean());
+}
+
+#[test]
+fn repeated_faces_are_found() {
+    let [a, b, c] = FACES[0];
+    let found = defects(corners(0.0), &[&FACES[..], &[[b, c, a]]].concat());
+    assert_eq!(found.duplicate_faces.unwrap().count, 1);
+    assert_eq!(MeshDefects { duplicate_faces: None, ..found }, MeshDefects { triangles: 5, ..clean() });
+    let found = defects(corners(0.0), &[&FACES[..], &[[b, a, c]]].concat());
+    assert_eq!(found.double_sided_faces.unwrap().count, 1);
+    assert_eq!(MeshDefects { double_sided_faces: None, ..found }, MeshDefects { triangles: 5, ..clean() });
+}
+
+#[test]
+fn triangles_without_area_are_found() {
+    let vertices = [corners(0.0), vec![Point::new(0.5, 0.0, 0.0)]].concat();
+    let found = defects(vertices, &[&FACES[..], &[[0, 1, 4], [2, 2, 3]]].concat());
+    assert_eq!(found.degenerate_triangles.unwrap().count, 2);
+}
+
+#[test]
+fn a_mesh_of_lines_has_no_component() {
+    let found = defects(corners(0.0), &[[0, 1, 1]]);
+    assert_eq!((found.components, found.degenerate_triangles.unwrap().count), (0, 1));
+}
