@@ -1,11 +1,13 @@
 //! Geometry of a link as the set to which distances are measured: mesh surfaces and, if closed, their insides, and solid primitives.
 
+use std::ops::Range;
+
 use clearance_geometry::math::{Extremes, Point};
 use clearance_geometry::nalgebra::Point2;
 use clearance_geometry::{InsideTest, Primitive, Shape, Triangle, TriangleMesh};
 
 use crate::link_geometry::PlacedShape;
-use crate::triangle_tree::{Nearest, TriangleTree};
+use crate::triangle_tree::{Nearest, TriangleTree, centroid};
 
 /// A convex part of the target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,26 +24,69 @@ pub(crate) struct Measured {
     pub nearest: Element,
 }
 
+/// Number of nodes of the tree after which a test whether a triangle is inside ends.
+const MOST_NODES: usize = 4_000;
+
+/// A mesh whose inside has distance 0.
+#[derive(Debug)]
+struct Solid<'s> {
+    test: InsideTest<'s>,
+    /// Its triangles in the tree.
+    triangles: Range<u32>,
+    /// True if a face of this mesh may meet the triangle of the current test.
+    is_met: bool,
+}
+
 /// Shapes of one link to which distances are measured.
 #[derive(Debug)]
 pub(crate) struct DistanceTarget<'s> {
     tree: TriangleTree,
     primitives: Vec<&'s PlacedShape>,
-    inside_tests: Vec<InsideTest<'s>>,
+    solids: Vec<Solid<'s>>,
 }
 
 impl<'s> DistanceTarget<'s> {
     /// With `are_solid`, points inside closed meshes have distance 0.
     pub fn new(shapes: &'s [PlacedShape], are_solid: bool) -> Self {
-        let meshes: Vec<&TriangleMesh> = shapes.iter().filter_map(|placed| mesh_of(placed)).collect();
-        let triangles = meshes.iter().flat_map(|mesh| (0..mesh.triangles().len()).map(|i| mesh.triangle(i)));
         let is_primitive = |placed: &&PlacedShape| matches!(placed.shape, Shape::Primitive(_));
-        let solid = meshes.iter().filter(|mesh| are_solid && !mesh.solid().surfaces().is_empty());
-        Self {
-            tree: TriangleTree::new(triangles.collect()),
-            primitives: shapes.iter().filter(is_primitive).collect(),
-            inside_tests: solid.map(|mesh| InsideTest::new(mesh)).collect(),
+        let (mut triangles, mut solids) = (Vec::new(), Vec::new());
+        for mesh in shapes.iter().filter_map(mesh_of) {
+            let first = index(triangles.len());
+            triangles.extend((0..mesh.triangles().len()).map(|i| mesh.triangle(i)));
+            if are_solid && !mesh.solid().surfaces().is_empty() {
+                let triangles = first..index(triangles.len());
+                solids.push(Solid { test: InsideTest::new(mesh), triangles, is_met: false });
+            }
         }
+        Self {
+            tree: TriangleTree::new(triangles),
+            primitives: shapes.iter().filter(is_primitive).collect(),
+            solids,
+        }
+    }
+
+    /// True if all points of a triangle are proven to be inside one closed mesh. A triangle that meets no face of the mesh is inside if one
+    /// of its points is.
+    pub fn proves_inside(&mut self, triangle: &Triangle) -> bool {
+        let Self { tree, solids, .. } = self;
+        solids.iter_mut().for_each(|solid| solid.is_met = false);
+        let mut left = solids.len();
+        let is_complete = left > 0
+            && tree.overlapping(triangle, MOST_NODES, |face| {
+                // the ranges are in increasing order
+                let position = solids.partition_point(|solid| solid.triangles.end <= face);
+                if let Some(solid) = solids.get_mut(position)
+                    && solid.triangles.contains(&face)
+                    && !solid.is_met
+                    && tree.triangles()[face as usize].contact_point(triangle).is_some()
+                {
+                    solid.is_met = true;
+                    left -= 1;
+                }
+                left > 0
+            });
+        is_complete
+            && (solids.iter_mut()).any(|solid| !solid.is_met && solid.test.encloses(&centroid(triangle)))
     }
 
     /// Distance of `p`. `known` are elements that are probably near. Points at most `threshold` (m) from a mesh surface count as outside
@@ -63,7 +108,7 @@ impl<'s> DistanceTarget<'s> {
         });
         if let Some(found) = &mut best
             && found.signed > threshold
-            && self.inside_tests.iter_mut().any(|test| test.encloses(p))
+            && self.solids.iter_mut().any(|solid| solid.test.encloses(p))
         {
             found.signed = -found.signed;
         }
@@ -86,6 +131,10 @@ impl<'s> DistanceTarget<'s> {
             Element::Primitive(index) => primitive_distance(self.primitives[index as usize], p).greater(0.0),
         }
     }
+}
+
+fn index(position: usize) -> u32 {
+    u32::try_from(position).unwrap_or(u32::MAX)
 }
 
 fn mesh_of(placed: &PlacedShape) -> Option<&TriangleMesh> {

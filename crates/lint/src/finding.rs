@@ -59,6 +59,8 @@ pub enum Check {
     ManyTriangles,
     /// A size that suggests a wrong unit.
     WrongUnit,
+    /// A size that is unlikely beside the visual geometry or beside neighbouring links.
+    UnlikelyScale,
     /// Visual geometry without collision geometry.
     MissingCollision,
     /// Collision geometry without visual geometry.
@@ -69,6 +71,8 @@ pub enum Check {
     UnprotectedVisual,
     /// Collision geometry that stands out beyond the visual geometry.
     ExcessCollision,
+    /// A distance that was not measured, or whose bounds are wide, because a limit of the work was reached.
+    LimitReached,
 }
 
 impl Check {
@@ -85,11 +89,13 @@ impl Check {
             Self::SeveralComponents => "several_components",
             Self::ManyTriangles => "many_triangles",
             Self::WrongUnit => "wrong_unit",
+            Self::UnlikelyScale => "unlikely_scale",
             Self::MissingCollision => "missing_collision",
             Self::MissingVisual => "missing_visual",
             Self::UnreadableVisual => "unreadable_visual",
             Self::UnprotectedVisual => "unprotected_visual",
             Self::ExcessCollision => "excess_collision",
+            Self::LimitReached => "limit_reached",
         }
     }
 }

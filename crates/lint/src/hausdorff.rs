@@ -3,20 +3,26 @@
 //! Branch and bound over the triangles of the first surface, as in Tang, Lee and Kim 2009, *Interactive Hausdorff distance computation for
 //! general polygonal models*. The distance to a convex element is a convex function, so over a triangle it is largest at a corner; the
 //! distance to the whole target is smaller, and changes by at most the way between two points. Both give an upper bound of each triangle,
-//! and every sample gives a lower bound of the whole. The triangle with the largest upper bound is split at its longest edge.
+//! and every sample gives a lower bound of the whole. The triangle with the largest upper bound is split at its longest edge. A triangle
+//! proven to be inside a solid of the target is left out.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
+use std::time::Instant;
 
 use clearance_geometry::Triangle;
 use clearance_geometry::math::{Extremes, Point};
 
 use crate::distance_target::{DistanceTarget, Element, Measured};
-use crate::link_geometry::{PlacedShape, largest_coordinate};
+use crate::link_geometry::{PlacedShape, bounds_of, box_corners, largest_coordinate};
 use crate::measured_surface::{Carrier, MeasuredSurface, Patch};
+use crate::triangle_tree::centroid;
 
 /// Rounding of a measured distance, relative to the largest coordinate.
 const ROUNDING: f64 = 1e-13;
+
+/// Number of samples between two looks at the clock.
+const SAMPLES_PER_CLOCK: usize = 64;
 
 /// When a search ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,11 +35,19 @@ pub struct HausdorffOptions {
     pub most_samples: usize,
     /// True if points inside closed meshes of the target have distance 0. Primitives are always solid.
     pub target_is_solid: bool,
+    /// Time at which the search ends. The bounds are valid then, too, but may be wide, and depend on the speed of the machine.
+    pub deadline: Option<Instant>,
 }
 
 impl Default for HausdorffOptions {
     fn default() -> Self {
-        Self { relative_gap: 1e-3, absolute_gap: 1e-6, most_samples: 4_000_000, target_is_solid: true }
+        Self {
+            relative_gap: 1e-3,
+            absolute_gap: 1e-6,
+            most_samples: 1_000_000,
+            target_is_solid: true,
+            deadline: None,
+        }
     }
 }
 
@@ -48,14 +62,14 @@ pub struct HausdorffBounds {
     pub point: Point,
     /// Number of points whose distance was measured.
     pub samples: usize,
-    /// False if the search ended by [`HausdorffOptions::most_samples`].
+    /// False if the search ended by [`HausdorffOptions::most_samples`] or [`HausdorffOptions::deadline`].
     pub is_within_gap: bool,
 }
 
 /// Largest distance of a point of the surface of `from` to the set `to`, both in one frame. `None` if one of them is empty.
 ///
 /// The bounds hold for the shapes as given in f64; roundings are added to them. Cylinders and cones of `from` are measured by 512 strips, spheres by
-/// triangles, whose deviation is within the bounds. The same input gives the same bounds.
+/// triangles, whose deviation is within the bounds. Without a deadline, the same input gives the same bounds.
 pub fn hausdorff(
     from: &[PlacedShape],
     to: &[PlacedShape],
@@ -64,8 +78,13 @@ pub fn hausdorff(
     let surface = MeasuredSurface::new(from);
     let target = DistanceTarget::new(to, options.target_is_solid);
     let error = surface.deviation + ROUNDING * largest_coordinate(from).greater(largest_coordinate(to));
-    let mut search = Search::new(surface, target, options)?;
-    search.run();
+    let mut search = Search::new(&surface, target, options)?;
+    if search.measure_corners(&surface.corners) {
+        surface.patches.into_iter().for_each(|patch| search.add(patch));
+        search.run();
+    } else {
+        search.left_out = search.far_bound(from);
+    }
     Some(search.bounds(error))
 }
 
@@ -115,7 +134,11 @@ struct Search<'s> {
 }
 
 impl<'s> Search<'s> {
-    fn new(surface: MeasuredSurface, target: DistanceTarget<'s>, options: &HausdorffOptions) -> Option<Self> {
+    fn new(
+        surface: &MeasuredSurface,
+        target: DistanceTarget<'s>,
+        options: &HausdorffOptions,
+    ) -> Option<Self> {
         let first = *surface.corners.get(surface.patches.first()?.corners[0] as usize)?;
         let mut search = Self {
             target,
@@ -126,21 +149,43 @@ impl<'s> Search<'s> {
             point: first,
             left_out: 0.0,
         };
-        let mut known = None;
-        for corner in &surface.corners {
-            let sample = search.measure(corner, known.as_slice())?;
-            known = Some(sample.measured.nearest);
-            search.samples.push(sample);
-        }
-        for patch in surface.patches {
-            search.add(patch);
-        }
+        // None for an empty target
+        search.measure(&first, &[])?;
         Some(search)
+    }
+
+    /// Measures all corners; false if the deadline was reached.
+    fn measure_corners(&mut self, corners: &[Point]) -> bool {
+        let mut known = None;
+        for corner in corners {
+            let Some(sample) = self.measure(corner, known.as_slice()) else { return false };
+            known = Some(sample.measured.nearest);
+            self.samples.push(sample);
+            if self.is_late() {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Upper bound of the distance of every point, for a search without samples of all corners.
+    fn far_bound(&mut self, from: &[PlacedShape]) -> f64 {
+        let Some(bounds) = bounds_of(from) else { return 0.0 };
+        let Some(measured) = self.target.measure(&self.point, &[], f64::INFINITY) else { return 0.0 };
+        let distance = |corner| self.target.distance(measured.nearest, &corner);
+        box_corners(bounds).map(distance).fold(0.0, Extremes::greater)
+    }
+
+    /// True at and after the deadline; the clock is read now and then.
+    fn is_late(&self) -> bool {
+        self.samples.len().is_multiple_of(SAMPLES_PER_CLOCK)
+            && self.options.deadline.is_some_and(|deadline| Instant::now() >= deadline)
     }
 
     fn run(&mut self) {
         while let Some(OpenPatch { upper, patch }) = self.open.pop() {
-            if upper <= self.enough() || self.samples.len() >= self.options.most_samples {
+            let is_over = self.samples.len() >= self.options.most_samples || self.is_late();
+            if upper <= self.enough() || is_over {
                 // all others have smaller bounds
                 self.left_out = self.left_out.greater(upper);
                 return;
@@ -182,12 +227,30 @@ impl<'s> Search<'s> {
         let triangle = triangle(&corners);
         let enough = self.enough();
         let bulge = patch.carrier.bulge(&triangle);
-        let upper = self.upper(&corners, enough - bulge) + bulge;
+        let mut upper = self.upper(&corners, enough - bulge) + bulge;
+        if upper > enough && corners.iter().all(|corner| corner.measured.signed <= enough) {
+            upper = self.upper_inside(&triangle, enough - bulge).map_or(upper, |inside| inside + bulge);
+        }
         if upper <= enough {
             self.left_out = self.left_out.greater(upper);
         } else {
             self.open.push(OpenPatch { upper, patch });
         }
+    }
+
+    /// Upper bound, at most `enough`, of the distances of the points of a triangle that is inside a solid of the target, up to a narrow
+    /// border: a triangle whose edges touch the surface of the solid is inside up to rounding.
+    fn upper_inside(&mut self, triangle: &Triangle, enough: f64) -> Option<f64> {
+        let border = 0.5 * enough;
+        if border <= 0.0 {
+            return None;
+        }
+        let centre = centroid(triangle);
+        let arms = triangle.corners().map(|corner| corner - centre);
+        let longest = arms.iter().map(|arm| arm.norm()).fold(0.0, Extremes::greater);
+        let shrunk = 1.0 - (border / longest.greater(border));
+        let [a, b, c] = arms.map(|arm| centre + arm * shrunk);
+        self.target.proves_inside(&Triangle { a, b, c }).then_some(border)
     }
 
     /// Upper bound of the distances of a triangle's points; any bound that is at most `enough` is sufficient.

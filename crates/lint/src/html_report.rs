@@ -7,10 +7,11 @@ use clearance_geometry::math::Point;
 use clearance_robot::{RobotModel, VisualGeometry};
 
 use crate::finding::{Finding, Severity};
-use crate::link_geometry::bounds_of;
+use crate::link_geometry::{bounds_of, placed};
+use crate::link_report::{LargestDistance, LinkReport};
 use crate::measured_surface::MeasuredSurface;
 use crate::picture::{HEIGHT, View, WIDTH, draw};
-use crate::robot_lint::{LargestDistance, LinkReport, LintReport, placed};
+use crate::robot_lint::LintReport;
 
 const STYLE: &str = "
 :root{font:15px/1.5 system-ui,sans-serif;color:#1f2933;background:#f2f2ee}

@@ -6,7 +6,8 @@
 //! | findings, severities | `finding` |
 //! | defects of one mesh | `mesh_defects`, `self_intersections`, `welded_mesh` |
 //! | findings about the meshes of a link | `mesh_findings` |
-//! | units, missing geometry | `size_checks` |
+//! | measurements of a link | `link_report` |
+//! | units and scales | `size_checks` |
 //! | certified one-sided Hausdorff distances | `hausdorff` |
 //! | surfaces whose points are measured | `measured_surface` |
 //! | geometry to which distances are measured | `distance_target`, `triangle_tree` |
@@ -23,6 +24,7 @@ mod finding;
 mod hausdorff;
 mod html_report;
 mod link_geometry;
+mod link_report;
 mod measured_surface;
 mod mesh_defects;
 mod mesh_findings;
@@ -38,5 +40,6 @@ pub use finding::{Check, Finding, GeometryKind, Severity};
 pub use hausdorff::{HausdorffBounds, HausdorffOptions, hausdorff};
 pub use html_report::html_report;
 pub use link_geometry::PlacedShape;
+pub use link_report::{LargestDistance, LinkReport};
 pub use mesh_defects::{Defect, MeshDefects};
-pub use robot_lint::{LargestDistance, LinkReport, LintOptions, LintReport, lint, lint_collision_meshes};
+pub use robot_lint::{LintOptions, LintReport, lint};

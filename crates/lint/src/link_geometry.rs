@@ -57,6 +57,12 @@ pub(crate) fn joined(a: [Point; 2], b: [Point; 2]) -> [Point; 2] {
     [a[0].inf(&b[0]), a[1].sup(&b[1])]
 }
 
+/// The corners of a box.
+pub(crate) fn box_corners([low, high]: [Point; 2]) -> impl Iterator<Item = Point> {
+    let coordinate = move |i: usize, axis: usize| if i >> axis & 1 == 0 { low[axis] } else { high[axis] };
+    (0..8).map(move |i| Point::new(coordinate(i, 0), coordinate(i, 1), coordinate(i, 2)))
+}
+
 /// The box around all shapes; `None` without shapes.
 pub(crate) fn bounds_of(shapes: &[PlacedShape]) -> Option<[Point; 2]> {
     shapes.iter().filter_map(PlacedShape::bounds).reduce(joined)
@@ -65,6 +71,11 @@ pub(crate) fn bounds_of(shapes: &[PlacedShape]) -> Option<[Point; 2]> {
 /// Largest absolute coordinate (m) of all shapes.
 pub(crate) fn largest_coordinate(shapes: &[PlacedShape]) -> f64 {
     bounds_of(shapes).map_or(0.0, |[low, high]| low.coords.amax().greater(high.coords.amax()))
+}
+
+/// The geometry of a link, in its frame.
+pub(crate) fn placed(geometry: &[Collision]) -> Vec<PlacedShape> {
+    geometry.iter().filter_map(PlacedShape::of).collect()
 }
 
 /// True if both lists have the same meshes at the same poses, so that their surfaces are the same points.

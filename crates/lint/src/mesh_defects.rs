@@ -1,15 +1,24 @@
 //! Defects of one mesh, counted, each with one location.
 
 use std::collections::HashMap;
+use std::time::Instant;
 
-use clearance_geometry::math::Point;
+use clearance_geometry::math::{Point, Vector};
 use clearance_geometry::{Triangle, TriangleMesh};
 
+use crate::link_geometry::joined;
 use crate::self_intersections;
+use crate::triangle_tree::centroid;
 use crate::welded_mesh::WeldedMesh;
 
 /// Height of a triangle, relative to its longest edge, at which it counts as without area.
 const FLAT: f64 = 1e-12;
+
+/// A mesh is nearly closed if at most one of this many edges is open.
+const MOST_OPEN: usize = 50;
+
+/// Volume of a mesh, relative to the box around it, below which its sign says nothing about its winding.
+const LEAST_VOLUME: f64 = 1e-3;
 
 /// A number of equal defects, and the location of the first one (m, mesh frame).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,7 +38,7 @@ pub struct MeshDefects {
     pub open_edges: Option<Defect>,
     /// Edges that two faces run through in the same direction.
     pub mixed_orientation: Option<Defect>,
-    /// Components of connected faces that are closed and wound inward, if the outermost component is among them.
+    /// Components of connected faces that are wound inward, if the largest component is among them. The mesh is closed, or nearly so.
     pub inverted: Option<Defect>,
     /// Faces that repeat another one, with the same winding.
     pub duplicate_faces: Option<Defect>,
@@ -37,8 +46,8 @@ pub struct MeshDefects {
     pub double_sided_faces: Option<Defect>,
     /// Pairs of faces of which an edge of one passes through the other. The signs of the test are exact.
     pub self_intersections: Option<Defect>,
-    /// True if there are more self-intersections than were counted.
-    pub has_more_self_intersections: bool,
+    /// True if the search for self-intersections ended early: at a number of them, of tests, or at the deadline.
+    pub may_have_more_self_intersections: bool,
     /// Triangles without area.
     pub degenerate_triangles: Option<Defect>,
     /// Number of parts that share no vertex.
@@ -46,8 +55,9 @@ pub struct MeshDefects {
 }
 
 impl MeshDefects {
-    /// Searches for defects in a mesh.
-    pub fn find(mesh: &TriangleMesh) -> Self {
+    /// Searches for defects in a mesh. The deadline ends the search for self-intersections; the time of the others is linear in the number
+    /// of faces.
+    pub fn find(mesh: &TriangleMesh, deadline: Option<Instant>) -> Self {
         let welded = WeldedMesh::new(mesh);
         let mut defects = Self { triangles: welded.faces.len(), ..Self::default() };
         let mut sound = Vec::with_capacity(welded.faces.len());
@@ -65,8 +75,8 @@ impl MeshDefects {
         let kept = defects.find_repeated(&welded, &sound);
         defects.find_edges(&welded, &kept);
         defects.find_components(&welded, &kept);
-        let crossings = self_intersections::find(&welded, &kept);
-        defects.has_more_self_intersections = crossings.is_limited;
+        let crossings = self_intersections::find(&welded, &kept, deadline);
+        defects.may_have_more_self_intersections = crossings.is_limited;
         defects.self_intersections = crossings.point.map(|point| Defect { count: crossings.count, point });
         defects
     }
@@ -123,7 +133,8 @@ impl MeshDefects {
         }
     }
 
-    /// Counts components. A closed mesh of one winding is inverted if its largest component is wound inward.
+    /// Counts components. A mesh of one winding is inverted if its largest component is wound inward: if it encloses a negative volume,
+    /// after its holes are closed by cones with their apex at the mean of its vertices.
     fn find_components(&mut self, welded: &WeldedMesh, faces: &[usize]) {
         let mut parent: Vec<u32> = (0..).take(welded.positions.len()).collect();
         for &face in faces {
@@ -132,7 +143,7 @@ impl MeshDefects {
             join(&mut parent, b, c);
         }
         let mut volumes: HashMap<u32, (f64, usize)> = HashMap::new();
-        let origin = faces.first().map_or(Point::origin(), |&face| welded.triangle(face).a);
+        let origin = mean(&welded.positions);
         for &face in faces {
             let Triangle { a, b, c } = welded.triangle(face);
             let volume = (a - origin).dot(&(b - origin).cross(&(c - origin))) / 6.0;
@@ -143,8 +154,9 @@ impl MeshDefects {
         let largest = volumes.values().max_by(|s, t| s.0.abs().total_cmp(&t.0.abs()).then(t.1.cmp(&s.1)));
         if let Some((volume, face)) = largest
             && *volume < 0.0
-            && self.open_edges.is_none()
             && self.mixed_orientation.is_none()
+            && self.is_nearly_closed(faces.len())
+            && -volume > LEAST_VOLUME * box_volume(&welded.positions)
         {
             let count = volumes.values().filter(|(volume, _)| *volume < 0.0).count();
             self.inverted = Some(Defect { count, point: centroid(&welded.triangle(*face)) });
@@ -152,12 +164,29 @@ impl MeshDefects {
     }
 }
 
-fn note(defect: &mut Option<Defect>, point: Point) {
-    defect.get_or_insert(Defect { count: 0, point }).count += 1;
+impl MeshDefects {
+    /// True if few of the edges of this many faces are open.
+    fn is_nearly_closed(&self, faces: usize) -> bool {
+        self.open_edges.is_none_or(|open| MOST_OPEN * open.count <= 3 * faces)
+    }
 }
 
-fn centroid(triangle: &Triangle) -> Point {
-    Point::from((triangle.a.coords + triangle.b.coords + triangle.c.coords) / 3.0)
+fn mean(points: &[Point]) -> Point {
+    let sum: Vector = points.iter().map(|p| p.coords).sum();
+    // a mesh has far fewer than 2^52 vertices
+    #[allow(clippy::cast_precision_loss)]
+    let count = points.len().max(1) as f64;
+    Point::from(sum / count)
+}
+
+/// Volume (m³) of the box around points.
+fn box_volume(points: &[Point]) -> f64 {
+    let box_of = points.iter().map(|p| [*p; 2]).reduce(joined);
+    box_of.map_or(0.0, |[low, high]| (high - low).product())
+}
+
+fn note(defect: &mut Option<Defect>, point: Point) {
+    defect.get_or_insert(Defect { count: 0, point }).count += 1;
 }
 
 fn is_flat(triangle: &Triangle) -> bool {

@@ -31,7 +31,6 @@ pub(crate) fn mesh_findings(
     let mut findings = Vec::new();
     for (collision, number) in geometry.iter().zip(1..) {
         let Shape::Mesh(mesh) = &collision.shape else { continue };
-        let Some(found) = defects.get(&Arc::as_ptr(mesh)) else { continue };
         let element = format!("{} {number}", kind.name());
         let finding = |severity, check, defect: Option<Defect>, message: String| Finding {
             severity: if kind == GeometryKind::Visual { Severity::Note } else { severity },
@@ -42,16 +41,22 @@ pub(crate) fn mesh_findings(
             point: defect.map(|d| collision.pose_ls * d.point),
             message,
         };
+        let Some(found) = defects.get(&Arc::as_ptr(mesh)) else {
+            let message = format!("{} triangles: not checked, simplify the mesh", mesh.triangles().len());
+            findings.push(finding(Severity::Warning, Check::LimitReached, None, message));
+            continue;
+        };
+        if found.degenerate_triangles.is_some_and(|defect| defect.count == found.triangles) {
+            let message = "no triangle has an area, so nothing is checked: export the mesh again";
+            findings.push(finding(Severity::Error, Check::DegenerateTriangles, None, message.to_owned()));
+            continue;
+        }
         for Rule { severity, check, defect, text } in rules(found) {
             if let Some(Defect { count, .. }) = defect {
-                let is_least = check == Check::SelfIntersection && found.has_more_self_intersections;
+                let is_least = check == Check::SelfIntersection && found.may_have_more_self_intersections;
                 let least = if is_least { "at least " } else { "" };
                 findings.push(finding(severity, check, defect, format!("{least}{count} {text}")));
             }
-        }
-        if found.components == 0 {
-            let message = "no triangle has an area, so nothing is checked: export the mesh again";
-            findings.push(finding(Severity::Error, Check::DegenerateTriangles, None, message.to_owned()));
         }
         if found.components > 1 {
             let message =
@@ -77,7 +82,7 @@ fn rules(found: &MeshDefects) -> [Rule; 7] {
             found.open_edges,
             "open edges: parts with holes are no solid, so what is wholly inside touches nothing; close the mesh",
         ),
-        rule(Warning, Check::Inverted, found.inverted, "closed components wound inward: reverse the faces"),
+        rule(Warning, Check::Inverted, found.inverted, "components wound inward: reverse the faces"),
         rule(
             Warning,
             Check::MixedOrientation,

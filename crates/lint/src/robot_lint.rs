@@ -2,18 +2,19 @@
 
 use std::collections::HashMap;
 use std::sync::Arc;
+use std::time::Instant;
 
-use clearance_geometry::{Shape, TriangleMesh};
+use clearance_geometry::TriangleMesh;
 use clearance_robot::{Collision, Link, RobotModel, VisualGeometry};
 use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::finding::{Check, Finding, GeometryKind, Severity};
-use crate::hausdorff::{HausdorffBounds, HausdorffOptions, hausdorff};
-use crate::link_geometry::{PlacedShape, are_same, bounds_of};
+use crate::hausdorff::HausdorffOptions;
+use crate::link_report::{LinkReport, MOST_TRIANGLES, distance_findings, measure, meshes};
 use crate::mesh_defects::MeshDefects;
 use crate::mesh_findings::mesh_findings;
-use crate::size_checks::{confused_units, diagonal, reach, size_fault};
+use crate::size_checks::size_findings;
 
 /// Thresholds and limits of the checks.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,7 +23,7 @@ pub struct LintOptions {
     pub unprotected: f64,
     /// Distance (m) of collision geometry from the visual one above which it is reported.
     pub excess: f64,
-    /// Limits of the searches for the largest distances.
+    /// Limits of the searches for the largest distances. The deadline holds for all checks.
     pub hausdorff: HausdorffOptions,
 }
 
@@ -30,38 +31,6 @@ impl Default for LintOptions {
     fn default() -> Self {
         Self { unprotected: 0.005, excess: 0.05, hausdorff: HausdorffOptions::default() }
     }
-}
-
-/// Bounds of the largest distance (m) of one geometry from the other, and its place.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct LargestDistance {
-    /// Lower bound (m).
-    pub lower: f64,
-    /// Upper bound (m).
-    pub upper: f64,
-    /// Point with the largest distance found (m, link frame).
-    pub point: [f64; 3],
-}
-
-impl From<HausdorffBounds> for LargestDistance {
-    fn from(bounds: HausdorffBounds) -> Self {
-        Self { lower: bounds.lower, upper: bounds.upper, point: bounds.point.coords.into() }
-    }
-}
-
-/// Measurements of one link.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct LinkReport {
-    /// Name of the link.
-    pub link: String,
-    /// Number of triangles of its collision meshes.
-    pub collision_triangles: usize,
-    /// Number of triangles of its visual meshes.
-    pub visual_triangles: usize,
-    /// How far visual geometry stands out of the collision geometry, whose closed meshes are solid.
-    pub unprotected: Option<LargestDistance>,
-    /// How far collision geometry stands out beyond the visual geometry, whose closed meshes are solid.
-    pub excess: Option<LargestDistance>,
 }
 
 /// Result of all checks.
@@ -82,29 +51,21 @@ impl LintReport {
     }
 }
 
-/// Defects of the collision meshes of a robot alone; neither visual geometry nor distances.
-pub fn lint_collision_meshes(robot: &RobotModel) -> Vec<Finding> {
-    let defects = all_defects(robot.links().iter().flat_map(|link| &link.collisions));
-    let mut findings = Vec::new();
-    for link in robot.links() {
-        findings.extend(mesh_findings(&link.name, GeometryKind::Collision, &link.collisions, &defects));
-        findings.extend(size_findings(link, &[], reach(robot)));
-    }
-    sorted(findings)
-}
-
 /// Runs all checks. `visuals` are read from the URDF of `robot`; links that they do not list count as links without visual geometry.
 pub fn lint(robot: &RobotModel, visuals: &VisualGeometry, options: &LintOptions) -> LintReport {
     let visual = |index: usize| visuals.links.get(index).map_or(&[][..], Vec::as_slice);
     let all = robot.links().iter().enumerate();
-    let defects = all_defects(all.clone().flat_map(|(i, link)| link.collisions.iter().chain(visual(i))));
+    let deadline = options.hausdorff.deadline;
+    let own_visuals = |index: usize, link: &Link| own_visuals(&link.collisions, visual(index));
+    let lists = all.clone().flat_map(|(i, link)| [link.collisions.clone(), own_visuals(i, link)]);
+    let defects = all_defects(&lists.collect::<Vec<_>>(), deadline);
     let mut findings: Vec<Finding> = visuals.faults.iter().map(unreadable).collect();
     for (index, link) in all.clone() {
         findings.extend(mesh_findings(&link.name, GeometryKind::Collision, &link.collisions, &defects));
-        findings.extend(mesh_findings(&link.name, GeometryKind::Visual, visual(index), &defects));
-        findings.extend(size_findings(link, visual(index), reach(robot)));
+        findings.extend(mesh_findings(&link.name, GeometryKind::Visual, &own_visuals(index, link), &defects));
         findings.extend(missing_geometry(link, visual(index)));
     }
+    findings.extend(size_findings(robot, visual));
     let links: Vec<LinkReport> = all
         .filter(|(index, link)| !(link.collisions.is_empty() && visual(*index).is_empty()))
         .collect::<Vec<_>>()
@@ -115,122 +76,33 @@ pub fn lint(robot: &RobotModel, visuals: &VisualGeometry, options: &LintOptions)
     LintReport { robot: robot.name().to_owned(), links, findings: sorted(findings) }
 }
 
-/// The geometry of a link, in its frame.
-pub(crate) fn placed(geometry: &[Collision]) -> Vec<PlacedShape> {
-    geometry.iter().filter_map(PlacedShape::of).collect()
-}
-
 fn sorted(mut findings: Vec<Finding>) -> Vec<Finding> {
     findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
     findings
 }
 
-/// The defects of each mesh, which several links may share.
-fn all_defects<'c>(
-    geometry: impl Iterator<Item = &'c Collision>,
+/// The visuals whose meshes are no collision meshes of the same link: the findings about these are not repeated.
+fn own_visuals(collisions: &[Collision], visuals: &[Collision]) -> Vec<Collision> {
+    let is_shared = |visual: &&Collision| {
+        visual.mesh_source.is_some() && collisions.iter().any(|c| c.mesh_source == visual.mesh_source)
+    };
+    visuals.iter().filter(|visual| !is_shared(visual)).cloned().collect()
+}
+
+/// The defects of each mesh that is not too large; several links may share one.
+fn all_defects(
+    lists: &[Vec<Collision>],
+    deadline: Option<Instant>,
 ) -> HashMap<*const TriangleMesh, MeshDefects> {
-    let mut meshes: HashMap<*const TriangleMesh, &Arc<TriangleMesh>> = HashMap::new();
-    for collision in geometry {
-        if let Shape::Mesh(mesh) = &collision.shape {
-            meshes.insert(Arc::as_ptr(mesh), mesh);
-        }
-    }
-    let meshes: Vec<&Arc<TriangleMesh>> = meshes.into_values().collect();
-    let found: Vec<MeshDefects> = meshes.par_iter().map(|mesh| MeshDefects::find(mesh)).collect();
-    meshes.into_iter().map(Arc::as_ptr).zip(found).collect()
-}
-
-fn measure(link: &Link, visuals: &[Collision], options: &HausdorffOptions) -> LinkReport {
-    let triangles = |list: &[Collision]| {
-        let of = |collision: &Collision| match &collision.shape {
-            Shape::Mesh(mesh) => mesh.triangles().len(),
-            _ => 0,
-        };
-        list.iter().map(of).sum()
-    };
-    let [unprotected, excess] = if are_same(&link.collisions, visuals) {
-        let point = bounds_of(&placed(visuals)).map_or([0.0; 3], |[low, _]| low.coords.into());
-        [Some(LargestDistance { lower: 0.0, upper: 0.0, point }); 2]
-    } else {
-        let [collision, visual] = [&link.collisions[..], visuals].map(placed);
-        [hausdorff(&visual, &collision, options), hausdorff(&collision, &visual, options)]
-            .map(|bounds| bounds.map(LargestDistance::from))
-    };
-    LinkReport {
-        link: link.name.clone(),
-        collision_triangles: triangles(&link.collisions),
-        visual_triangles: triangles(visuals),
-        unprotected,
-        excess,
-    }
-}
-
-fn distance_findings(report: &LinkReport, options: &LintOptions) -> Vec<Finding> {
-    let finding = |severity, check, distance: LargestDistance, message: String| Finding {
-        severity,
-        check,
-        link: report.link.clone(),
-        element: String::new(),
-        mesh: None,
-        point: Some(distance.point.into()),
-        message,
-    };
-    let mut findings = Vec::new();
-    if let Some(distance) = report.unprotected.filter(|d| d.lower > options.unprotected) {
-        let message = format!(
-            "visual geometry stands {} out of the collision geometry, so contacts there are not found: \
-             enlarge the collision geometry",
-            millimetres(&distance)
-        );
-        findings.push(finding(Severity::Warning, Check::UnprotectedVisual, distance, message));
-    }
-    if let Some(distance) = report.excess.filter(|d| d.lower > options.excess) {
-        let message = format!(
-            "collision geometry stands {} out beyond the visual geometry, so free states there are reported as \
-             collisions: make it fit, unless it covers parts that are not drawn",
-            millimetres(&distance)
-        );
-        findings.push(finding(Severity::Note, Check::ExcessCollision, distance, message));
-    }
-    findings
-}
-
-/// The bounds in millimetres.
-pub(crate) fn millimetres(distance: &LargestDistance) -> String {
-    format!("{:.2} to {:.2} mm", 1e3 * distance.lower, 1e3 * distance.upper)
-}
-
-fn size_findings(link: &Link, visuals: &[Collision], reach: f64) -> Vec<Finding> {
-    let wrong = |element: String, mesh: Option<String>, message: String| Finding {
-        severity: Severity::Error,
-        check: Check::WrongUnit,
-        link: link.name.clone(),
-        element,
-        mesh,
-        point: None,
-        message,
-    };
-    let mut findings = Vec::new();
-    for (kind, list) in [(GeometryKind::Collision, &link.collisions[..]), (GeometryKind::Visual, visuals)] {
-        for (collision, number) in list.iter().zip(1..) {
-            let source = collision.mesh_source.as_ref();
-            let size = PlacedShape::of(collision).and_then(|placed| placed.bounds()).map_or(0.0, diagonal);
-            if let Some(message) = size_fault(size, reach, source) {
-                let element = format!("{} {number}", kind.name());
-                findings.push(wrong(element, source.map(|s| s.uri.clone()), message));
-            }
-        }
-    }
-    let sizes = [&link.collisions[..], visuals].map(|list| bounds_of(&placed(list)).map_or(0.0, diagonal));
-    if let Some((ratio, units)) = confused_units(sizes[0], sizes[1]) {
-        let message = format!(
-            "collision geometry is {:.4} m and visual geometry {:.4} m large, a ratio of about {ratio}: \
-             {units} are probably confused; correct the scale of one mesh",
-            sizes[0], sizes[1]
-        );
-        findings.push(wrong(String::new(), None, message));
-    }
-    findings
+    let all: HashMap<*const TriangleMesh, &Arc<TriangleMesh>> = lists
+        .iter()
+        .flat_map(|list| meshes(list))
+        .filter(|mesh| mesh.triangles().len() <= MOST_TRIANGLES)
+        .map(|mesh| (Arc::as_ptr(mesh), mesh))
+        .collect();
+    let all: Vec<&Arc<TriangleMesh>> = all.into_values().collect();
+    let found: Vec<MeshDefects> = all.par_iter().map(|mesh| MeshDefects::find(mesh, deadline)).collect();
+    all.into_iter().map(Arc::as_ptr).zip(found).collect()
 }
 
 fn missing_geometry(link: &Link, visuals: &[Collision]) -> Option<Finding> {

@@ -111,13 +111,50 @@ impl TriangleTree {
         best
     }
 
-    /// Calls `visit` with each pair of different triangles whose boxes overlap, until it returns false.
-    pub fn overlapping_pairs(&self, mut visit: impl FnMut(u32, u32) -> bool) {
-        if self.nodes.is_empty() {
-            return;
+    /// Calls `visit` with each triangle whose box overlaps that of `triangle`, until it returns false. False if it did, or if the search
+    /// ended after `most_nodes`.
+    pub fn overlapping(
+        &self,
+        triangle: &Triangle,
+        most_nodes: usize,
+        mut visit: impl FnMut(u32) -> bool,
+    ) -> bool {
+        let own = AxisBox::of(triangle);
+        let mut stack = if self.nodes.is_empty() { vec![] } else { vec![0_u32] };
+        let mut visited = 0;
+        while let Some(index) = stack.pop() {
+            let node = &self.nodes[index as usize];
+            visited += 1;
+            if visited > most_nodes {
+                return false;
+            }
+            if !own.overlaps(&node.bounds) {
+                continue;
+            }
+            if node.count == 0 {
+                stack.extend([node.first, node.first + 1]);
+                continue;
+            }
+            let overlaps = |t: &&u32| own.overlaps(&AxisBox::of(&self.triangles[**t as usize]));
+            if !self.leaf(node).iter().filter(overlaps).all(|&t| visit(t)) {
+                return false;
+            }
         }
-        let mut stack = vec![(0_u32, 0_u32)];
+        true
+    }
+
+    /// Calls `visit` with each pair of different triangles whose boxes overlap, until it returns false. False if `go_on`, which is called
+    /// now and then, ended the search.
+    pub fn overlapping_pairs(
+        &self,
+        mut go_on: impl FnMut() -> bool,
+        mut visit: impl FnMut(u32, u32) -> bool,
+    ) -> bool {
+        let mut stack = if self.nodes.is_empty() { vec![] } else { vec![(0_u32, 0_u32)] };
         while let Some((a, b)) = stack.pop() {
+            if !go_on() {
+                return false;
+            }
             let (first, second) = (&self.nodes[a as usize], &self.nodes[b as usize]);
             if !first.bounds.overlaps(&second.bounds) {
                 continue;
@@ -125,7 +162,7 @@ impl TriangleTree {
             match (first.count > 0, second.count > 0) {
                 (true, true) => {
                     if !self.leaf_pairs(a == b, first, second, &mut visit) {
-                        return;
+                        return true;
                     }
                 }
                 (false, _) if a == b => {
@@ -136,6 +173,7 @@ impl TriangleTree {
                 (true, false) => stack.extend([(a, second.first), (a, second.first + 1)]),
             }
         }
+        true
     }
 
     fn leaf_pairs(
@@ -161,6 +199,11 @@ impl TriangleTree {
     fn leaf(&self, node: &Node) -> &[u32] {
         &self.order[node.first as usize..(node.first + node.count) as usize]
     }
+}
+
+/// Mean of the corners.
+pub(crate) fn centroid(triangle: &Triangle) -> Point {
+    Point::from((triangle.a.coords + triangle.b.coords + triangle.c.coords) / 3.0)
 }
 
 fn squared_distance(p: &Point, q: &Point) -> f64 {

@@ -7,12 +7,12 @@ use clearance_lint::MeshDefects;
 const FACES: [[u32; 3]; 4] = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
 
 fn corners(shift: f64) -> Vec<Point> {
-    let corner = |x: f64, y: f64, z: f64| Point::new(x + shift, y, z);
+    let corner = |x: f64, y: f64, z: f64| Point::new(x + shift, y + 0.4 * shift, z + 0.3 * shift);
     vec![corner(0.0, 0.0, 0.0), corner(1.0, 0.0, 0.0), corner(0.0, 1.0, 0.0), corner(0.0, 0.0, 1.0)]
 }
 
 fn defects(vertices: Vec<Point>, faces: &[[u32; 3]]) -> MeshDefects {
-    MeshDefects::find(&TriangleMesh::new(vertices, faces.to_vec()).unwrap())
+    MeshDefects::find(&TriangleMesh::new(vertices, faces.to_vec()).unwrap(), None)
 }
 
 fn clean() -> MeshDefects {
@@ -60,6 +60,20 @@ fn repeated_faces_are_found() {
     let found = defects(corners(0.0), &[&FACES[..], &[[b, a, c]]].concat());
     assert_eq!(found.double_sided_faces.unwrap().count, 1);
     assert_eq!(MeshDefects { double_sided_faces: None, ..found }, MeshDefects { triangles: 5, ..clean() });
+}
+
+#[test]
+fn faces_that_cross_are_found() {
+    let two = |shift: f64| {
+        let vertices = [corners(0.0), corners(shift)].concat();
+        defects(vertices, &[FACES, FACES.map(|face| face.map(|v| v + 4))].concat())
+    };
+    let found = two(0.3);
+    let crossings = found.self_intersections.unwrap();
+    assert!(crossings.count >= 3, "{found:?}");
+    assert!((0.3..=1.0).contains(&crossings.point.x), "{found:?}");
+    assert_eq!(found.components, 2);
+    assert_eq!(two(2.0), MeshDefects { triangles: 8, components: 2, ..clean() });
 }
 
 #[test]
