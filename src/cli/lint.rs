@@ -1,6 +1,7 @@
 //! `clearance lint`: defects of the geometry of a robot model, and distances between its collision and visual geometry.
 
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use clap::Args;
 use clearance::lint::{
@@ -23,7 +24,7 @@ use super::run_args::{internal, positive, print_line};
 #[derive(Args)]
 pub struct LintArgs {
     /// URDF file of the robot
-    #[arg(value_name = "ROBOT.urdf")]
+    #[arg(long, value_name = "FILE")]
     urdf: PathBuf,
 
     /// Folder in which package://NAME/path is searched, as DIR/NAME/path; may be given more than once
@@ -41,6 +42,10 @@ pub struct LintArgs {
     /// Relative gap between the bounds of a distance
     #[arg(long, value_name = "FRACTION", default_value_t = 0.001, allow_negative_numbers = true)]
     gap: f64,
+
+    /// Time limit in seconds; the bounds of the remaining distances are valid, but wide
+    #[arg(long, value_name = "S", default_value_t = 600.0, allow_negative_numbers = true)]
+    deadline: f64,
 
     /// Exit code 1 for warnings, too
     #[arg(long)]
@@ -88,13 +93,20 @@ impl LintArgs {
             excess: positive("--excess", self.excess)?,
             hausdorff: HausdorffOptions {
                 relative_gap: positive("--gap", self.gap)?,
+                deadline: deadline_in(positive("--deadline", self.deadline)?),
                 ..HausdorffOptions::default()
             },
         })
     }
 }
 
-fn visual_geometry(urdf: &Path, robot: &RobotArgs) -> Result<VisualGeometry, Failure> {
+/// The time in so many seconds; a time that no clock reaches is no deadline.
+pub fn deadline_in(seconds: f64) -> Option<Instant> {
+    Instant::now().checked_add(Duration::try_from_secs_f64(seconds).ok()?)
+}
+
+/// The visual geometry of a robot whose collision geometry is loaded.
+pub fn visual_geometry(urdf: &Path, robot: &RobotArgs) -> Result<VisualGeometry, Failure> {
     let text = input_files::read_text(urdf, DESCRIPTION_LIMIT).map_err(Failure::input)?;
     let text = RobotText { urdf: &text, urdf_name: urdf.to_str(), ..RobotText::default() };
     VisualGeometry::from_text(&text, &robot.mesh_files())
