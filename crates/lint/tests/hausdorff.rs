@@ -179,15 +179,40 @@ fn a_search_that_ends_early_keeps_valid_bounds() {
     assert!(early.lower <= whole.upper && whole.lower <= early.upper, "{early:?}, {whole:?}");
 }
 
-/// The target of the issue: two spheres with 100k triangles each. Prints the time; the gap alone is asserted.
+#[test]
+fn inner_geometry_that_touches_a_solid_needs_few_samples() {
+    // three faces of the small box lie in faces of the large one, the edges of the others touch them
+    let (small, large) = (box_mesh([1.0; 3], [0.5; 3]), box_mesh([2.0; 3], [1.0; 3]));
+    let found = bounds(&small, &large, &HausdorffOptions::default());
+    assert!(found.lower == 0.0 && found.upper <= 1e-6 + 1e-12, "{found:?}");
+    assert!(found.samples < 2_000, "{found:?}");
+    // with the surface alone, the inner corner is 1 m away
+    assert_contains(&bounds(&small, &large, &surface()), 1.0, "surface");
+}
+
+#[test]
+fn a_deadline_that_has_passed_leaves_valid_bounds() {
+    let (fixed, moved) = (sphere(0.5, 24, Vector::zeros()), sphere(0.5, 24, Vector::new(0.02, 0.01, 0.0)));
+    let late = HausdorffOptions { deadline: Some(std::time::Instant::now()), ..surface() };
+    let early = hausdorff(std::slice::from_ref(&moved), std::slice::from_ref(&fixed), &late).unwrap();
+    let whole = bounds(&moved, &fixed, &surface());
+    assert!(!early.is_within_gap && early.samples < 100, "{early:?}");
+    assert!(early.lower <= whole.upper && whole.lower <= early.upper, "{early:?}, {whole:?}");
+}
+
+/// The target: two spheres with 100k triangles each. Prints the time; the gap alone is asserted.
 #[test]
 fn a_hundred_thousand_triangles_reach_a_small_gap() {
     let rings = if cfg!(debug_assertions) { 60 } else { 160 };
     let from = sphere(0.5, rings, Vector::new(0.01, 0.003, 0.0));
     let to = sphere(0.5, rings + 1, Vector::zeros());
-    for options in [surface(), HausdorffOptions::default()] {
-        let start = std::time::Instant::now();
-        let found = bounds(&from, &to, &options);
-        println!("{rings} rings: {found:?} in {:?}", start.elapsed());
+    let (coarse, offset) =
+        (sphere(0.5, rings / 8, Vector::zeros()), sphere(0.505, rings + 1, Vector::zeros()));
+    for (what, a, b) in [("moved", &from, &to), ("coarse", &from, &coarse), ("offset", &from, &offset)] {
+        for (from, to) in [(a, b), (b, a)] {
+            let start = std::time::Instant::now();
+            let found = bounds(from, to, &surface());
+            println!("{what}, {rings} rings: {found:?} in {:?}", start.elapsed());
+        }
     }
 }

@@ -88,3 +88,41 @@ fn a_mesh_of_lines_has_no_component() {
     let found = defects(corners(0.0), &[[0, 1, 1]]);
     assert_eq!((found.components, found.degenerate_triangles.unwrap().count), (0, 1));
 }
+
+/// A box around the origin with edges of these lengths.
+fn box_of(size: [f64; 3]) -> (Vec<Point>, Vec<[u32; 3]>) {
+    let corner = |i: usize, axis: usize| size[axis] * if i >> axis & 1 == 0 { -0.5 } else { 0.5 };
+    let vertices = (0..8).map(|i| Point::new(corner(i, 0), corner(i, 1), corner(i, 2))).collect();
+    let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    (vertices, quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect())
+}
+
+#[test]
+fn boxes_that_cross_at_edges_are_found() {
+    // edges of the long box pass through the diagonals of the faces of the cube
+    let (mut vertices, mut faces) = box_of([1.0, 1.0, 1.0]);
+    let (long, long_faces) = box_of([0.5, 0.5, 3.0]);
+    vertices.extend(long);
+    faces.extend(long_faces.iter().map(|face| face.map(|v| v + 8)));
+    let found = defects(vertices, &faces);
+    assert!(found.self_intersections.unwrap().count >= 4, "{found:?}");
+    let (vertices, faces) = box_of([1.0, 1.0, 1.0]);
+    assert_eq!(defects(vertices, &faces).self_intersections, None);
+}
+
+#[test]
+fn a_mesh_with_a_small_hole_can_be_inward() {
+    // a fan of many faces around an axis: one is missing
+    let steps = 60_u32;
+    let around = |i: u32| f64::from(i) / f64::from(steps) * std::f64::consts::TAU;
+    let mut vertices: Vec<Point> =
+        (0..steps).map(|i| Point::new(around(i).cos(), around(i).sin(), 0.0)).collect();
+    vertices.extend([Point::new(0.0, 0.0, -1.0), Point::new(0.0, 0.0, 1.0)]);
+    let mut faces: Vec<[u32; 3]> =
+        (0..steps).flat_map(|i| [[i, (i + 1) % steps, steps + 1], [(i + 1) % steps, i, steps]]).collect();
+    faces.pop();
+    let found = defects(vertices.clone(), &faces);
+    assert_eq!((found.inverted, found.open_edges.unwrap().count), (None, 3));
+    let inward: Vec<[u32; 3]> = faces.iter().map(|&[a, b, c]| [a, c, b]).collect();
+    assert_eq!(defects(vertices, &inward).inverted.unwrap().count, 1);
+}
