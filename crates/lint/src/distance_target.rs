@@ -69,7 +69,9 @@ impl<'s> DistanceTarget<'s> {
     /// of its points is.
     pub fn proves_inside(&mut self, triangle: &Triangle) -> bool {
         let Self { tree, solids, .. } = self;
-        solids.iter_mut().for_each(|solid| solid.is_met = false);
+        for solid in solids.iter_mut() {
+            solid.is_met = false;
+        }
         let mut left = solids.len();
         let is_complete = left > 0
             && tree.overlapping(triangle, MOST_NODES, |face| {

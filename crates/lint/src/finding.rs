@@ -120,6 +120,8 @@ pub struct Finding {
     pub message: String,
 }
 
+// the signature is that of serde
+#[allow(clippy::ref_option)]
 fn coordinates<S: serde::Serializer>(point: &Option<Point>, serializer: S) -> Result<S::Ok, S::Error> {
     point.map(|p| [p.x, p.y, p.z]).serialize(serializer)
 }

@@ -11,7 +11,7 @@ use std::collections::BinaryHeap;
 use std::time::Instant;
 
 use clearance_geometry::Triangle;
-use clearance_geometry::math::{Extremes, Point};
+use clearance_geometry::math::{Extremes, Point, Vector};
 
 use crate::distance_target::{DistanceTarget, Element, Measured};
 use crate::link_geometry::{PlacedShape, bounds_of, box_corners, largest_coordinate};
@@ -247,7 +247,7 @@ impl<'s> Search<'s> {
         }
         let centre = centroid(triangle);
         let arms = triangle.corners().map(|corner| corner - centre);
-        let longest = arms.iter().map(|arm| arm.norm()).fold(0.0, Extremes::greater);
+        let longest = arms.iter().map(Vector::norm).fold(0.0, Extremes::greater);
         let shrunk = 1.0 - (border / longest.greater(border));
         let [a, b, c] = arms.map(|arm| centre + arm * shrunk);
         self.target.proves_inside(&Triangle { a, b, c }).then_some(border)

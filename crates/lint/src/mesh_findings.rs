@@ -73,8 +73,8 @@ pub(crate) fn mesh_findings(
 }
 
 fn rules(found: &MeshDefects) -> [Rule; 7] {
-    let rule = |severity, check, defect, text| Rule { severity, check, defect, text };
     use Severity::{Note, Warning};
+    let rule = |severity, check, defect, text| Rule { severity, check, defect, text };
     [
         rule(
             Warning,
