@@ -27,6 +27,7 @@
 //! | check the edges of a planner | [`CollisionChecker::is_motion_free`], [`CollisionChecker::are_motions_free`] |
 //! | plan a path of proven motions | [`planner::plan`] |
 //! | decide which links can collide | [`collision_matrix::MatrixBuilder`] |
+//! | find defects of a robot's geometry | [`lint::lint`] |
 //! | keep a proof, and check it again | [`CollisionChecker::certify_motion`], [`Verifier`] |
 //! | follow a stream of joint states | [`CollisionChecker::streaming_workspace`], [`monitor`] |
 //! | two posed bodies without a robot | [`proximity`] |
@@ -92,6 +93,10 @@ pub use clearance_planner as planner;
 /// Proven collision matrix: which pairs of links can collide within the joint limits.
 #[doc(inline)]
 pub use clearance_collision_matrix as collision_matrix;
+
+/// Checks of robot models: mesh defects, and certified distances between collision and visual geometry.
+#[doc(inline)]
+pub use clearance_lint as lint;
 
 /// Independent verification of certificates.
 #[doc(inline)]

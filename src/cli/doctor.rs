@@ -3,11 +3,15 @@
 use std::time::Duration;
 
 use clap::Args;
+use clearance::lint::{HausdorffOptions, LintOptions, LintReport, Severity, lint};
+use clearance::robot::RobotModel;
+use clearance_files::readable_text::on_one_line;
 use clearance_ros::{DoctorOptions, Finding, RosArguments, Verdict};
 use log::LevelFilter;
 
 use super::exit_status::ExitStatus;
 use super::failure::Failure;
+use super::lint::{deadline_in, visual_geometry};
 use super::model_args::RobotArgs;
 use super::node::failure;
 use super::run_args::{Format, internal, print_line};
@@ -40,16 +44,42 @@ pub fn run(args: &DoctorArgs, level: LevelFilter) -> Result<ExitStatus, Failure>
     clearance_ros::start_logging(level);
     let mesh_files = args.robot.mesh_files();
     let robot = args.robot.urdf.as_ref().map(|_| args.robot.load_quietly(&mesh_files)).transpose()?;
+    let geometry = robot.as_ref().map(|robot| geometry_finding(robot, &args.robot)).transpose()?.flatten();
     let arguments = RosArguments::parse(&args.ros_args).map_err(Failure::input)?;
     let mesh_model = args.robot.mesh_model();
     let options = DoctorOptions { arguments, robot, mesh_files, mesh_model, duration };
-    let findings = clearance_ros::run_doctor(options).map_err(failure)?;
+    let mut findings = clearance_ros::run_doctor(options).map_err(failure)?;
+    findings.extend(geometry);
     match args.format {
         Format::Json => print_line(&serde_json::to_string(&findings).map_err(internal)?)?,
         Format::Text => findings.iter().try_for_each(print_finding)?,
     }
     let is_wrong = findings.iter().any(|finding| finding.verdict == Verdict::Wrong);
     Ok(ExitStatus::from(u8::from(is_wrong)))
+}
+
+/// Time limit (s) of the checks of a robot's geometry.
+const GEOMETRY_DEADLINE: f64 = 10.0;
+
+/// Summary of the checks of a robot's geometry; `clearance lint` lists them.
+fn geometry_finding(robot: &RobotModel, args: &RobotArgs) -> Result<Option<Finding>, Failure> {
+    let Some(urdf) = &args.urdf else { return Ok(None) };
+    let hausdorff =
+        HausdorffOptions { deadline: deadline_in(GEOMETRY_DEADLINE), ..HausdorffOptions::default() };
+    let options = LintOptions { hausdorff, ..LintOptions::default() };
+    let report: LintReport = lint(robot, &visual_geometry(urdf, args)?, &options);
+    let [errors, warnings] = [Severity::Error, Severity::Warning].map(|severity| report.count(severity));
+    let verdict = match (errors, warnings) {
+        (0, 0) => Verdict::Good,
+        (0, _) => Verdict::Note,
+        _ => Verdict::Wrong,
+    };
+    let first = match report.findings.first().filter(|_| verdict != Verdict::Good) {
+        Some(first) => format!(", the first: {first}; `clearance lint --urdf {}` lists all", urdf.display()),
+        None => String::new(),
+    };
+    let text = on_one_line(&format!("{errors} errors, {warnings} warnings{first}")).into_owned();
+    Ok(Some(Finding { verdict, about: "geometry".to_owned(), text }))
 }
 
 fn print_finding(Finding { verdict, about, text }: &Finding) -> Result<(), Failure> {

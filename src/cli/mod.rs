@@ -21,6 +21,7 @@ mod demo_table;
 mod doctor;
 mod exit_status;
 mod failure;
+mod lint;
 mod matrix_verification;
 mod model_args;
 mod motion;
@@ -88,6 +89,8 @@ enum Command {
     Acm(Box<acm::AcmArgs>),
     /// Verify a certificate that a motion is free, with code that is independent of the checker
     Verify(Box<verify::VerifyArgs>),
+    /// Find defects of a robot's geometry, and compare its collision with its visual geometry
+    Lint(lint::LintArgs),
     /// Show a robot and its world in a web browser, with a slider for each joint
     View(Box<view::ViewCommandArgs>),
     /// Measure the time of checks of a robot in a world, and compare broad-phase structures
@@ -163,6 +166,10 @@ fn dispatch(arguments: Arguments) -> Result<ExitStatus, Failure> {
         Some(Command::Verify(args)) => {
             log_to_stderr(arguments.log_level.unwrap_or(LevelFilter::Warn));
             verify::run(&args)
+        }
+        Some(Command::Lint(args)) => {
+            log_to_stderr(arguments.log_level.unwrap_or(LevelFilter::Warn));
+            lint::run(&args)
         }
         Some(Command::View(args)) => {
             log_to_stderr(arguments.log_level.unwrap_or(LevelFilter::Warn));

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 /// The crates, and those of them that each may use.
-const CRATES: [(&str, &[&str]); 16] = [
+const CRATES: [(&str, &[&str]); 17] = [
     ("geometry", &[]),
     ("files", &[]),
     ("proximity", &["geometry"]),
@@ -15,6 +15,7 @@ const CRATES: [(&str, &[&str]); 16] = [
     ("verifier", &["geometry", "robot", "scene", "motion"]),
     ("collision_matrix", &["geometry", "proximity", "robot", "scene", "motion", "checker", "verifier"]),
     ("monitor", &["geometry", "proximity", "robot", "scene", "checker"]),
+    ("lint", &["geometry", "robot"]),
     ("view", &["geometry", "robot", "scene", "checker", "monitor"]),
     ("ros", &["geometry", "files", "proximity", "robot", "scene", "motion", "checker", "monitor", "view"]),
     // above the root package, which it uses like any other program

@@ -6,6 +6,7 @@ use clearance_files::input_files::{self, DESCRIPTION_LIMIT};
 
 use super::mesh_files::MeshFiles;
 use super::model::{ModelError, RobotModel};
+use super::urdf_validation::ValidUrdf;
 use super::{Fault, Place, srdf_reader, urdf_reader, urdf_validation};
 
 /// The texts that describe a robot; names are the names of their files, for messages.
@@ -37,12 +38,7 @@ impl RobotModel {
     /// Every error found in the URDF and its meshes, or, if these have none, in the SRDF.
     pub fn from_text(text: &RobotText, files: &MeshFiles) -> Result<Self, ModelError> {
         let sound = urdf_validation::check(text.urdf, text.urdf_name)?;
-        let robot = urdf_rs::read_from_string(&sound.text).map_err(|e| {
-            ModelError::from(Fault {
-                place: Place { file: text.urdf_name.map(str::to_owned), ..Place::default() },
-                message: format!("bad URDF: {e}"),
-            })
-        })?;
+        let robot = parse(&sound, text.urdf_name)?;
         let mut model = urdf_reader::build(&robot, sound, files)?;
         if let Some(srdf_text) = text.srdf {
             srdf_reader::apply(&mut model, srdf_text, text.srdf_name)?;
@@ -87,6 +83,16 @@ impl RobotModel {
         };
         Self::from_text(&text, files)
     }
+}
+
+/// The links and joints of a validated text.
+pub(super) fn parse(sound: &ValidUrdf, file: Option<&str>) -> Result<urdf_rs::Robot, ModelError> {
+    urdf_rs::read_from_string(&sound.text).map_err(|e| {
+        ModelError::from(Fault {
+            place: Place { file: file.map(str::to_owned), ..Place::default() },
+            message: format!("bad URDF: {e}"),
+        })
+    })
 }
 
 fn read_text(path: &Path) -> Result<String, Fault> {

@@ -185,11 +185,30 @@ fn links(
     files: &MeshFiles,
     warnings: &mut Vec<Warning>,
 ) -> Result<Vec<Link>, ModelError> {
+    let (geometries, faults) = geometries(robot, notes, files, warnings);
+    let bodies = tree.parent_joint.iter().zip(&tree.rigid_body);
+    let links = (robot.links.iter().zip(geometries).zip(bodies)).map(
+        |((link, collisions), (&parent_joint, &rigid_body))| Link {
+            name: link.name.clone(),
+            parent_joint,
+            collisions,
+            rigid_body,
+        },
+    );
+    ModelError::unless_sound(links.collect(), faults)
+}
+
+/// The geometry of each link, as far as it can be loaded, and the errors of the rest.
+pub(super) fn geometries(
+    robot: &urdf_rs::Robot,
+    notes: &[LinkNotes],
+    files: &MeshFiles,
+    warnings: &mut Vec<Warning>,
+) -> (Vec<Vec<Collision>>, Vec<Fault>) {
     let mut meshes = MeshCache::new(files);
     let (mut faults, mut missing) = (Vec::new(), MissingMeshes::default());
     let mut links = Vec::with_capacity(robot.links.len());
-    let bodies = tree.parent_joint.iter().zip(&tree.rigid_body);
-    for ((link, notes), (&parent_joint, &rigid_body)) in robot.links.iter().zip(notes).zip(bodies) {
+    for (link, notes) in robot.links.iter().zip(notes) {
         let mut collisions = Vec::with_capacity(link.collision.len());
         for (collision, notes) in link.collision.iter().zip(&notes.collisions) {
             match read_collision(collision, notes, &mut meshes, warnings) {
@@ -198,10 +217,10 @@ fn links(
                 Err(error) => faults.push(Fault { place: notes.place.clone(), message: error.to_string() }),
             }
         }
-        links.push(Link { name: link.name.clone(), parent_joint, collisions, rigid_body });
+        links.push(collisions);
     }
     faults.extend(missing.faults(files));
-    ModelError::unless_sound(links, faults)
+    (links, faults)
 }
 
 /// Reason why a collision has no shape.

@@ -60,11 +60,38 @@ pub(super) struct JointNotes {
     pub limited: bool,
 }
 
+/// The geometry of links that is validated and kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum GeometryKind {
+    Collision,
+    /// Visual geometry, which is written as collisions: everything after the validation treats both alike.
+    Visual,
+}
+
+impl GeometryKind {
+    /// Name of the URDF element.
+    fn tag(self) -> &'static str {
+        match self {
+            Self::Collision => "collision",
+            Self::Visual => "visual",
+        }
+    }
+}
+
 /// Reads a URDF as XML and reports all its errors, as far as they can be found without meshes.
 pub(super) fn check(text: &str, file: Option<&str>) -> Result<ValidUrdf, ModelError> {
+    check_geometry(text, file, GeometryKind::Collision)
+}
+
+/// As [`check`], for one kind of geometry.
+pub(super) fn check_geometry(
+    text: &str,
+    file: Option<&str>,
+    kind: GeometryKind,
+) -> Result<ValidUrdf, ModelError> {
     let mut warnings = Vec::new();
     let expected = Expected { file, language: "a URDF", root: "robot" };
-    let checked = read_xml(text, expected, &mut warnings, |xml, _| Validator::new(xml).check())?;
+    let checked = read_xml(text, expected, &mut warnings, |xml, _| Validator::new(xml, kind).check())?;
     let mut urdf = checked?;
     urdf.warnings.splice(0..0, warnings);
     Ok(urdf)
@@ -73,6 +100,7 @@ pub(super) fn check(text: &str, file: Option<&str>) -> Result<ValidUrdf, ModelEr
 /// State of the validation: errors, warnings and validated text so far.
 struct Validator<'d> {
     xml: &'d Xml<'d>,
+    kind: GeometryKind,
     version: (u32, u32),
     faults: Vec<Fault>,
     sound: ValidUrdf,
@@ -97,9 +125,10 @@ const SRDF_ELEMENTS: [&str; 8] = [
 const MOST_NAMED: usize = 20;
 
 impl<'d> Validator<'d> {
-    fn new(xml: &'d Xml<'d>) -> Self {
+    fn new(xml: &'d Xml<'d>, kind: GeometryKind) -> Self {
         Self {
             xml,
+            kind,
             version: (1, 0),
             faults: Vec::new(),
             sound: ValidUrdf::default(),

@@ -1,11 +1,11 @@
-//! Validation of links: collisions and their shapes. Inertias are never read; for visuals, only their existence is read.
+//! Validation of links: collisions and their shapes, or visuals and their shapes. Inertias are never read.
 
 use clearance_geometry::constants::LARGEST_COORDINATE;
 use clearance_geometry::math::Rotation;
 use nalgebra::Quaternion;
 use roxmltree::Node;
 
-use super::{CollisionNotes, LinkNotes, Validator, is_unexpanded};
+use super::{CollisionNotes, GeometryKind, LinkNotes, Validator, is_unexpanded};
 use crate::decimal_numbers::{decimals, shortened};
 use crate::xml::{is_foreign, own_children};
 
@@ -16,10 +16,11 @@ impl<'d> Validator<'d> {
         self.writer.open("link", &[("name", name)]);
         let mut notes =
             LinkNotes { place: self.xml.place(link, format!("link '{name}'")), collisions: Vec::new() };
-        for (collision, number) in own_children(link, "collision").zip(1..) {
+        let tag = self.kind.tag();
+        for (collision, number) in own_children(link, tag).zip(1..) {
             let element = match collision.attribute("name").unwrap_or_default() {
-                "" => format!("link '{name}' collision {number}"),
-                own => format!("link '{name}' collision '{}'", shortened(own)),
+                "" => format!("link '{name}' {tag} {number}"),
+                own => format!("link '{name}' {tag} '{}'", shortened(own)),
             };
             let place = self.xml.place(collision, element.as_str());
             match collision.attribute("name") {
@@ -32,7 +33,10 @@ impl<'d> Validator<'d> {
             notes.collisions.push(CollisionNotes { place, rotation });
         }
         self.writer.close("link");
-        if notes.collisions.is_empty() && own_children(link, "visual").next().is_some() {
+        if self.kind == GeometryKind::Collision
+            && notes.collisions.is_empty()
+            && own_children(link, "visual").next().is_some()
+        {
             self.without_collision.push((name.to_owned(), link));
         }
         self.sound.links.push(notes);
