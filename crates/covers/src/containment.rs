@@ -13,6 +13,9 @@ use crate::link_solid::LinkSolid;
 /// Largest number of cells of one proof about the inside.
 const MOST_CELLS: usize = 400_000;
 
+/// Largest number of gaps that are collected.
+const MOST_GAPS: usize = 5000;
+
 /// What is proven, about which solid.
 pub struct Containment<'s> {
     solid: &'s LinkSolid,
@@ -32,20 +35,21 @@ trait Gaps {
 struct Witnesses<'b> {
     balls: &'b [Ball],
     smallest: f64,
+    /// Growth (m) of a ball that closes a gap which does not count.
+    tolerance: f64,
     points: Vec<Point>,
-    most: usize,
 }
 
 /// Enlarges balls.
 struct Growth {
     balls: Vec<Ball>,
+    /// Radii (m) before the growth.
+    radii: Vec<f64>,
     /// Signed distances (m) of the centres from the solid.
     depths: Vec<f64>,
     smallest: f64,
     margin: f64,
     tolerance: f64,
-    /// Largest excess (m) of the balls before they grow.
-    excess: f64,
 }
 
 impl Gaps for Witnesses<'_> {
@@ -54,12 +58,17 @@ impl Gaps for Witnesses<'_> {
     }
 
     fn on_gap(&mut self, corners: &[Point], size: f64) -> bool {
-        if size <= self.smallest && self.points.len() < self.most {
+        let reach =
+            |ball: &Ball| corners.iter().map(|c| -ball.slack(c)).fold(f64::NEG_INFINITY, Extremes::greater);
+        if self.balls.iter().any(|ball| reach(ball) <= self.tolerance) {
+            return true;
+        }
+        if size <= self.smallest && self.points.len() < MOST_GAPS {
             #[allow(clippy::cast_precision_loss)] // three or eight
             let sum = corners.iter().map(|c| c.coords).sum::<Vector>() / corners.len() as f64;
             self.points.push(Point::from(sum));
         }
-        size <= self.smallest || self.points.len() >= self.most
+        size <= self.smallest || self.points.len() >= MOST_GAPS
     }
 }
 
@@ -76,9 +85,7 @@ impl Gaps for Growth {
         let needs: Vec<f64> = self.balls.iter().map(needed).collect();
         let excess = |i: usize| needs[i] + self.depths[i];
         let best = (1..needs.len()).fold(0, |best, i| if excess(i) < excess(best) { i } else { best });
-        let growth = needs[best] - self.balls[best].radius;
-        let is_harmless = growth <= 0.1 * self.excess && excess(best) <= self.excess;
-        if size > self.smallest && growth > self.tolerance && !is_harmless {
+        if size > self.smallest && needs[best] - self.radii[best] > self.tolerance {
             return false;
         }
         let ball = &mut self.balls[best];
@@ -93,9 +100,10 @@ impl<'s> Containment<'s> {
         Self { solid, margin: margin.greater(solid.chord_error()) + 4.0 * ROUNDING }
     }
 
-    /// Points in gaps larger than `smallest` (m), at most `most`. If there are none, gaps may be smaller.
-    pub fn gaps(&self, balls: &[Ball], smallest: f64, most: usize) -> Vec<Point> {
-        let mut witnesses = Witnesses { balls, smallest, points: vec![], most };
+    /// Points in gaps, at most [`MOST_GAPS`]. Gaps that a growth of a ball by `tolerance` (m) closes do not count.
+    pub fn gaps(&self, balls: &[Ball], tolerance: f64) -> Vec<Point> {
+        let smallest = 8.0 * tolerance;
+        let mut witnesses = Witnesses { balls, smallest, tolerance, points: vec![] };
         self.visit_surface(&mut witnesses);
         if witnesses.points.is_empty() {
             self.visit_inside(&mut witnesses, smallest);
@@ -106,10 +114,10 @@ impl<'s> Containment<'s> {
     /// Enlarges balls until they contain the solid. Gaps are closed without further splits if that takes at most `tolerance` (m).
     pub fn close(&self, balls: &[Ball], tolerance: f64) -> Vec<Ball> {
         let depths: Vec<f64> = balls.iter().map(|ball| self.solid.signed_distance(&ball.centre)).collect();
-        let excess = balls.iter().zip(&depths).map(|(b, d)| b.radius + d).fold(0.0, Extremes::greater);
         let smallest = tolerance.lesser(0.25 * self.margin);
+        let radii = balls.iter().map(|ball| ball.radius).collect();
         let (balls, margin) = (balls.to_vec(), self.margin);
-        let mut growth = Growth { balls, depths, smallest, margin, tolerance, excess };
+        let mut growth = Growth { balls, radii, depths, smallest, margin, tolerance };
         self.visit_surface(&mut growth);
         growth.margin = 0.0;
         self.visit_inside(&mut growth, 0.0);
@@ -152,7 +160,9 @@ impl<'s> Containment<'s> {
                 continue;
             }
             let signed = self.solid.signed_distance(&centre);
-            if signed > reach || self.solid.surface_distance(&centre, signed.abs() + ROUNDING) + reach <= self.margin {
+            if signed > reach
+                || self.solid.surface_distance(&centre, signed.abs() + ROUNDING) + reach <= self.margin
+            {
                 continue;
             }
             let at_surface = signed.abs() <= reach;

@@ -7,6 +7,9 @@ use clearance_geometry::math::Point;
 
 use crate::ball::Ball;
 
+/// Largest number of uncovered points that decide which candidate is added.
+const MOST_COUNTED: usize = 96;
+
 /// Candidates, and the points to be covered.
 pub struct CoverSearch<'p> {
     points: &'p [Point],
@@ -52,7 +55,7 @@ impl<'p> CoverSearch<'p> {
                 continue;
             }
             idle += 1;
-            if idle > steps || state.chosen.is_empty() {
+            if idle > steps || step > 8 * steps || state.chosen.is_empty() {
                 break;
             }
             self.swap(&mut state, step);
@@ -100,7 +103,8 @@ impl<'p> CoverSearch<'p> {
             if i == removed || !ball.contains(&self.points[point], 0.0) || state.chosen.contains(&i) {
                 continue;
             }
-            let gained = state.uncovered.iter().filter(|p| ball.contains(&self.points[**p], 0.0));
+            let gained =
+                state.uncovered.iter().take(MOST_COUNTED).filter(|p| ball.contains(&self.points[**p], 0.0));
             let gain: f64 = gained.map(|p| state.weights[*p]).sum();
             if best.is_none_or(|(most, _)| gain > most) {
                 best = Some((gain, i));

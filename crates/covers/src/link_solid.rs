@@ -1,5 +1,7 @@
 //! Collision geometry of a link as one solid in the link frame.
 
+use std::collections::HashSet;
+
 use clearance_geometry::math::{Extremes, Point};
 use clearance_geometry::{MeshError, Shape, Triangle, TriangleMesh};
 use clearance_robot::{Collision, Link};
@@ -17,7 +19,7 @@ pub struct LinkSolid {
     chord_error: f64,
 }
 
-/// One collision geometry.
+/// A closed surface of a mesh, or the faces that belong to none.
 #[derive(Clone, Debug)]
 struct Part {
     mesh: TriangleMesh,
@@ -26,6 +28,32 @@ struct Part {
 }
 
 impl Part {
+    /// The parts of a mesh. Each closed surface is one: faces within another surface do not reduce its depths.
+    fn of_mesh(mesh: TriangleMesh) -> Result<Vec<Self>, MeshError> {
+        let surfaces = mesh.solid().surfaces();
+        if surfaces.len() <= 1 && !mesh.solid().remarks().is_open() {
+            return Ok(vec![Self::new(mesh)]);
+        }
+        let of = |triangles: &[[u32; 3]]| TriangleMesh::new(mesh.vertices().to_vec(), triangles.to_vec());
+        let key = |triangle: &[u32; 3]| {
+            let mut corners =
+                triangle.map(|v| mesh.vertices()[v as usize].coords.data.0[0].map(f64::to_bits));
+            corners.sort_unstable();
+            corners
+        };
+        let closed: HashSet<_> = surfaces.iter().flat_map(|surface| surface.triangles()).map(key).collect();
+        let rest: Vec<[u32; 3]> =
+            mesh.triangles().iter().filter(|t| !closed.contains(&key(t))).copied().collect();
+        let mut parts = vec![];
+        for surface in surfaces {
+            parts.push(Self::new(of(surface.triangles())?));
+        }
+        if !rest.is_empty() {
+            parts.push(Self::new(of(&rest)?));
+        }
+        Ok(parts)
+    }
+
     fn new(mesh: TriangleMesh) -> Self {
         let triangles = (0..mesh.triangles().len()).map(|i| mesh.triangle(i)).collect();
         let has_inside = !mesh.solid().surfaces().is_empty();
@@ -48,14 +76,15 @@ impl LinkSolid {
         for collision in &link.collisions {
             let (mesh, error) = mesh_of(collision)?;
             chord_error = chord_error.greater(error);
-            parts.push(Part::new(mesh));
+            parts.extend(Part::of_mesh(mesh)?);
         }
         Ok(Some(Self { parts, chord_error }))
     }
 
     /// The solid of meshes; `None` of no meshes.
     pub fn of_meshes(meshes: Vec<TriangleMesh>) -> Option<Self> {
-        let parts: Vec<Part> = meshes.into_iter().map(Part::new).collect();
+        let parts: Vec<Part> =
+            meshes.into_iter().flat_map(|mesh| Part::of_mesh(mesh).unwrap_or_default()).collect();
         (!parts.is_empty()).then_some(Self { parts, chord_error: 0.0 })
     }
 

@@ -15,7 +15,8 @@ const DOMINATED: f64 = 0.8;
 /// others are left out: the rest is near the medial axis of the enlarged solid. Radii are approximate.
 pub fn largest_balls(grid: &DistanceGrid, excess: f64, most: usize) -> Vec<Ball> {
     let radii = radii(grid, excess);
-    let mut kept: Vec<usize> = (0..radii.len()).filter(|&i| radii[i] > 0.0 && is_peak(grid, &radii, i)).collect();
+    let mut kept: Vec<usize> =
+        (0..radii.len()).filter(|&i| radii[i] > 0.0 && is_peak(grid, &radii, i)).collect();
     if kept.len() > most {
         let mut random = fastrand::Rng::with_seed(7);
         random.shuffle(&mut kept);

@@ -29,6 +29,20 @@ pub enum CoverError {
         /// The number of links with collision geometry.
         links: usize,
     },
+    /// No cover with the requested excess was found.
+    #[error("link '{link}': no cover with an excess of at most {excess} m was found; allow a larger one")]
+    NotReached {
+        /// Name of the link.
+        link: String,
+        /// The requested excess (m).
+        excess: f64,
+    },
+    /// An inner cover was requested by a total.
+    #[error("inner covers are made by count per link or by depth, not by total")]
+    NoTotal,
+    /// A URDF text is not that of the robot.
+    #[error("the URDF text is not the one that the robot was read from")]
+    OtherUrdf,
     /// An excess or depth is not a positive number.
     #[error("the largest {what} is {value}, but must be a finite number of metres above zero")]
     BadLength {

@@ -3,14 +3,15 @@
 use clearance_geometry::math::{Extremes, Point};
 
 use crate::ball::Ball;
+use crate::branch_and_bound::{Accuracy, DistanceBounds};
 use crate::containment::Containment;
 use crate::cover_search::CoverSearch;
 use crate::distance_grid::DistanceGrid;
-use crate::excess::{Accuracy, ExcessBounds, ball_excess};
+use crate::excess::ball_excess;
 use crate::link_solid::LinkSolid;
 use crate::offset_balls::largest_balls;
 use crate::refinement::{Refined, Refinement};
-use crate::samples::{inner_points, surface_points};
+use crate::samples::{inner_points, surface_points, thinned};
 
 /// Largest number of candidate balls.
 const CANDIDATES: usize = 2500;
@@ -18,11 +19,21 @@ const CANDIDATES: usize = 2500;
 /// Margin of the proof, and step of the growth that closes gaps, relative to the excess.
 const MARGIN: f64 = 2e-3;
 
-/// Accuracy of the excess of each ball.
+/// Accuracy of the excess of the ball with the largest; others are known to be below it.
 const ACCURACY: Accuracy = Accuracy { relative: 0.01, absolute: 1e-6, most_cells: 20_000 };
+const COARSE: Accuracy = Accuracy { relative: 0.06, absolute: 1e-6, most_cells: 3_000 };
+
+/// Number of balls above which less time is spent on each.
+const MANY: usize = 60;
+
+/// An excess below this number of steps of the grid is fine: then, the grid has too few centres of balls.
+const FINE: f64 = 4.0;
+
+/// Largest number of searches for one excess.
+const MOST_ATTEMPTS: usize = 10;
 
 /// A ball with proven bounds on its excess.
-pub type BoundedBall = (Ball, ExcessBounds);
+pub type BoundedBall = (Ball, DistanceBounds);
 
 /// A solid with the data for the search of covers.
 pub struct OuterCover<'s> {
@@ -39,6 +50,11 @@ impl<'s> OuterCover<'s> {
         Self { solid, grid, surface, spacing }
     }
 
+    /// Length (m) of the diagonal of the box around the solid.
+    pub fn extent(&self) -> f64 {
+        self.solid.extent()
+    }
+
     /// Number of balls that a quick search needs for an excess (m).
     pub fn quick_count(&self, excess: f64) -> usize {
         self.search(excess, None, 0).map_or(usize::MAX / 4096, |balls| balls.len())
@@ -49,23 +65,32 @@ impl<'s> OuterCover<'s> {
         self.finish(self.best_of_count(count, None))
     }
 
-    /// Few balls that contain the solid with an excess of at most `excess` (m).
-    pub fn of_excess(&self, excess: f64) -> Vec<BoundedBall> {
-        let mut aim = 0.95 * excess;
-        let start = self.search(aim, None, 1500);
-        let mut count = start.as_ref().map_or(1, Vec::len);
-        let mut balls = start.unwrap_or_else(|| self.around());
-        loop {
-            let refined = self.refine(&balls);
-            let cover = self.finish(refined);
-            if largest_excess(&cover) <= excess {
-                return cover;
+    /// Few balls that contain the solid with an excess of at most `excess` (m); `None` if none are found.
+    pub fn of_excess(&self, excess: f64) -> Option<Vec<BoundedBall>> {
+        let mut aim = 0.96 * excess;
+        let mut cover = None;
+        for _ in 0..MOST_ATTEMPTS {
+            let found = self.finish(self.refine(&self.search(aim, None, 300)?));
+            let reached = largest_excess(&found);
+            if reached <= excess {
+                cover = Some(found);
+                break;
             }
-            // one ball more
-            aim *= 0.97;
-            count = (count + 1).max(count + count / 30);
-            balls = self.best_of_count(count, Some(aim)).balls;
+            aim *= (0.98 * excess / reached).greater(0.6).lesser(0.97);
         }
+        let mut cover = cover?;
+        // the refinement may have left room for one ball less
+        for _ in 0..MOST_ATTEMPTS {
+            if cover.len() < 2 || largest_excess(&cover) > 0.94 * excess {
+                break;
+            }
+            let fewer = self.finish(self.best_of_count(cover.len() - 1, Some(excess)));
+            if largest_excess(&fewer) > excess {
+                break;
+            }
+            cover = fewer;
+        }
+        Some(cover)
     }
 
     /// The ball around the box of the solid.
@@ -82,7 +107,12 @@ impl<'s> OuterCover<'s> {
 
     fn search(&self, excess: f64, count: Option<usize>, steps: usize) -> Option<Vec<Ball>> {
         let points = self.points();
-        CoverSearch::new(&points, largest_balls(&self.grid, excess, CANDIDATES)).find(count, steps)
+        let mut candidates = largest_balls(&self.grid, excess, CANDIDATES);
+        if excess < FINE * self.grid.step {
+            // balls around points of the surface have no more excess than their radius
+            candidates.extend(self.surface.iter().map(|p| Ball { centre: *p, radius: excess }));
+        }
+        CoverSearch::new(&points, candidates).find(count, steps)
     }
 
     fn refine(&self, balls: &[Ball]) -> Refined {
@@ -96,7 +126,7 @@ impl<'s> OuterCover<'s> {
         let mut high = 0.5 * self.solid.extent() + 2e-9;
         let mut balls = self.around();
         let mut first = known;
-        for _ in 0..12 {
+        for _ in 0..if count == 1 { 0 } else { 12 } {
             if high < 1.04 * low {
                 break;
             }
@@ -107,7 +137,8 @@ impl<'s> OuterCover<'s> {
             }
         }
         let mut best = self.refine(&balls);
-        for _ in 0..6 {
+        // a single ball is found by refinement
+        for _ in 0..if count == 1 { 0 } else { 6 } {
             let Some(found) = self.search(0.96 * best.excess, Some(count), 1000) else { break };
             let refined = self.refine(&found);
             if refined.excess > 0.995 * best.excess {
@@ -125,12 +156,12 @@ impl<'s> OuterCover<'s> {
         let mut points = self.points();
         let mut best = self.closed(&containment, &refined.balls, margin);
         let mut balls = refined.balls;
-        for _ in 0..4 {
-            let gaps = containment.gaps(&balls, 0.25 * self.spacing, 400);
+        for _ in 0..if balls.len() > MANY { 2 } else { 4 } {
+            let gaps = containment.gaps(&balls, 2.0 * margin);
             if gaps.is_empty() {
                 break;
             }
-            points.extend(gaps);
+            points.extend(thinned(&gaps, 0.5 * self.spacing));
             balls = Refinement::new(&self.grid, 2.0 * margin).refine(&balls, &points, 4).balls;
             let closed = self.closed(&containment, &balls, margin);
             if largest_excess(&closed) < largest_excess(&best) {
@@ -142,7 +173,15 @@ impl<'s> OuterCover<'s> {
 
     fn closed(&self, containment: &Containment, balls: &[Ball], tolerance: f64) -> Vec<BoundedBall> {
         let balls = containment.close(balls, tolerance).into_iter();
-        balls.map(|ball| (ball, ball_excess(self.solid, &ball, &ACCURACY))).collect()
+        let mut cover: Vec<BoundedBall> =
+            balls.map(|ball| (ball, ball_excess(self.solid, &ball, &COARSE))).collect();
+        let lower = cover.iter().map(|(_, excess)| excess.lower).fold(0.0, Extremes::greater);
+        for (ball, excess) in &mut cover {
+            if excess.upper > lower {
+                *excess = ball_excess(self.solid, ball, &ACCURACY);
+            }
+        }
+        cover
     }
 }
 

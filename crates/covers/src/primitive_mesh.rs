@@ -20,12 +20,14 @@ pub fn inscribed_mesh(primitive: &Primitive) -> Result<(TriangleMesh, f64), Mesh
             Ok((revolved(&arc(radius, half_length))?, radius * of_sphere))
         }
         Primitive::Cylinder { radius, half_length } => {
-            let profile = [[0.0, -half_length], [radius, -half_length], [radius, half_length], [0.0, half_length]];
+            let profile =
+                [[0.0, -half_length], [radius, -half_length], [radius, half_length], [0.0, half_length]];
             Ok((revolved(&profile)?, radius * of_circle))
         }
-        Primitive::Cone { radius, half_length } => {
-            Ok((revolved(&[[0.0, -half_length], [radius, -half_length], [0.0, half_length]])?, radius * of_circle))
-        }
+        Primitive::Cone { radius, half_length } => Ok((
+            revolved(&[[0.0, -half_length], [radius, -half_length], [0.0, half_length]])?,
+            radius * of_circle,
+        )),
     }
 }
 

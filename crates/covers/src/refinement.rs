@@ -46,7 +46,8 @@ impl<'g> Refinement<'g> {
             return simple;
         }
         let floor = SHORTFALL * ball.radius;
-        let mut most = 0.0_f64;
+        // an open surface has points far from it in the middle of a ball, too
+        let mut most = self.grid.value(&ball.centre).greater(0.0);
         for direction in &self.directions {
             let value = self.grid.value(&(ball.centre + direction * ball.radius));
             most = most.greater(value);
@@ -84,7 +85,13 @@ impl<'g> Refinement<'g> {
     }
 
     /// Assigns points to balls whose radii may grow or shrink to an excess of `target`, and fits the balls.
-    fn round(&mut self, balls: &[Ball], excesses: &[f64], points: &[Point], target: f64) -> (Vec<Ball>, Vec<f64>) {
+    fn round(
+        &mut self,
+        balls: &[Ball],
+        excesses: &[f64],
+        points: &[Point],
+        target: f64,
+    ) -> (Vec<Ball>, Vec<f64>) {
         let radii: Vec<f64> = balls.iter().zip(excesses).map(|(b, e)| b.radius + target - e).collect();
         let mut assigned = vec![vec![]; balls.len()];
         for p in points {

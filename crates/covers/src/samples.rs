@@ -10,31 +10,26 @@ use crate::link_solid::LinkSolid;
 
 /// Aimed number of points on the surface, and inside.
 const ON_SURFACE: f64 = 1400.0;
-const INSIDE: usize = 500;
+const INSIDE: usize = 700;
 
 /// Points (m) on the surface of a solid with their spacing (m).
 pub fn surface_points(solid: &LinkSolid) -> (Vec<Point>, f64) {
     let area: f64 = solid.triangles().map(|t| 0.5 * (t.b - t.a).cross(&(t.c - t.a)).norm()).sum();
     let spacing = (area / ON_SURFACE).sqrt() + 1e-3 * solid.extent() + 1e-12;
-    let mut taken = HashSet::new();
-    let mut points = vec![];
-    let mut offer = |p: Point| {
-        #[allow(clippy::cast_possible_truncation)] // saturates beyond 2^63 cells
-        let cell: [i64; 3] = std::array::from_fn(|i| (p[i] / spacing).floor() as i64);
-        if taken.insert(cell) {
-            points.push(p);
-        }
-    };
     // corners first: covers are tight there
+    let mut points: Vec<Point> = solid.triangles().flat_map(Triangle::corners).collect();
     for triangle in solid.triangles() {
-        triangle.corners().iter().for_each(|corner| offer(*corner));
+        points.extend(lattice(triangle, spacing));
     }
-    for triangle in solid.triangles() {
-        for p in lattice(triangle, spacing) {
-            offer(p);
-        }
-    }
-    (points, spacing)
+    (thinned(&points, spacing), spacing)
+}
+
+/// The first point (m) in each cell of a grid of this step (m).
+pub fn thinned(points: &[Point], step: f64) -> Vec<Point> {
+    let mut taken = HashSet::new();
+    #[allow(clippy::cast_possible_truncation)] // saturates beyond 2^63 cells
+    let cell = |p: &Point| [0, 1, 2].map(|i| (p[i] / step).floor() as i64);
+    points.iter().filter(|p| taken.insert(cell(p))).copied().collect()
 }
 
 /// Points on a triangle, at most about `spacing` apart; its corners are not among them.

@@ -62,7 +62,8 @@ impl TriangleTree {
             let part = &mut triangles[first..first + count];
             let key = |t: &Triangle| t.a[axis] + t.b[axis] + t.c[axis];
             part.select_nth_unstable_by(middle, |s, t| key(s).total_cmp(&key(t)));
-            let children = [Node::around(&part[..middle], first), Node::around(&part[middle..], first + middle)];
+            let children =
+                [Node::around(&part[..middle], first), Node::around(&part[middle..], first + middle)];
             nodes[number] = Node { first: index(nodes.len()), count: 0, ..nodes[number] };
             open.extend([nodes.len(), nodes.len() + 1]);
             nodes.extend(children);

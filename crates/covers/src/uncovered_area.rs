@@ -1,9 +1,8 @@
-//! Measurement of any balls beside a solid: uncovered surface and excess, both proven.
+//! Proven bounds on the part of a surface that no ball covers.
 
 use clearance_geometry::math::{Extremes, Point};
 
 use crate::ball::{Ball, ROUNDING};
-use crate::excess::{Accuracy, ExcessBounds, ball_excess};
 use crate::link_solid::LinkSolid;
 
 /// Size below which a piece of the surface is not split further, relative to the extent of the solid.
@@ -50,9 +49,4 @@ pub fn uncovered_area(solid: &LinkSolid, balls: &[Ball]) -> UncoveredArea {
 
 fn area([a, b, c]: &[Point; 3]) -> f64 {
     0.5 * (b - a).cross(&(c - a)).norm()
-}
-
-/// Bounds on the excess of each ball.
-pub fn excesses(solid: &LinkSolid, balls: &[Ball], accuracy: &Accuracy) -> Vec<ExcessBounds> {
-    balls.iter().map(|ball| ball_excess(solid, ball, accuracy)).collect()
 }
