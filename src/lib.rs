@@ -25,6 +25,7 @@
 //! | check motions | [`CollisionChecker::check_motion`], [`CollisionChecker::check_trajectory`] |
 //! | check the edges of a planner | [`CollisionChecker::is_motion_free`], [`CollisionChecker::are_motions_free`] |
 //! | plan a path of proven motions | [`planner::plan`] |
+//! | cover the links with spheres | [`sphere_cover`], [`covers`] |
 //! | keep a proof, and check it again | [`CollisionChecker::certify_motion`], [`Verifier`] |
 //! | follow a stream of joint states | [`CollisionChecker::streaming_workspace`], [`monitor`] |
 //! | two posed bodies without a robot | [`proximity`] |
@@ -87,6 +88,10 @@ pub use clearance_checker as checker;
 #[doc(inline)]
 pub use clearance_planner as planner;
 
+/// Covers of the links of a robot by spheres, with proven errors.
+#[doc(inline)]
+pub use clearance_covers as covers;
+
 /// Independent verification of certificates.
 #[doc(inline)]
 pub use clearance_verifier as verifier;
@@ -100,6 +105,7 @@ pub use clearance_checker::{
     MotionVerdict, PairDistance, Question, SettingsError, TrajectoryReport, UndecidedPair, UndecidedReason,
     Workspace,
 };
+pub use clearance_covers::{CoverSize, sphere_cover};
 pub use clearance_geometry::{Primitive, Shape};
 pub use clearance_motion::{Certificate, MotionSegment, Trajectory, TrajectoryPoint};
 pub use clearance_robot::{

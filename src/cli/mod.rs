@@ -30,6 +30,7 @@ mod recover;
 #[cfg(feature = "ros")]
 mod replay;
 mod run_args;
+mod spheres;
 mod state_args;
 mod state_files;
 mod states;
@@ -79,6 +80,8 @@ enum Command {
     Recover(Box<recover::RecoverArgs>),
     /// Search a path between two states whose edges are proven free
     Plan(Box<plan::PlanArgs>),
+    /// Cover the links of a robot with spheres that are proven to contain them
+    Spheres(Box<spheres::SpheresArgs>),
     /// Verify a certificate that a motion is free, with code that is independent of the checker
     Verify(Box<verify::VerifyArgs>),
     /// Measure the time of checks of a robot in a world, and compare broad-phase structures
@@ -146,6 +149,10 @@ fn dispatch(arguments: Arguments) -> Result<ExitStatus, Failure> {
         Some(Command::Plan(args)) => {
             log_to_stderr(arguments.log_level.unwrap_or(LevelFilter::Warn));
             plan::run(&args)
+        }
+        Some(Command::Spheres(args)) => {
+            log_to_stderr(arguments.log_level.unwrap_or(LevelFilter::Warn));
+            spheres::run(&args)
         }
         Some(Command::Verify(args)) => {
             log_to_stderr(arguments.log_level.unwrap_or(LevelFilter::Warn));
