@@ -133,7 +133,7 @@ pub fn run(args: &SpheresArgs) -> Result<ExitStatus, Failure> {
     args.write_files(&robot, &cover)?;
     let seconds = start.elapsed().as_secs_f64();
     print_line(&match args.format {
-        Format::Text => text(&robot, &cover, args.inner, seconds),
+        Format::Text => text(&robot, &cover, args.inner),
         Format::Json => json(&robot, &cover, args.inner, seconds)?,
     })?;
     Ok(ExitStatus::SUCCESS)
@@ -186,7 +186,7 @@ fn millimetres([lower, upper]: [f64; 2]) -> String {
     format!("{:.2} to {:.2} mm", 1e3 * lower, 1e3 * upper)
 }
 
-fn text(robot: &RobotModel, cover: &SphereCover, inner: bool, seconds: f64) -> String {
+fn text(robot: &RobotModel, cover: &SphereCover, inner: bool) -> String {
     let what = if inner { "depth left out" } else { "excess" };
     let line = |link: &LinkCover| {
         let name = on_one_line(&robot.link(link.link).name);
@@ -195,7 +195,7 @@ fn text(robot: &RobotModel, cover: &SphereCover, inner: bool, seconds: f64) -> S
     let lines: String = cover.links.iter().map(line).collect();
     let proof = if inner { "proven inside of the links" } else { "proven to contain the links" };
     format!(
-        "{lines}{}: {} spheres, {proof}; {what} at most {:.2} mm, proven; {seconds:.1} s",
+        "{lines}{}: {} spheres, {proof}; {what} at most {:.2} mm, proven",
         on_one_line(robot.name()),
         cover.count(),
         1e3 * cover.largest_error(),
