@@ -82,6 +82,7 @@ impl LinkSolid {
     }
 
     /// The solid of meshes; `None` of no meshes.
+    #[cfg(test)]
     pub fn of_meshes(meshes: Vec<TriangleMesh>) -> Option<Self> {
         let parts: Vec<Part> =
             meshes.into_iter().flat_map(|mesh| Part::of_mesh(mesh).unwrap_or_default()).collect();
