@@ -26,6 +26,7 @@
 //! | check the edges of a planner | [`CollisionChecker::is_motion_free`], [`CollisionChecker::are_motions_free`] |
 //! | plan a path of proven motions | [`planner::plan`] |
 //! | decide which links can collide | [`collision_matrix::MatrixBuilder`] |
+//! | cover the links with spheres | [`sphere_cover`], [`covers`] |
 //! | keep a proof, and check it again | [`CollisionChecker::certify_motion`], [`Verifier`] |
 //! | follow a stream of joint states | [`CollisionChecker::streaming_workspace`], [`monitor`] |
 //! | two posed bodies without a robot | [`proximity`] |
@@ -92,6 +93,10 @@ pub use clearance_planner as planner;
 #[doc(inline)]
 pub use clearance_collision_matrix as collision_matrix;
 
+/// Covers of the links of a robot by spheres, with proven errors.
+#[doc(inline)]
+pub use clearance_covers as covers;
+
 /// Independent verification of certificates.
 #[doc(inline)]
 pub use clearance_verifier as verifier;
@@ -106,6 +111,7 @@ pub use clearance_checker::{
     MotionVerdict, PairDistance, Question, SettingsError, TrajectoryReport, UndecidedPair, UndecidedReason,
     Workspace,
 };
+pub use clearance_covers::{CoverSize, sphere_cover};
 pub use clearance_geometry::{Primitive, Shape};
 pub use clearance_motion::{Certificate, MotionSegment, Trajectory, TrajectoryPoint};
 pub use clearance_robot::{
