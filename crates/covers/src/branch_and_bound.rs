@@ -6,6 +6,7 @@ use std::collections::BinaryHeap;
 use clearance_geometry::math::{Extremes, Point, Vector};
 
 use crate::ball::ROUNDING;
+use crate::link_solid::KnownDistance;
 
 /// Bounds on a largest distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,6 +28,8 @@ pub struct Accuracy {
     pub absolute: f64,
     /// Largest number of cells.
     pub most_cells: usize,
+    /// A proof that the value is at most this (m) suffices.
+    pub enough: f64,
 }
 
 /// Value of a function in a cell.
@@ -36,9 +39,12 @@ pub struct CellValue {
     pub upper: f64,
     /// A point of the domain with its value (m).
     pub sample: Option<(Point, f64)>,
+    /// Signed distance of the solid at a point, for the cells within.
+    pub known: KnownDistance,
 }
 
 struct Cell {
+    known: Option<KnownDistance>,
     upper: f64,
     centre: Point,
     half: f64,
@@ -65,20 +71,25 @@ impl Ord for Cell {
 }
 
 /// Bounds on the largest value in a box of a function that is nowhere larger than `known`; 0 where there is no domain. `value` returns the
-/// value in the cell of all points within a distance from a centre, or `None` if the cell is outside of the domain.
+/// value in the cell of all points within a distance from a centre, or `None` if the cell is outside of the domain; it gets the distance that it
+/// has returned for the cell around.
 pub fn maximise(
     [low, high]: [Point; 2],
     known: f64,
     accuracy: &Accuracy,
-    value: impl Fn(&Point, f64) -> Option<CellValue>,
+    value: impl Fn(&Point, f64, Option<KnownDistance>) -> Option<CellValue>,
 ) -> DistanceBounds {
     let centre = low + (high - low) * 0.5;
     let mut found = DistanceBounds { lower: 0.0, upper: known, witness: centre };
-    let mut heap = BinaryHeap::from([Cell { upper: known, centre, half: 0.5 * (high - low).amax() }]);
+    let mut heap =
+        BinaryHeap::from([Cell { known: None, upper: known, centre, half: 0.5 * (high - low).amax() }]);
     let mut cells = 0;
-    while let Some(Cell { upper, centre, half }) = heap.pop() {
+    while let Some(Cell { known: around, upper, centre, half }) = heap.pop() {
         found.upper = upper.lesser(known).greater(found.lower);
         let gap = found.upper - found.lower;
+        if found.upper <= accuracy.enough {
+            return found;
+        }
         if gap <= accuracy.absolute.greater(accuracy.relative * found.upper) || cells >= accuracy.most_cells {
             return found;
         }
@@ -87,16 +98,15 @@ pub fn maximise(
             let side = |bit: usize| if i & bit == 0 { -half } else { half };
             let centre = centre + Vector::new(side(1), side(2), side(4));
             cells += 1;
-            let Some(CellValue { upper, sample }) = value(&centre, half * 3.0_f64.sqrt() + ROUNDING) else {
-                continue;
-            };
+            let reach = half * 3.0_f64.sqrt() + ROUNDING;
+            let Some(CellValue { upper, sample, known }) = value(&centre, reach, around) else { continue };
             if let Some((point, value)) = sample
                 && value > found.lower
             {
                 (found.lower, found.witness) = (value, point);
             }
             if upper > found.lower {
-                heap.push(Cell { upper, centre, half });
+                heap.push(Cell { known: Some(known), upper, centre, half });
             }
         }
     }

@@ -95,9 +95,9 @@ impl Gaps for Growth {
 }
 
 impl<'s> Containment<'s> {
-    /// Proofs about a solid; `margin` (m) is at least its chord error.
+    /// Proofs about a solid; to the `margin` (m), the chord error is added.
     pub fn new(solid: &'s LinkSolid, margin: f64) -> Self {
-        Self { solid, margin: margin.greater(solid.chord_error()) + 4.0 * ROUNDING }
+        Self { solid, margin: margin + solid.chord_error() + 4.0 * ROUNDING }
     }
 
     /// Points in gaps, at most [`MOST_GAPS`]. Gaps that a growth of a ball by `tolerance` (m) closes do not count.
@@ -150,18 +150,24 @@ impl<'s> Containment<'s> {
             return;
         }
         let [low, high] = self.solid.bounds();
-        let mut open = vec![(low + (high - low) * 0.5, 0.5 * (high - low).amax())];
+        let middle = low + (high - low) * 0.5;
+        let around = (middle, self.solid.signed_distance(&middle));
+        // a curved primitive is beyond the box of its triangles by the chord error
+        let mut open = vec![(middle, 0.5 * (high - low).amax() + self.solid.chord_error(), around)];
+        // the triangles are within the chord error of the surface
+        let near = self.margin - self.solid.chord_error();
         let mut cells = 0;
-        while let Some((centre, half)) = open.pop() {
+        while let Some((centre, half, around)) = open.pop() {
             cells += 1;
             let reach = half * 3.0_f64.sqrt() + ROUNDING;
             let corners = corners(&centre, half);
             if is_in_one(gaps.balls(), &corners, 0.0) {
                 continue;
             }
-            let signed = self.solid.signed_distance(&centre);
+            let signed = self.solid.signed_distance_near(&centre, around);
             if signed > reach
-                || self.solid.surface_distance(&centre, signed.abs() + ROUNDING) + reach <= self.margin
+                || (reach < near
+                    && self.solid.surface_distance(&centre, signed.abs() + ROUNDING) + reach <= near)
             {
                 continue;
             }
@@ -173,7 +179,7 @@ impl<'s> Containment<'s> {
             // other cells at the surface are split until they are within its margin
             if (at_surface && size > 0.0) || !gaps.on_gap(&corners, size) {
                 let quarter = 0.5 * half;
-                open.extend(self::corners(&centre, quarter).map(|centre| (centre, quarter)));
+                open.extend(self::corners(&centre, quarter).map(|child| (child, quarter, (centre, signed))));
             }
         }
     }

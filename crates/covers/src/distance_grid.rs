@@ -35,13 +35,19 @@ impl DistanceGrid {
         let size = [0, 1, 2].map(|i| (edges[i] / step).ceil() as usize + 1);
         let origin = low - Vector::repeat(border);
         let mut grid = Self { origin, step, size, values: vec![0.0; size.iter().product()] };
-        let (mut points, mut values) = (vec![Point::origin(); size[0]], vec![0.0; size[0]]);
+        let mut row_start = None;
         for row in 0..size[1] * size[2] {
-            for (x, point) in points.iter_mut().enumerate() {
-                *point = grid.point(row * size[0] + x);
+            let first = grid.point(row * size[0]);
+            let mut known = match row_start {
+                Some(known) => (first, solid.signed_distance_near(&first, known)),
+                None => (first, solid.signed_distance(&first)),
+            };
+            row_start = Some(known);
+            for x in 0..size[0] {
+                let p = grid.point(row * size[0] + x);
+                known = (p, solid.signed_distance_near(&p, known));
+                grid.values[row * size[0] + x] = known.1;
             }
-            solid.signed_distances_along(&points, step, &mut values);
-            grid.values[row * size[0]..(row + 1) * size[0]].copy_from_slice(&values);
         }
         grid
     }

@@ -40,11 +40,17 @@ pub fn excess(
     accuracy: &Accuracy,
     known: f64,
 ) -> DistanceBounds {
-    maximise(shape.bounds(), known, accuracy, |centre, reach| {
+    maximise(shape.bounds(), known, accuracy, |centre, reach, around| {
         let inner = shape.nearest_point(centre);
         // the projection on a convex shape brings points not farther apart: the shape's points in the cell are within `reach` of `inner`
-        let distance = solid.signed_distance(&inner).greater(0.0);
-        let is_near = (inner - centre).norm() <= reach + ROUNDING;
-        is_near.then_some(CellValue { upper: distance + reach + ROUNDING, sample: Some((inner, distance)) })
+        if (inner - centre).norm() > reach + ROUNDING {
+            return None;
+        }
+        let signed = match around {
+            Some(around) => solid.signed_distance_near(&inner, around),
+            None => solid.signed_distance(&inner),
+        };
+        let upper = signed + reach + ROUNDING;
+        Some(CellValue { upper, sample: Some((inner, signed.greater(0.0))), known: (inner, signed) })
     })
 }

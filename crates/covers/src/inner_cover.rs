@@ -20,7 +20,7 @@ const MOST_SEARCHES: usize = 6;
 
 /// Largest number of balls that are added for points which the search has left uncovered, and the accuracy of their depths.
 const MOST_ADDED: usize = 200;
-const ADDED: Accuracy = Accuracy { relative: 0.02, absolute: 1e-5, most_cells: 60_000 };
+const ADDED: Accuracy = Accuracy { relative: 0.02, absolute: 1e-5, most_cells: 60_000, enough: 0.0 };
 
 /// A solid with the data for the search of inner covers.
 #[derive(Debug)]
@@ -103,14 +103,19 @@ impl<'s> InnerCover<'s> {
 /// Bounds on the largest depth (m) of a point inside the solid that is in no ball: a ball of this radius around it lies inside.
 pub fn uncovered_depth(solid: &LinkSolid, balls: &[Ball], accuracy: &Accuracy) -> DistanceBounds {
     let known = if solid.has_inside() { 0.5 * solid.extent() } else { 0.0 };
-    maximise(solid.bounds(), known, accuracy, |centre, reach| {
+    maximise(solid.bounds(), known, accuracy, |centre, reach, around| {
         let is_covered = balls.iter().any(|ball| ball.slack(centre) >= reach + ROUNDING);
         if is_covered {
             return None;
         }
-        let depth = -solid.signed_distance(centre);
+        let signed = match around {
+            Some(around) => solid.signed_distance_near(centre, around),
+            None => solid.signed_distance(centre),
+        };
+        let depth = -signed;
         let is_free = depth > 0.0 && !balls.iter().any(|ball| ball.contains(centre, 0.0));
         let sample = is_free.then_some((*centre, depth));
-        (depth > -reach).then_some(CellValue { upper: depth + reach + ROUNDING, sample })
+        let known = (*centre, signed);
+        (depth > -reach).then_some(CellValue { upper: depth + reach + ROUNDING, sample, known })
     })
 }

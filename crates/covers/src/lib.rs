@@ -12,7 +12,7 @@
 //!
 //! | content | file |
 //! |---|---|
-//! | the geometry of a link as a solid, distances from it | `link_solid`, `triangle_tree`, `primitive_mesh` |
+//! | the geometry of a link as a solid, distances from it | `link_solid`, `triangle_tree`, `primitive_distance`, `primitive_mesh` |
 //! | search of few balls | `distance_grid`, `offset_balls`, `samples`, `cover_search`, `refinement` |
 //! | proofs | `containment`, `excess`, `uncovered_area`, `branch_and_bound` |
 //! | covers of one solid | `outer_cover`, `inner_cover` |
@@ -35,6 +35,7 @@ mod measured_cover;
 mod offset_balls;
 mod options;
 mod outer_cover;
+mod primitive_distance;
 mod primitive_mesh;
 mod refinement;
 mod samples;

@@ -2,26 +2,34 @@
 
 use std::collections::HashSet;
 
-use clearance_geometry::math::{Extremes, Point};
-use clearance_geometry::{MeshError, Shape, Triangle, TriangleMesh};
+use clearance_geometry::math::{Extremes, Point, Pose};
+use clearance_geometry::{MeshError, Primitive, Shape, Triangle, TriangleMesh};
 use clearance_robot::{Collision, Link};
 
+use crate::ball::ROUNDING;
+use crate::primitive_distance;
 use crate::primitive_mesh::inscribed_mesh;
 use crate::triangle_tree::TriangleTree;
 
 /// The solid that a link's collision geometry makes: closed surfaces with what is inside of them, and open surfaces. Coordinates (m) are in
 /// the link frame.
 ///
-/// A curved primitive is replaced by an inscribed mesh. [`Self::chord_error`] bounds the distance of the primitive's points from it.
+/// Distances from primitives are exact. The triangles of a curved primitive are those of an inscribed mesh; [`Self::chord_error`] bounds the
+/// distance of the primitive's points outside of it.
 #[derive(Clone, Debug)]
 pub struct LinkSolid {
     parts: Vec<Part>,
     chord_error: f64,
 }
 
-/// A closed surface of a mesh, or the faces that belong to none.
+/// A point (m), and the signed distance (m) of the solid there.
+pub type KnownDistance = (Point, f64);
+
+/// A primitive, a closed surface of a mesh, or the faces that belong to none.
 #[derive(Clone, Debug)]
 struct Part {
+    /// The primitive with the pose of the link in its frame.
+    primitive: Option<(Primitive, Pose)>,
     mesh: TriangleMesh,
     tree: TriangleTree,
     has_inside: bool,
@@ -57,12 +65,29 @@ impl Part {
     fn new(mesh: TriangleMesh) -> Self {
         let triangles = (0..mesh.triangles().len()).map(|i| mesh.triangle(i)).collect();
         let has_inside = !mesh.solid().surfaces().is_empty();
-        Self { tree: TriangleTree::new(triangles), has_inside, mesh }
+        Self { primitive: None, tree: TriangleTree::new(triangles), has_inside, mesh }
     }
 
-    fn signed_distance(&self, p: &Point, limit: f64) -> f64 {
+    fn of_primitive(primitive: Primitive, mesh: TriangleMesh, pose_ls: &Pose) -> Self {
+        let triangles = (0..mesh.triangles().len()).map(|i| mesh.triangle(i)).collect();
+        let primitive = Some((primitive, pose_ls.inverse()));
+        Self { primitive, tree: TriangleTree::new(triangles), has_inside: true, mesh }
+    }
+
+    /// Signed distance, or `limit` if the point is farther outside; `is_outside` of a point that is known to be.
+    fn signed_distance(&self, p: &Point, limit: f64, is_outside: bool) -> f64 {
+        if let Some((primitive, pose_sl)) = &self.primitive {
+            return primitive_distance::signed_distance(primitive, &(pose_sl * p));
+        }
         let distance = self.tree.distance(p, limit);
-        if self.has_inside && self.mesh.encloses(p) { -distance } else { distance }
+        if self.has_inside && !is_outside && self.mesh.encloses(p) { -distance } else { distance }
+    }
+
+    fn surface_distance(&self, p: &Point, limit: f64) -> f64 {
+        match &self.primitive {
+            Some(_) => self.signed_distance(p, limit, false).abs().lesser(limit),
+            None => self.tree.distance(p, limit),
+        }
     }
 }
 
@@ -76,7 +101,12 @@ impl LinkSolid {
         for collision in &link.collisions {
             let (mesh, error) = mesh_of(collision)?;
             chord_error = chord_error.greater(error);
-            parts.extend(Part::of_mesh(mesh)?);
+            match &collision.shape {
+                Shape::Primitive(primitive) => {
+                    parts.push(Part::of_primitive(*primitive, mesh, &collision.pose_ls));
+                }
+                _ => parts.extend(Part::of_mesh(mesh)?),
+            }
         }
         Ok(Some(Self { parts, chord_error }))
     }
@@ -118,35 +148,29 @@ impl LinkSolid {
 
     /// Distance (m) of a point from the nearest surface, or `limit` if none is nearer.
     pub fn surface_distance(&self, p: &Point, limit: f64) -> f64 {
-        self.parts.iter().fold(limit, |least, part| part.tree.distance(p, least))
+        self.parts.iter().fold(limit, |least, part| part.surface_distance(p, least))
     }
 
     /// Signed distance (m) of a point: outside, its distance from the solid. Inside, it is negative: a ball of this radius around the point is
     /// inside, too (for overlapping parts, the deepest part counts).
     pub fn signed_distance(&self, p: &Point) -> f64 {
-        let distances = self.parts.iter().map(|part| part.signed_distance(p, f64::INFINITY));
+        let distances = self.parts.iter().map(|part| part.signed_distance(p, f64::INFINITY, false));
         distances.fold(f64::INFINITY, Extremes::lesser)
     }
 
-    /// Signed distances at points in sequence, each at most `step` (m) from the one before.
-    pub fn signed_distances_along(&self, points: &[Point], step: f64, values: &mut [f64]) {
-        values.fill(f64::INFINITY);
-        for part in &self.parts {
-            let mut before: Option<f64> = None;
-            for (p, value) in points.iter().zip(values.iter_mut()) {
-                let limit = before.map_or(f64::INFINITY, |d| d.abs() + 1.01 * step);
-                let distance = part.tree.distance(p, limit);
-                // between two points, there is no surface within the distance of the first
-                let is_inside = match before {
-                    _ if !part.has_inside => false,
-                    Some(d) if d.abs() > 1.01 * step => d < 0.0,
-                    _ => part.mesh.encloses(p),
-                };
-                let signed = if is_inside { -distance } else { distance };
-                before = Some(signed);
-                *value = value.lesser(signed);
+    /// The same as [`Self::signed_distance`], faster near a point with a known value.
+    pub fn signed_distance_near(&self, p: &Point, (q, known): KnownDistance) -> f64 {
+        // values at two points differ by at most their distance
+        let apart = (p - q).norm() + ROUNDING;
+        if let [part] = self.parts.as_slice() {
+            if known.abs() > apart && part.primitive.is_none() {
+                return part.tree.distance(p, known.abs() + apart).copysign(known);
             }
+            return part.signed_distance(p, known.abs() + apart, false);
         }
+        let limit = known.abs() + apart;
+        let distances = self.parts.iter().map(|part| part.signed_distance(p, limit, known > apart));
+        distances.fold(limit, Extremes::lesser)
     }
 }
 

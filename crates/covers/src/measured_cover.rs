@@ -14,7 +14,7 @@ use crate::sphere_cover::solid_of;
 use crate::uncovered_area::{UncoveredArea, uncovered_area};
 
 /// Accuracy of the excess of each sphere.
-const ACCURACY: Accuracy = Accuracy { relative: 0.01, absolute: 1e-6, most_cells: 100_000 };
+const ACCURACY: Accuracy = Accuracy { relative: 0.01, absolute: 1e-6, most_cells: 100_000, enough: 0.0 };
 
 /// Measurement of the spheres of a link.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -19,9 +19,8 @@ const CANDIDATES: usize = 2500;
 /// Margin of the proof, and step of the growth that closes gaps, relative to the excess.
 const MARGIN: f64 = 2e-3;
 
-/// Accuracy of the excess of the ball with the largest; others are known to be below it.
-const ACCURACY: Accuracy = Accuracy { relative: 0.01, absolute: 1e-6, most_cells: 20_000 };
-const COARSE: Accuracy = Accuracy { relative: 0.06, absolute: 1e-6, most_cells: 3_000 };
+/// Accuracy of the largest excess.
+const ACCURACY: Accuracy = Accuracy { relative: 0.01, absolute: 1e-6, most_cells: 20_000, enough: 0.0 };
 
 /// Number of balls above which less time is spent on each.
 const MANY: usize = 60;
@@ -172,16 +171,20 @@ impl<'s> OuterCover<'s> {
     }
 
     fn closed(&self, containment: &Containment, balls: &[Ball], tolerance: f64) -> Vec<BoundedBall> {
-        let balls = containment.close(balls, tolerance).into_iter();
-        let mut cover: Vec<BoundedBall> =
-            balls.map(|ball| (ball, ball_excess(self.solid, &ball, &COARSE))).collect();
-        let lower = cover.iter().map(|(_, excess)| excess.lower).fold(0.0, Extremes::greater);
-        for (ball, excess) in &mut cover {
-            if excess.upper > lower {
-                *excess = ball_excess(self.solid, ball, &ACCURACY);
-            }
+        let balls = containment.close(balls, tolerance);
+        let estimate = Refinement::new(&self.grid, 0.0);
+        let estimates: Vec<f64> = balls.iter().map(|ball| estimate.excess(ball, f64::INFINITY)).collect();
+        let mut order: Vec<usize> = (0..balls.len()).collect();
+        order.sort_by(|i, j| estimates[*j].total_cmp(&estimates[*i]).then(i.cmp(j)));
+        // once a large excess is known, the others need only be below it
+        let mut accuracy = ACCURACY;
+        let mut cover: Vec<Option<BoundedBall>> = vec![None; balls.len()];
+        for i in order {
+            let bounds = ball_excess(self.solid, &balls[i], &accuracy);
+            accuracy.enough = accuracy.enough.greater(bounds.lower);
+            cover[i] = Some((balls[i], bounds));
         }
-        cover
+        cover.into_iter().flatten().collect()
     }
 }
 

@@ -39,7 +39,7 @@ impl<'g> Refinement<'g> {
     }
 
     /// Approximate largest distance (m) of a point of the ball from the solid.
-    fn excess(&self, ball: &Ball, enough: f64) -> f64 {
+    pub fn excess(&self, ball: &Ball, enough: f64) -> f64 {
         // a ball of radius e around a point at depth e is inside
         let simple = ball.radius + self.grid.value(&ball.centre);
         if simple <= 0.0 {

@@ -12,7 +12,7 @@ use crate::options::{CoverError, CoverSize};
 use crate::outer_cover::{OuterCover, largest_excess};
 
 /// Accuracy of the uncovered depth.
-const DEPTH: Accuracy = Accuracy { relative: 0.02, absolute: 1e-5, most_cells: 100_000 };
+const DEPTH: Accuracy = Accuracy { relative: 0.02, absolute: 1e-5, most_cells: 100_000, enough: 0.0 };
 
 /// Largest number of links that get spheres which the first allocation leaves over.
 const MOST_REPEATS: usize = 8;

@@ -176,7 +176,7 @@ fn inner_balls_are_inside() {
                 }
             }
         }
-        let accuracy = Accuracy { relative: 0.02, absolute: 1e-5, most_cells: 200_000 };
+        let accuracy = Accuracy { relative: 0.02, absolute: 1e-5, most_cells: 200_000, enough: 0.0 };
         let left = uncovered_depth(&solid, &search.of_depth(depth), &accuracy);
         assert!(left.upper <= depth, "{name}: {left:?}");
     }
@@ -232,7 +232,7 @@ fn a_hole_inside_is_closed() {
 fn the_excess_of_a_ball_is_known() {
     let mesh = mesh_of(Primitive::cuboid([0.2, 0.2, 0.2]).unwrap());
     let solid = LinkSolid::of_meshes(vec![mesh]).unwrap();
-    let accuracy = Accuracy { relative: 1e-3, absolute: 1e-9, most_cells: 100_000 };
+    let accuracy = Accuracy { relative: 1e-3, absolute: 1e-9, most_cells: 100_000, enough: 0.0 };
     for (centre, radius, excess) in [
         ([0.0, 0.0, 0.0], 0.05, 0.0),
         ([0.0, 0.0, 0.0], 0.15, 0.05),

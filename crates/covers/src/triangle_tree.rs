@@ -1,7 +1,7 @@
 //! Tree of boxes around triangles: distance of a point from the nearest triangle.
 
 use clearance_geometry::Triangle;
-use clearance_geometry::math::{Extremes, Point};
+use clearance_geometry::math::{Extremes, Point, Vector};
 
 /// Largest number of triangles in a leaf.
 const LEAF: usize = 4;
@@ -11,6 +11,64 @@ const LEAF: usize = 4;
 pub struct TriangleTree {
     nodes: Vec<Node>,
     triangles: Vec<Triangle>,
+    /// In the order of the triangles.
+    prepared: Vec<PreparedTriangle>,
+}
+
+/// Height (m) of a triangle below which its points are as near to its edges: less than the rounding that proofs allow for.
+const NARROW: f64 = 1e-9;
+
+/// A triangle with the data for distances from points.
+#[derive(Clone, Copy, Debug)]
+struct PreparedTriangle {
+    corners: [Point; 3],
+    edges: [Vector; 3],
+    /// By edge: 1 / squared length, 0 for an edge without length.
+    inverse: [f64; 3],
+    /// Unit normal, or zero for a narrow triangle.
+    normal: Vector,
+    /// By edge: a normal in the plane that points to the inside.
+    inward: [Vector; 3],
+}
+
+impl PreparedTriangle {
+    fn new(triangle: &Triangle) -> Self {
+        let corners = triangle.corners();
+        let edges = triangle.edges().map(|[p, q]| q - p);
+        let inverse = edges.map(|e| if e.norm_squared() > 0.0 { e.norm_squared().recip() } else { 0.0 });
+        let cross = edges[0].cross(&-edges[2]);
+        let longest = edges.iter().map(Vector::norm).fold(0.0, Extremes::greater);
+        let is_narrow = cross.norm() <= NARROW * longest;
+        let normal = if is_narrow { Vector::zeros() } else { cross / cross.norm() };
+        Self { corners, edges, inverse, normal, inward: edges.map(|e| normal.cross(&e)) }
+    }
+
+    /// Squared distance (m²) of a point, or a value of at least `enough` if it is not smaller.
+    #[inline]
+    fn squared_distance(&self, p: &Point, enough: f64) -> f64 {
+        let height = self.normal.dot(&(p - self.corners[0]));
+        let mut best = height * height;
+        if best >= enough {
+            return best;
+        }
+        let has_plane = self.normal != Vector::zeros();
+        let mut is_over = has_plane;
+        let mut least = f64::INFINITY;
+        for i in 0..3 {
+            let way = p - self.corners[i];
+            // the nearest point is on an edge that the point is outside of
+            if has_plane && self.inward[i].dot(&way) >= 0.0 {
+                continue;
+            }
+            is_over = false;
+            let t = (way.dot(&self.edges[i]) * self.inverse[i]).greater(0.0).lesser(1.0);
+            least = least.lesser((way - self.edges[i] * t).norm_squared());
+        }
+        if !is_over {
+            best = least;
+        }
+        best
+    }
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -68,7 +126,8 @@ impl TriangleTree {
             open.extend([nodes.len(), nodes.len() + 1]);
             nodes.extend(children);
         }
-        Self { nodes, triangles }
+        let prepared = triangles.iter().map(PreparedTriangle::new).collect();
+        Self { nodes, triangles, prepared }
     }
 
     /// The triangles, in the order of the leaves.
@@ -96,8 +155,8 @@ impl TriangleTree {
             let node = &self.nodes[number as usize];
             if node.count > 0 {
                 let first = node.first as usize;
-                for triangle in &self.triangles[first..first + node.count as usize] {
-                    best = best.lesser((triangle.nearest_point(p) - p).norm_squared());
+                for triangle in &self.prepared[first..first + node.count as usize] {
+                    best = best.lesser(triangle.squared_distance(p, best));
                 }
                 continue;
             }
@@ -110,5 +169,37 @@ impl TriangleTree {
             }
         }
         best.sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distances_agree_with_each_triangle() {
+        let mut random = fastrand::Rng::with_seed(4);
+        let mut vector = |size: f64| Vector::from_fn(|_, _| size * (random.f64() - 0.5));
+        let triangles: Vec<Triangle> = (0..300)
+            .map(|i| {
+                let a = Point::from(vector(1.0));
+                let b = a + vector(0.3);
+                let c = match i % 4 {
+                    0 => a + (b - a) * 0.3,
+                    1 => a + (b - a) * 0.4 + vector(1e-8),
+                    2 => b,
+                    _ => a + vector(0.3),
+                };
+                Triangle { a, b, c }
+            })
+            .collect();
+        let tree = TriangleTree::new(triangles.clone());
+        for _ in 0..2000 {
+            let p = Point::from(vector(1.5));
+            let least =
+                triangles.iter().map(|t| (t.nearest_point(&p) - p).norm()).fold(f64::INFINITY, f64::min);
+            assert!((tree.distance(&p, f64::INFINITY) - least).abs() < 1e-9, "{p:?}");
+            assert!((tree.distance(&p, 0.05) - least.min(0.05)).abs() < 1e-9, "{p:?}");
+        }
     }
 }
