@@ -152,8 +152,7 @@ impl<'s> Containment<'s> {
         let [low, high] = self.solid.bounds();
         let middle = low + (high - low) * 0.5;
         let around = (middle, self.solid.signed_distance(&middle));
-        // a curved primitive is beyond the box of its triangles by the chord error
-        let mut open = vec![(middle, 0.5 * (high - low).amax() + self.solid.chord_error(), around)];
+        let mut open = vec![(middle, 0.5 * (high - low).amax(), around)];
         // the triangles are within the chord error of the surface
         let near = self.margin - self.solid.chord_error();
         let mut cells = 0;

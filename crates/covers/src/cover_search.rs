@@ -14,6 +14,10 @@ const MOST_COUNTED: usize = 96;
 pub struct CoverSearch<'p> {
     points: &'p [Point],
     candidates: Vec<Ball>,
+    /// By candidate: one bit for each point, set if the candidate contains it.
+    bits: Vec<u64>,
+    /// Number of words of a candidate.
+    words: usize,
     random: fastrand::Rng,
 }
 
@@ -32,7 +36,31 @@ struct State {
 impl<'p> CoverSearch<'p> {
     /// A search over `candidates`.
     pub fn new(points: &'p [Point], candidates: Vec<Ball>) -> Self {
-        Self { points, candidates, random: fastrand::Rng::with_seed(11) }
+        let words = points.len().div_ceil(64);
+        let mut bits = vec![0; words * candidates.len()];
+        for (ball, row) in candidates.iter().zip(bits.chunks_exact_mut(words.max(1))) {
+            for (word, points) in row.iter_mut().zip(points.chunks(64)) {
+                *word = points.iter().rev().fold(0, |word, p| word << 1 | u64::from(ball.contains(p, 0.0)));
+            }
+        }
+        Self { points, candidates, bits, words, random: fastrand::Rng::with_seed(11) }
+    }
+
+    fn row(&self, candidate: usize) -> &[u64] {
+        &self.bits[candidate * self.words..(candidate + 1) * self.words]
+    }
+
+    fn contains(&self, candidate: usize, point: usize) -> bool {
+        self.bits[candidate * self.words + point / 64] >> (point % 64) & 1 == 1
+    }
+
+    /// The points in a candidate.
+    fn points_in(&self, candidate: usize) -> impl Iterator<Item = usize> {
+        self.row(candidate).iter().enumerate().flat_map(|(i, word)| {
+            let rest = |word: &u64| Some(word & (word - 1)).filter(|word| *word != 0);
+            std::iter::successors(Some(*word).filter(|word| *word != 0), rest)
+                .map(move |word| 64 * i + word.trailing_zeros() as usize)
+        })
     }
 
     /// A cover by at most `count` candidates, if one is found in `steps` steps of local search. Without a count: the smallest that is found.
@@ -69,14 +97,17 @@ impl<'p> CoverSearch<'p> {
 
     /// Candidates by largest gain; `None` if they do not contain all points.
     fn greedy(&self) -> Option<Vec<usize>> {
-        let mut open: Vec<usize> = (0..self.points.len()).collect();
-        let gain = |candidate: usize, open: &[usize]| {
-            open.iter().filter(|p| self.candidates[candidate].contains(&self.points[**p], 0.0)).count()
+        let mut open = vec![u64::MAX; self.words];
+        if let (Some(last), 1..) = (open.last_mut(), self.points.len() % 64) {
+            *last = (1 << (self.points.len() % 64)) - 1;
+        }
+        let gain = |candidate: usize, open: &[u64]| -> u32 {
+            self.row(candidate).iter().zip(open).map(|(own, open)| (own & open).count_ones()).sum()
         };
-        let mut heap: BinaryHeap<(usize, std::cmp::Reverse<usize>)> =
+        let mut heap: BinaryHeap<(u32, std::cmp::Reverse<usize>)> =
             (0..self.candidates.len()).map(|i| (gain(i, &open), std::cmp::Reverse(i))).collect();
         let mut chosen = vec![];
-        while !open.is_empty() {
+        while open.iter().any(|word| *word != 0) {
             let (_, std::cmp::Reverse(candidate)) = heap.pop()?;
             let gained = gain(candidate, &open);
             let next = heap.peek().map_or(0, |(gain, _)| *gain);
@@ -85,7 +116,7 @@ impl<'p> CoverSearch<'p> {
             } else if gained == 0 {
                 return None;
             } else {
-                open.retain(|p| !self.candidates[candidate].contains(&self.points[*p], 0.0));
+                open.iter_mut().zip(self.row(candidate)).for_each(|(open, own)| *open &= !own);
                 chosen.push(candidate);
             }
         }
@@ -99,12 +130,11 @@ impl<'p> CoverSearch<'p> {
         state.remove(place, self);
         let point = state.uncovered[self.random.usize(..state.uncovered.len())];
         let mut best: Option<(f64, usize)> = None;
-        for (i, ball) in self.candidates.iter().enumerate() {
-            if i == removed || !ball.contains(&self.points[point], 0.0) || state.chosen.contains(&i) {
+        for i in 0..self.candidates.len() {
+            if i == removed || !self.contains(i, point) || state.chosen.contains(&i) {
                 continue;
             }
-            let gained =
-                state.uncovered.iter().take(MOST_COUNTED).filter(|p| ball.contains(&self.points[**p], 0.0));
+            let gained = state.uncovered.iter().take(MOST_COUNTED).filter(|p| self.contains(i, **p));
             let gain: f64 = gained.map(|p| state.weights[*p]).sum();
             if best.is_none_or(|(most, _)| gain > most) {
                 best = Some((gain, i));
@@ -139,12 +169,9 @@ impl State {
         let place = self.chosen.len();
         self.chosen.push(candidate);
         self.since.push(step);
-        let ball = search.candidates[candidate];
-        for (p, point) in search.points.iter().enumerate() {
-            if ball.contains(point, 0.0) {
-                self.counts[p] += 1;
-                self.places[p] += place;
-            }
+        for p in search.points_in(candidate) {
+            self.counts[p] += 1;
+            self.places[p] += place;
         }
         self.uncovered.retain(|p| self.counts[*p] == 0);
     }
@@ -152,16 +179,15 @@ impl State {
     /// Removes the candidate at a place; the last one moves there.
     fn remove(&mut self, place: usize, search: &CoverSearch) {
         let last = self.chosen.len() - 1;
-        let (ball, moved) = (search.candidates[self.chosen[place]], search.candidates[self.chosen[last]]);
-        for (p, point) in search.points.iter().enumerate() {
-            if ball.contains(point, 0.0) {
-                self.counts[p] -= 1;
-                self.places[p] -= place;
-                if self.counts[p] == 0 {
-                    self.uncovered.push(p);
-                }
+        for p in search.points_in(self.chosen[place]) {
+            self.counts[p] -= 1;
+            self.places[p] -= place;
+            if self.counts[p] == 0 {
+                self.uncovered.push(p);
             }
-            if place != last && moved.contains(point, 0.0) {
+        }
+        if place != last {
+            for p in search.points_in(self.chosen[last]) {
                 self.places[p] -= last - place;
             }
         }

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use clearance_geometry::math::{Extremes, Point, Pose};
+use clearance_geometry::math::{Extremes, Point, Pose, Vector};
 use clearance_geometry::{MeshError, Primitive, Shape, Triangle, TriangleMesh};
 use clearance_robot::{Collision, Link};
 
@@ -134,10 +134,13 @@ impl LinkSolid {
         self.parts.iter().flat_map(|part| part.tree.triangles())
     }
 
-    /// Smallest and largest corner (m) of the box around the solid.
+    /// Smallest and largest corner (m) of a box around the solid.
     pub fn bounds(&self) -> [Point; 2] {
         let bounds = self.parts.iter().map(|part| part.tree.bounds());
-        bounds.reduce(|a, b| [a[0].inf(&b[0]), a[1].sup(&b[1])]).unwrap_or([Point::origin(); 2])
+        let [low, high] =
+            bounds.reduce(|a, b| [a[0].inf(&b[0]), a[1].sup(&b[1])]).unwrap_or([Point::origin(); 2]);
+        // a curved primitive is beyond the box of its triangles
+        [low - Vector::repeat(self.chord_error), high + Vector::repeat(self.chord_error)]
     }
 
     /// Length (m) of the diagonal of the box around the solid.
