@@ -28,6 +28,7 @@
 //! | plan a path of proven motions | [`planner::plan`] |
 //! | decide which links can collide | [`collision_matrix::MatrixBuilder`] |
 //! | find defects of a robot's geometry | [`lint::lint`] |
+//! | cover the links with spheres | [`sphere_cover`], [`covers`] |
 //! | keep a proof, and check it again | [`CollisionChecker::certify_motion`], [`Verifier`] |
 //! | follow a stream of joint states | [`CollisionChecker::streaming_workspace`], [`monitor`] |
 //! | two posed bodies without a robot | [`proximity`] |
@@ -97,6 +98,9 @@ pub use clearance_collision_matrix as collision_matrix;
 /// Checks of robot models: mesh defects, and certified distances between collision and visual geometry.
 #[doc(inline)]
 pub use clearance_lint as lint;
+/// Covers of the links of a robot by spheres, with proven errors.
+#[doc(inline)]
+pub use clearance_covers as covers;
 
 /// Independent verification of certificates.
 #[doc(inline)]
@@ -112,6 +116,7 @@ pub use clearance_checker::{
     MotionClearanceOptions, MotionOptions, MotionOrder, MotionReport, MotionVerdict, NearestMoment,
     PairDistance, Question, SettingsError, TrajectoryReport, UndecidedPair, UndecidedReason, Workspace,
 };
+pub use clearance_covers::{CoverSize, sphere_cover};
 pub use clearance_geometry::{Primitive, Shape};
 pub use clearance_motion::{Certificate, MotionSegment, Trajectory, TrajectoryPoint};
 pub use clearance_robot::{

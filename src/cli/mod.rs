@@ -35,6 +35,7 @@ mod recover;
 #[cfg(feature = "ros")]
 mod replay;
 mod run_args;
+mod spheres;
 mod state_args;
 mod state_files;
 mod states;
@@ -87,6 +88,8 @@ enum Command {
     Plan(Box<plan::PlanArgs>),
     /// Decide for every pair of links whether they can collide within the joint limits: proofs for a collision matrix
     Acm(Box<acm::AcmArgs>),
+    /// Cover the links of a robot with spheres that are proven to contain them
+    Spheres(Box<spheres::SpheresArgs>),
     /// Verify a certificate that a motion is free, with code that is independent of the checker
     Verify(Box<verify::VerifyArgs>),
     /// Find defects of a robot's geometry, and compare its collision with its visual geometry
@@ -162,6 +165,10 @@ fn dispatch(arguments: Arguments) -> Result<ExitStatus, Failure> {
         Some(Command::Acm(args)) => {
             log_to_stderr(arguments.log_level.unwrap_or(LevelFilter::Warn));
             acm::run(&args)
+        }
+        Some(Command::Spheres(args)) => {
+            log_to_stderr(arguments.log_level.unwrap_or(LevelFilter::Warn));
+            spheres::run(&args)
         }
         Some(Command::Verify(args)) => {
             log_to_stderr(arguments.log_level.unwrap_or(LevelFilter::Warn));

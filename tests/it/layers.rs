@@ -11,6 +11,7 @@ const CRATES: [(&str, &[&str]); 17] = [
     ("scene", &["geometry", "files", "robot"]),
     ("motion", &["geometry", "files", "robot", "scene"]),
     ("checker", &["geometry", "proximity", "robot", "scene", "motion"]),
+    ("covers", &["geometry", "robot"]),
     ("planner", &["robot", "motion", "checker"]),
     ("verifier", &["geometry", "robot", "scene", "motion"]),
     ("collision_matrix", &["geometry", "proximity", "robot", "scene", "motion", "checker", "verifier"]),

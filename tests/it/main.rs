@@ -43,6 +43,7 @@ mod snapshots;
 mod solid_meshes;
 mod solid_scenes;
 mod soundness;
+mod spheres;
 mod state_transforms;
 mod streams;
 mod tally;

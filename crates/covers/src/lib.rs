@@ -1,0 +1,52 @@
+//! Covers of the links of a robot by spheres, with proven errors.
+//!
+//! | question | function |
+//! |---|---|
+//! | which spheres contain the robot, and how far do they reach out? | [`sphere_cover`] |
+//! | which spheres lie inside of the robot, and how deep is the rest? | [`inner_sphere_cover`] |
+//! | how good is a model of spheres? | [`measure_spheres`] |
+//! | files for cuRobo, Isaac and VAMP | [`curobo_yaml`], [`xrdf`], [`sphere_urdf`] |
+//!
+//! The search is approximate: signed distances on a grid, set cover, refinement. The result is proven: `containment` proves that the spheres
+//! contain the solid, `excess` bounds how far they reach out.
+//!
+//! | content | file |
+//! |---|---|
+//! | the geometry of a link as a solid, distances from it | `link_solid`, `triangle_tree`, `primitive_distance`, `primitive_mesh` |
+//! | search of few balls | `distance_grid`, `offset_balls`, `samples`, `cover_search`, `refinement` |
+//! | proofs | `containment`, `excess`, `uncovered_area`, `branch_and_bound` |
+//! | covers of one solid | `outer_cover`, `inner_cover` |
+//! | covers of a robot | `sphere_cover`, `measured_cover`, `formats` |
+
+#![deny(missing_docs)]
+// minimum and maximum of floating-point numbers, see `math/extremes.rs` of clearance-geometry
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
+mod ball;
+mod branch_and_bound;
+mod containment;
+mod cover_search;
+mod distance_grid;
+mod excess;
+mod formats;
+mod inner_cover;
+mod link_solid;
+mod measured_cover;
+mod offset_balls;
+mod options;
+mod outer_cover;
+mod primitive_distance;
+mod primitive_mesh;
+mod refinement;
+mod samples;
+mod sphere_cover;
+#[cfg(test)]
+mod tests;
+mod triangle_tree;
+mod uncovered_area;
+
+pub use formats::{curobo_yaml, sphere_urdf, xrdf};
+pub use measured_cover::{MeasuredLink, measure_spheres};
+pub use options::{CoverError, CoverSize};
+pub use sphere_cover::{CoverSphere, LinkCover, SphereCover, inner_sphere_cover, sphere_cover};
+pub use uncovered_area::UncoveredArea;

@@ -1,0 +1,258 @@
+//! Covers of random solids against brute force.
+
+use std::sync::Arc;
+
+use clearance_geometry::math::{Point, Pose, Vector};
+use clearance_geometry::{Primitive, Triangle, TriangleMesh};
+
+use crate::ball::Ball;
+use crate::branch_and_bound::Accuracy;
+use crate::containment::Containment;
+use crate::excess::ball_excess;
+use crate::inner_cover::{InnerCover, uncovered_depth};
+use crate::link_solid::LinkSolid;
+use crate::outer_cover::{BoundedBall, OuterCover, largest_excess};
+use crate::primitive_mesh::inscribed_mesh;
+use crate::samples::directions;
+use crate::uncovered_area::uncovered_area;
+
+fn mesh_of(primitive: Primitive) -> TriangleMesh {
+    inscribed_mesh(&primitive).unwrap().0
+}
+
+fn moved(mesh: &TriangleMesh, by: Vector) -> TriangleMesh {
+    let pose = Pose::new(by, Vector::new(0.3, -0.2, 0.9));
+    let vertices = mesh.vertices().iter().map(|v| pose * v).collect();
+    TriangleMesh::new(vertices, mesh.triangles().to_vec()).unwrap()
+}
+
+/// A closed surface with random bumps.
+fn bumpy(random: &mut fastrand::Rng) -> TriangleMesh {
+    let mesh = mesh_of(Primitive::sphere(0.1).unwrap());
+    let waves: Vec<Vector> = (0..4).map(|_| Vector::from_fn(|_, _| 60.0 * (random.f64() - 0.5))).collect();
+    let stretch = Vector::new(1.0, 0.5 + random.f64(), 0.5 + random.f64());
+    let bump = |p: &Point| {
+        let height: f64 = waves.iter().map(|wave| wave.dot(&p.coords).sin()).sum();
+        Point::from((p.coords * (1.0 + 0.08 * height)).component_mul(&stretch))
+    };
+    TriangleMesh::new(mesh.vertices().iter().map(bump).collect(), mesh.triangles().to_vec()).unwrap()
+}
+
+/// Unconnected triangles, some without area.
+fn soup(random: &mut fastrand::Rng) -> TriangleMesh {
+    let mut vertices = vec![];
+    for i in 0..12 {
+        let base = Vector::from_fn(|_, _| random.f64() - 0.5) * 0.3;
+        let mut corner = || Point::from(base + Vector::from_fn(|_, _| random.f64() - 0.5) * 0.1);
+        let (a, b, c) = (corner(), corner(), corner());
+        vertices.extend(match i % 4 {
+            0 => [a, b, a + (b - a) * 0.3],
+            1 => [a, a, a],
+            _ => [a, b, c],
+        });
+    }
+    TriangleMesh::new(vertices, (0..12).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect()).unwrap()
+}
+
+fn solids() -> Vec<(&'static str, LinkSolid)> {
+    let mut random = fastrand::Rng::with_seed(42);
+    let cuboid = mesh_of(Primitive::cuboid([0.1, 0.2, 0.3]).unwrap());
+    let cylinder = mesh_of(Primitive::cylinder(0.05, 0.4).unwrap());
+    let both = vec![cuboid.clone(), moved(&cylinder, Vector::new(0.05, 0.0, 0.1))];
+    let open = TriangleMesh::new(cuboid.vertices().to_vec(), cuboid.triangles()[2..].to_vec()).unwrap();
+    let of = |meshes: Vec<TriangleMesh>| LinkSolid::of_meshes(meshes).unwrap();
+    vec![
+        ("box", of(vec![cuboid])),
+        ("cylinder", of(vec![cylinder])),
+        ("two parts", of(both)),
+        ("open box", of(vec![open])),
+        ("bumpy", of(vec![bumpy(&mut random)])),
+        ("soup", of(vec![soup(&mut random)])),
+        ("line", of(vec![moved(&mesh_of(Primitive::cuboid([0.0, 0.0, 0.2]).unwrap()), Vector::zeros())])),
+    ]
+}
+
+/// Random points on a triangle, with its corners.
+fn points_on(triangle: &Triangle, random: &mut fastrand::Rng, count: usize) -> Vec<Point> {
+    let [a, b, c] = triangle.corners();
+    let mut points = vec![a, b, c];
+    points.extend((0..count).map(|_| {
+        let (u, v) = (random.f64(), random.f64());
+        let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+        a + (b - a) * u + (c - a) * v
+    }));
+    points
+}
+
+/// No sampled point of the surface, or inside, is in no ball.
+fn assert_contains(name: &str, solid: &LinkSolid, cover: &[BoundedBall]) {
+    let mut random = fastrand::Rng::with_seed(9);
+    let is_in = |p: &Point| cover.iter().any(|(ball, _)| ball.contains(p, 0.0));
+    let many = 20_000 / solid.triangles().count() + 1;
+    for triangle in solid.triangles() {
+        for p in points_on(triangle, &mut random, many) {
+            assert!(is_in(&p), "{name}: {p:?} on the surface is in no ball");
+        }
+    }
+    let [low, high] = solid.bounds();
+    for _ in 0..5000 {
+        let p = low + Vector::from_fn(|i, _| (high[i] - low[i]) * random.f64());
+        assert!(solid.signed_distance(&p) >= 0.0 || is_in(&p), "{name}: {p:?} inside is in no ball");
+    }
+}
+
+/// The bounds of each ball agree with samples of the ball.
+fn assert_bounds(name: &str, solid: &LinkSolid, cover: &[BoundedBall]) {
+    for (ball, excess) in cover {
+        let mut most = 0.0_f64;
+        for shell in [0.0, 0.5, 0.8, 1.0] {
+            for direction in directions(400) {
+                let p = ball.centre + direction * (ball.radius * shell);
+                most = most.max(solid.signed_distance(&p));
+            }
+        }
+        assert!(excess.upper >= most, "{name}: {most} is beyond {excess:?}");
+        assert!(excess.lower <= excess.upper, "{name}: {excess:?}");
+        let reached = solid.signed_distance(&excess.witness).max(0.0);
+        assert!((reached - excess.lower).abs() < 1e-9, "{name}: the witness is at {reached}, not {excess:?}");
+        assert!(ball.slack(&excess.witness) > -1e-9, "{name}: the witness is not in the ball");
+    }
+    let largest = cover.iter().map(|(_, excess)| excess.lower).fold(0.0, f64::max);
+    assert!(largest_excess(cover) <= 1.1 * largest + 1e-5, "{name}: {largest} {}", largest_excess(cover));
+}
+
+#[test]
+fn covers_contain_their_solids() {
+    for (name, solid) in solids() {
+        let search = OuterCover::new(&solid);
+        let (mut before, mut balls) = (f64::INFINITY, vec![]);
+        let counts: &[usize] = if ["box", "bumpy"].contains(&name) { &[1, 4] } else { &[4] };
+        for &count in counts {
+            let cover = search.of_count(count);
+            assert!((1..=count).contains(&cover.len()), "{name}");
+            assert_contains(name, &solid, &cover);
+            assert_bounds(name, &solid, &cover);
+            let excess = largest_excess(&cover);
+            assert!(excess < before, "{name}: {count} balls do not reduce the excess {before}: {excess}");
+            before = excess;
+            balls = cover.iter().map(|(ball, _)| *ball).collect();
+        }
+        assert_eq!(uncovered_area(&solid, &balls).lower, 0.0, "{name}");
+    }
+}
+
+#[test]
+fn covers_keep_a_given_excess() {
+    for (name, solid) in solids().into_iter().skip(2).step_by(2) {
+        let excess = 0.15 * solid.extent();
+        let cover = OuterCover::new(&solid).of_excess(excess).unwrap();
+        assert!(largest_excess(&cover) <= excess, "{name}");
+        assert_contains(name, &solid, &cover);
+        assert_bounds(name, &solid, &cover);
+        assert!(cover.len() < if solid.has_inside() { 40 } else { 120 }, "{name}: {}", cover.len());
+    }
+}
+
+#[test]
+fn a_cylinder_needs_no_more_balls_than_a_chain() {
+    let mesh = mesh_of(Primitive::cylinder(0.05, 0.4).unwrap());
+    let solid = LinkSolid::of_meshes(vec![mesh]).unwrap();
+    // four balls on the axis, each for a quarter of the length; the corners of the ends are tight
+    let chain = (0.05_f64.powi(2) + 0.05_f64.powi(2)).sqrt() - 0.05;
+    let cover = OuterCover::new(&solid).of_count(4);
+    assert!(largest_excess(&cover) < 1.08 * chain, "{} {chain}", largest_excess(&cover));
+}
+
+#[test]
+fn inner_balls_are_inside() {
+    for (name, solid) in solids() {
+        let search = InnerCover::new(&solid);
+        let depth = 0.05 * solid.extent();
+        for balls in [search.of_count(5), search.of_depth(depth)] {
+            assert_eq!(balls.is_empty(), !solid.has_inside(), "{name}");
+            for ball in &balls {
+                for p in directions(300).iter().map(|d| ball.centre + d * ball.radius) {
+                    assert!(solid.signed_distance(&p) <= 1e-9, "{name}: {ball:?} reaches out");
+                }
+            }
+        }
+        let accuracy = Accuracy { relative: 0.02, absolute: 1e-5, most_cells: 200_000, enough: 0.0 };
+        let left = uncovered_depth(&solid, &search.of_depth(depth), &accuracy);
+        assert!(left.upper <= depth, "{name}: {left:?}");
+    }
+}
+
+#[test]
+fn gaps_are_found() {
+    let mesh = mesh_of(Primitive::cuboid([0.2, 0.2, 0.2]).unwrap());
+    let solid = LinkSolid::of_meshes(vec![mesh]).unwrap();
+    // a ball whose surface passes 0.01 inside of the corners
+    let radius = 0.03_f64.sqrt() - 0.01;
+    let ball = Ball { centre: Point::origin(), radius };
+    let containment = Containment::new(&solid, 1e-4);
+    let gaps = containment.gaps(&[ball], 1e-3);
+    let octants = |gaps: &[Point]| {
+        gaps.iter()
+            .map(|p| p.coords.map(|c| c > 0.0).data.0[0])
+            .collect::<std::collections::HashSet<_>>()
+            .len()
+    };
+    assert_eq!(octants(&gaps), 8);
+    assert!(gaps.iter().all(|p| p.coords.norm() > radius - 0.01));
+    let closed = containment.close(&[ball], 1e-4);
+    assert!((closed[0].radius - 0.03_f64.sqrt()).abs() < 1e-3, "{closed:?}");
+    let area = uncovered_area(&solid, &[ball]);
+    assert!(area.lower > 0.0 && area.lower <= area.upper && area.upper < 0.1 * area.total, "{area:?}");
+    assert!((area.total - 0.24).abs() < 1e-12);
+}
+
+#[test]
+fn a_hole_inside_is_closed() {
+    let mesh = mesh_of(Primitive::cuboid([0.2, 0.2, 0.2]).unwrap());
+    let solid = LinkSolid::of_meshes(vec![mesh]).unwrap();
+    // balls on the surface, which leave the centre free
+    let mut balls = vec![];
+    for x in -3..=3 {
+        for y in -3..=3 {
+            for side in [-0.1, 0.1] {
+                let (u, v) = (f64::from(x) * 0.1 / 3.0, f64::from(y) * 0.1 / 3.0);
+                let centres = [Point::new(u, v, side), Point::new(side, u, v), Point::new(v, side, u)];
+                balls.extend(centres.map(|centre| Ball { centre, radius: 0.05 }));
+            }
+        }
+    }
+    assert!(!balls.iter().any(|ball| ball.contains(&Point::origin(), 0.0)));
+    let containment = Containment::new(&solid, 1e-4);
+    assert!(!containment.gaps(&balls, 1e-3).is_empty());
+    let closed = containment.close(&balls, 1e-4);
+    assert!(closed.iter().any(|ball| ball.contains(&Point::origin(), 0.0)));
+}
+
+#[test]
+fn the_excess_of_a_ball_is_known() {
+    let mesh = mesh_of(Primitive::cuboid([0.2, 0.2, 0.2]).unwrap());
+    let solid = LinkSolid::of_meshes(vec![mesh]).unwrap();
+    let accuracy = Accuracy { relative: 1e-3, absolute: 1e-9, most_cells: 100_000, enough: 0.0 };
+    for (centre, radius, excess) in [
+        ([0.0, 0.0, 0.0], 0.05, 0.0),
+        ([0.0, 0.0, 0.0], 0.15, 0.05),
+        ([0.08, 0.0, 0.0], 0.05, 0.03),
+        // beyond a corner
+        ([0.2, 0.2, 0.2], 0.05, 0.03_f64.sqrt() + 0.05),
+    ] {
+        let found = ball_excess(&solid, &Ball { centre: Point::from(centre), radius }, &accuracy);
+        assert!(found.lower <= excess + 1e-12 && excess <= found.upper, "{centre:?} {found:?}");
+        assert!(found.upper - found.lower <= 1e-2 * excess + 1e-8, "{centre:?} {found:?}");
+    }
+}
+
+#[test]
+fn the_same_solid_gives_the_same_balls() {
+    let mut random = fastrand::Rng::with_seed(1);
+    let solid = Arc::new(LinkSolid::of_meshes(vec![bumpy(&mut random)]).unwrap());
+    let found: Vec<Vec<BoundedBall>> = std::thread::scope(|scope| {
+        let runs = [0, 1].map(|_| scope.spawn(|| OuterCover::new(&solid).of_count(4)));
+        runs.into_iter().map(|run| run.join().unwrap()).collect()
+    });
+    assert_eq!(found[0], found[1]);
+}

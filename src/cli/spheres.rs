@@ -1,0 +1,256 @@
+//! `clearance spheres`: covers the links of a robot with spheres, or measures a model of spheres.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use clap::Args;
+use clearance::covers::{self, CoverSize, LinkCover, MeasuredLink, SphereCover};
+use clearance::robot::{LinkId, RobotModel};
+use clearance_files::input_files::{self, DESCRIPTION_LIMIT};
+use clearance_files::readable_text::on_one_line;
+use serde::Serialize;
+
+use super::exit_status::ExitStatus;
+use super::failure::Failure;
+use super::model_args::RobotArgs;
+use super::progress::Progress;
+use super::run_args::{Format, internal, positive, print_line};
+
+/// Cover the links of a robot with spheres that are proven to contain them, or measure a model of spheres.
+///
+/// The spheres of a link contain all triangles of its collision geometry and the inside of closed meshes and primitives. The excess is the
+/// largest distance of a point of the spheres from the link: its upper bound is proven.
+///
+/// Exit codes: 0 done; with --measure, 1 if a part of the surface is in no sphere; 2 bad input.
+#[derive(Args)]
+pub struct SpheresArgs {
+    #[command(flatten)]
+    robot: RobotArgs,
+
+    #[command(flatten)]
+    size: SizeArgs,
+
+    /// Spheres inside of the links, instead of spheres around them; --excess is then the depth (m) of points that may be left out
+    #[arg(long, conflicts_with_all = ["total", "measure"])]
+    inner: bool,
+
+    /// Write cuRobo's `collision_spheres` to this YAML file
+    #[arg(long, value_name = "FILE", conflicts_with = "measure")]
+    curobo: Option<PathBuf>,
+
+    /// Write an XRDF file for Isaac; check its limits and tool frames, which URDF does not have
+    #[arg(long, value_name = "FILE", conflicts_with = "measure")]
+    xrdf: Option<PathBuf>,
+
+    /// Write the URDF with the spheres as collision geometry, as VAMP and foam read it
+    #[arg(long, value_name = "FILE", conflicts_with = "measure")]
+    sphere_urdf: Option<PathBuf>,
+
+    /// Output format
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+}
+
+/// How many spheres.
+#[derive(Args, Clone, Debug)]
+#[group(required = true, multiple = false)]
+struct SizeArgs {
+    /// At most this many spheres for each link
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    count: Option<usize>,
+
+    /// At most this many spheres for the whole robot
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    total: Option<usize>,
+
+    /// As few spheres as are found for this largest excess, in metres
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    excess: Option<f64>,
+
+    /// As many spheres for each link as in this URDF, whose collision geometry is spheres
+    #[arg(long, value_name = "FILE")]
+    counts_of: Option<PathBuf>,
+
+    /// Measure the spheres of this URDF, whose collision geometry is spheres
+    #[arg(long, value_name = "FILE")]
+    measure: Option<PathBuf>,
+}
+
+/// Output in JSON format.
+#[derive(Serialize)]
+struct CoverOutput {
+    robot: String,
+    /// `outer` or `inner`.
+    cover: &'static str,
+    spheres: usize,
+    /// Proven bound (m): largest excess of an outer cover, largest depth left out of an inner cover.
+    largest_error: f64,
+    seconds: f64,
+    links: Vec<LinkOutput>,
+}
+
+#[derive(Serialize)]
+struct LinkOutput {
+    link: String,
+    /// Lower and upper bound (m).
+    error: [f64; 2],
+    /// `[x, y, z, radius]` (m) in the link frame.
+    spheres: Vec<[f64; 4]>,
+}
+
+/// Measurement in JSON format.
+#[derive(Serialize)]
+struct MeasureOutput {
+    link: String,
+    spheres: usize,
+    /// Lower and upper bound (m²).
+    uncovered_area: [f64; 2],
+    surface_area: f64,
+    /// Lower and upper bound (m).
+    excess: [f64; 2],
+}
+
+pub fn run(args: &SpheresArgs) -> Result<ExitStatus, Failure> {
+    args.size.excess.map(|m| positive("--excess", m)).transpose()?;
+    for file in [&args.curobo, &args.xrdf, &args.sphere_urdf].into_iter().flatten() {
+        input_files::check_target(file).map_err(Failure::input)?;
+    }
+    let robot = args.robot.load()?;
+    if let Some(file) = &args.size.measure {
+        return measure(args, &robot, file);
+    }
+    let size = args.cover_size(&robot)?;
+    let start = Instant::now();
+    let progress = Progress::new(robot.links().iter().filter(|link| !link.collisions.is_empty()).count());
+    let on_link = |_: LinkId| progress.piece_done();
+    let cover = if args.inner {
+        covers::inner_sphere_cover(&robot, &size, &on_link)
+    } else {
+        covers::sphere_cover(&robot, &size, &on_link)
+    };
+    drop(progress);
+    let cover = cover.map_err(Failure::input)?;
+    args.write_files(&robot, &cover)?;
+    let seconds = start.elapsed().as_secs_f64();
+    print_line(&match args.format {
+        Format::Text => text(&robot, &cover, args.inner),
+        Format::Json => json(&robot, &cover, args.inner, seconds)?,
+    })?;
+    Ok(ExitStatus::SUCCESS)
+}
+
+impl SpheresArgs {
+    fn cover_size(&self, robot: &RobotModel) -> Result<CoverSize, Failure> {
+        let SizeArgs { count, total, excess, counts_of, .. } = &self.size;
+        Ok(match (count, total, excess, counts_of) {
+            (Some(count), ..) => CoverSize::PerLink(*count),
+            (_, Some(total), ..) => CoverSize::Total(*total),
+            (_, _, Some(excess), _) => CoverSize::Excess(*excess),
+            (_, _, _, Some(file)) => CoverSize::Links(counts(robot, &self.model_of_spheres(file)?)),
+            _ => return Err(Failure::Input("give --count, --total, --excess or --counts-of".to_owned())),
+        })
+    }
+
+    fn model_of_spheres(&self, file: &Path) -> Result<RobotModel, Failure> {
+        let robot = RobotArgs { urdf: Some(file.to_owned()), srdf: None, ..self.robot.clone() };
+        robot.load_quietly(&robot.mesh_files())
+    }
+
+    fn write_files(&self, robot: &RobotModel, cover: &SphereCover) -> Result<(), Failure> {
+        let write =
+            |file: &Path, text: &str| input_files::write(file, text.as_bytes()).map_err(Failure::input);
+        if let Some(file) = &self.curobo {
+            write(file, &covers::curobo_yaml(robot, cover))?;
+        }
+        if let Some(file) = &self.xrdf {
+            write(file, &covers::xrdf(robot, cover))?;
+        }
+        if let (Some(file), Some(urdf)) = (&self.sphere_urdf, &self.robot.urdf) {
+            let text = input_files::read_text(urdf, DESCRIPTION_LIMIT).map_err(Failure::input)?;
+            write(file, &covers::sphere_urdf(robot, cover, &text).map_err(Failure::input)?)?;
+        }
+        Ok(())
+    }
+}
+
+/// The number of spheres of each link.
+fn counts(robot: &RobotModel, spheres: &RobotModel) -> Vec<(LinkId, usize)> {
+    let count = |id: LinkId| {
+        let link = spheres.link(spheres.link_by_name(&robot.link(id).name)?);
+        (!link.collisions.is_empty()).then_some((id, link.collisions.len()))
+    };
+    robot.link_ids().filter_map(count).collect()
+}
+
+fn millimetres([lower, upper]: [f64; 2]) -> String {
+    format!("{:.2} to {:.2} mm", 1e3 * lower, 1e3 * upper)
+}
+
+fn text(robot: &RobotModel, cover: &SphereCover, inner: bool) -> String {
+    let what = if inner { "depth left out" } else { "excess" };
+    let line = |link: &LinkCover| {
+        let name = on_one_line(&robot.link(link.link).name);
+        format!("{name}: {} spheres, {what} {}\n", link.spheres.len(), millimetres(link.error))
+    };
+    let lines: String = cover.links.iter().map(line).collect();
+    let proof = if inner { "proven inside of the links" } else { "proven to contain the links" };
+    format!(
+        "{lines}{}: {} spheres, {proof}; {what} at most {:.2} mm, proven",
+        on_one_line(robot.name()),
+        cover.count(),
+        1e3 * cover.largest_error(),
+    )
+}
+
+fn json(robot: &RobotModel, cover: &SphereCover, inner: bool, seconds: f64) -> Result<String, Failure> {
+    let link = |link: &LinkCover| LinkOutput {
+        link: robot.link(link.link).name.clone(),
+        error: link.error,
+        spheres: link.spheres.iter().map(|s| [s.centre.x, s.centre.y, s.centre.z, s.radius]).collect(),
+    };
+    let output = CoverOutput {
+        robot: robot.name().to_owned(),
+        cover: if inner { "inner" } else { "outer" },
+        spheres: cover.count(),
+        largest_error: cover.largest_error(),
+        seconds,
+        links: cover.links.iter().map(link).collect(),
+    };
+    serde_json::to_string(&output).map_err(internal)
+}
+
+/// Exit code 1 if a part of the surface is in no sphere.
+fn measure(args: &SpheresArgs, robot: &RobotModel, file: &Path) -> Result<ExitStatus, Failure> {
+    let links = covers::measure_spheres(robot, &args.model_of_spheres(file)?).map_err(Failure::input)?;
+    let name = |link: &MeasuredLink| robot.link(link.link).name.clone();
+    match args.format {
+        Format::Text => {
+            for link in &links {
+                let part = |area: f64| {
+                    if link.uncovered.total > 0.0 { 100.0 * area / link.uncovered.total } else { 0.0 }
+                };
+                print_line(&format!(
+                    "{}: {} spheres, {:.1} to {:.1} % of the surface in no sphere, excess {}",
+                    on_one_line(&name(link)),
+                    link.spheres,
+                    part(link.uncovered.lower),
+                    part(link.uncovered.upper),
+                    millimetres(link.excess),
+                ))?;
+            }
+        }
+        Format::Json => {
+            let output = |link: &MeasuredLink| MeasureOutput {
+                link: name(link),
+                spheres: link.spheres,
+                uncovered_area: [link.uncovered.lower, link.uncovered.upper],
+                surface_area: link.uncovered.total,
+                excess: link.excess,
+            };
+            let outputs: Vec<MeasureOutput> = links.iter().map(output).collect();
+            print_line(&serde_json::to_string(&outputs).map_err(internal)?)?;
+        }
+    }
+    let is_bare = |link: &MeasuredLink| link.uncovered.lower > 0.0 || link.spheres == 0;
+    Ok(ExitStatus::from(u8::from(links.iter().any(is_bare))))
+}

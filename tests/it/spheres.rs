@@ -1,0 +1,181 @@
+//! The command `clearance spheres`: covers, files for other programs, measurement.
+
+use std::collections::BTreeMap;
+
+use clearance::robot::RobotModel;
+use clearance::{CoverSize, Primitive, Shape, sphere_cover};
+use clearance_files::yaml;
+use serde::Deserialize;
+use serde_json::Value;
+
+use crate::program::Folder;
+
+/// Two boxes and a bare link; what looks like a collision is none.
+const ROBOT: &str = r#"<robot name="two">
+  <!-- <link name="no"><collision/></link> -->
+  <link name="base">
+    <visual><geometry><box size="0.1 0.1 0.1"/></geometry></visual>
+    <collision><geometry><box size="0.2 0.2 0.1"/></geometry></collision>
+    <collision><origin xyz="0 0 0.1"/><geometry><cylinder radius="0.05" length="0.2"/></geometry></collision>
+  </link>
+  <link name="a &amp; b">
+    <collision><geometry><sphere radius="0.1"/></geometry></collision>
+  </link>
+  <link name="tip"/>
+  <joint name="j" type="revolute"><parent link="base"/><child link="a &amp; b"/><origin xyz="0 0 0.4"/>
+    <axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+  <joint name="f" type="fixed"><parent link="a &amp; b"/><child link="tip"/></joint>
+</robot>"#;
+
+#[derive(Deserialize)]
+struct YamlSphere {
+    center: [f64; 3],
+    radius: f64,
+}
+
+#[derive(Deserialize)]
+struct CuroboFile {
+    collision_spheres: BTreeMap<String, Vec<YamlSphere>>,
+}
+
+#[derive(Deserialize)]
+struct XrdfFile {
+    format: String,
+    format_version: f64,
+    cspace: Cspace,
+    tool_frames: Vec<String>,
+    collision: Collision,
+    self_collision: Collision,
+    geometry: BTreeMap<String, Group>,
+}
+
+#[derive(Deserialize)]
+struct Cspace {
+    joint_names: Vec<String>,
+    acceleration_limits: Vec<f64>,
+    jerk_limits: Vec<f64>,
+}
+
+#[derive(Deserialize)]
+struct Collision {
+    geometry: String,
+}
+
+#[derive(Deserialize)]
+struct Group {
+    spheres: BTreeMap<String, Vec<YamlSphere>>,
+}
+
+fn folder() -> Folder {
+    Folder::of(ROBOT, "")
+}
+
+/// Spheres by link: x, y, z, radius.
+fn of_yaml(spheres: &BTreeMap<String, Vec<YamlSphere>>) -> BTreeMap<String, Vec<[f64; 4]>> {
+    let flat = |s: &YamlSphere| [s.center[0], s.center[1], s.center[2], s.radius];
+    spheres.iter().map(|(link, spheres)| (link.clone(), spheres.iter().map(flat).collect())).collect()
+}
+
+#[test]
+fn files_hold_the_spheres_that_are_reported() {
+    let folder = folder();
+    let output = folder.run(&[
+        "spheres",
+        "--urdf",
+        "r.urdf",
+        "--count",
+        "3",
+        "--curobo",
+        "c.yaml",
+        "--xrdf",
+        "r.xrdf",
+        "--sphere-urdf",
+        "s.urdf",
+        "--format",
+        "json",
+    ]);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let links = report["links"].as_array().unwrap();
+    let reported: BTreeMap<String, Vec<[f64; 4]>> = links
+        .iter()
+        .map(|link| {
+            let spheres = serde_json::from_value(link["spheres"].clone()).unwrap();
+            (link["link"].as_str().unwrap().to_owned(), spheres)
+        })
+        .collect();
+    assert_eq!(reported.keys().collect::<Vec<_>>(), ["a & b", "base"]);
+    assert!(reported.values().all(|spheres| (1..=3).contains(&spheres.len())));
+
+    let text = |name: &str| std::fs::read_to_string(folder.path(name)).unwrap();
+    let curobo: CuroboFile = yaml::from_text(&text("c.yaml")).unwrap();
+    assert_eq!(of_yaml(&curobo.collision_spheres), reported);
+    let xrdf: XrdfFile = yaml::from_text(&text("r.xrdf")).unwrap();
+    assert_eq!((xrdf.format.as_str(), xrdf.format_version), ("xrdf", 1.0));
+    assert_eq!(xrdf.cspace.joint_names, ["j"]);
+    assert_eq!((xrdf.cspace.acceleration_limits.len(), xrdf.cspace.jerk_limits.len()), (1, 1));
+    assert_eq!(xrdf.tool_frames, ["tip"]);
+    for group in [xrdf.collision.geometry, xrdf.self_collision.geometry] {
+        assert_eq!(of_yaml(&xrdf.geometry[&group].spheres), reported);
+    }
+
+    let robot = RobotModel::load(&folder.path("s.urdf"), None, &[]).unwrap();
+    for link in robot.links() {
+        let spheres = link.collisions.iter().map(|collision| {
+            let Shape::Primitive(Primitive::Sphere { radius }) = collision.shape else { panic!("no sphere") };
+            let centre = collision.pose_ls.translation;
+            [centre.x, centre.y, centre.z, radius]
+        });
+        assert_eq!(reported.get(&link.name).cloned().unwrap_or_default(), spheres.collect::<Vec<_>>());
+    }
+    assert!(text("s.urdf").contains("<visual><geometry><box"), "what is no collision stays");
+}
+
+#[test]
+fn covers_leave_no_surface_out_and_smaller_spheres_do() {
+    let folder = folder();
+    let made = folder.run(&["spheres", "--urdf", "r.urdf", "--excess", "0.03", "--sphere-urdf", "s.urdf"]);
+    let text = String::from_utf8_lossy(&made.stdout).into_owned();
+    assert!(text.contains("proven to contain the links"), "{text}");
+    let measured = folder.run(&["spheres", "--urdf", "r.urdf", "--measure", "s.urdf", "--format", "json"]);
+    assert_eq!(measured.status.code(), Some(0));
+    let links: Value = serde_json::from_slice(&measured.stdout).unwrap();
+    for link in links.as_array().unwrap() {
+        assert_eq!(link["uncovered_area"][0], 0.0, "{link}");
+        assert!(link["excess"][1].as_f64().unwrap() <= 0.031, "{link}");
+    }
+    let urdf = std::fs::read_to_string(folder.path("s.urdf")).unwrap();
+    folder.write("t.urdf", &urdf.replace("sphere radius=\"0.", "sphere radius=\"0.0"));
+    let measured = folder.run(&["spheres", "--urdf", "r.urdf", "--measure", "t.urdf"]);
+    assert_eq!(measured.status.code(), Some(1));
+    let as_many = folder.run(&["spheres", "--urdf", "r.urdf", "--counts-of", "s.urdf"]);
+    assert_eq!(as_many.status.code(), Some(0));
+}
+
+#[test]
+fn a_total_is_kept_and_shared() {
+    let robot = RobotModel::load(&folder().path("r.urdf"), None, &[]).unwrap();
+    let with_geometry = robot.links().iter().filter(|link| !link.collisions.is_empty()).count();
+    let cover = |total| sphere_cover(&robot, &CoverSize::Total(total), &|_| ());
+    let found = cover(3 * with_geometry).unwrap();
+    assert!(found.count() <= 3 * with_geometry && found.links.len() == with_geometry);
+    assert!(found.links.iter().all(|link| link.error[0] <= link.error[1]));
+    let error = cover(with_geometry - 1).unwrap_err().to_string();
+    assert!(error.contains("too few"), "{error}");
+}
+
+#[test]
+fn bad_sizes_are_rejected() {
+    let folder = folder();
+    for (arguments, message) in [
+        (["--count", "0"], "at least one sphere"),
+        (["--excess", "0"], "--excess must be a finite number above zero"),
+        (["--excess", "nan"], "--excess must be a finite number above zero"),
+        (["--total", "1"], "too few"),
+        (["--measure", "r.urdf"], "must be spheres"),
+    ] {
+        let output = folder.run(&[&["spheres", "--urdf", "r.urdf"], arguments.as_slice()].concat());
+        let text = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.code() == Some(2) && text.contains(message), "{arguments:?}: {text}");
+    }
+}
