@@ -49,7 +49,8 @@ impl Part {
             corners.sort_unstable();
             corners
         };
-        let closed: HashSet<_> = surfaces.iter().flat_map(|surface| surface.triangles()).map(key).collect();
+        let closed: HashSet<_> =
+            surfaces.iter().flat_map(clearance_geometry::ClosedSurface::triangles).map(key).collect();
         let rest: Vec<[u32; 3]> =
             mesh.triangles().iter().filter(|t| !closed.contains(&key(t))).copied().collect();
         let mut parts = vec![];

@@ -73,9 +73,9 @@ fn nearest_outside(grid: &DistanceGrid, excess: f64) -> Option<Vec<usize>> {
         (0..grid.values.len()).map(|i| is_outside(i).then_some(i)).collect();
     let strides = [1, grid.size[0], grid.size[0] * grid.size[1]];
     let mut line = Line::default();
-    for axis in 0..3 {
+    for (axis, stride) in strides.into_iter().enumerate() {
         for start in (0..grid.values.len()).filter(|i| grid.cell(*i)[axis] == 0) {
-            line.transform(grid, &mut nearest, [axis, start, strides[axis]]);
+            line.transform(grid, &mut nearest, [axis, start, stride]);
         }
     }
     nearest.into_iter().collect()

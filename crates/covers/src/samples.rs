@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use clearance_geometry::Triangle;
-use clearance_geometry::math::{Point, Vector};
+use clearance_geometry::math::{Extremes, Point, Vector};
 
 use crate::distance_grid::DistanceGrid;
 use crate::link_solid::LinkSolid;
@@ -36,7 +36,7 @@ pub fn thinned(points: &[Point], step: f64) -> Vec<Point> {
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // a few hundred steps
 fn lattice(triangle: &Triangle, spacing: f64) -> Vec<Point> {
     let Triangle { a, b, c } = *triangle;
-    let longest = triangle.edges().iter().map(|[p, q]| (q - p).norm()).fold(0.0, f64::max);
+    let longest = triangle.edges().iter().map(|[p, q]| (q - p).norm()).fold(0.0, Extremes::greater);
     let steps = (longest / spacing).ceil().clamp(1.0, 200.0) as u32;
     let mut points = vec![];
     for i in 0..=steps {

@@ -89,8 +89,8 @@ fn link_elements(urdf: &str) -> Option<Vec<Vec<Range<usize>>>> {
 /// Length of the tag, comment, CDATA section, declaration or instruction at the start of a text.
 fn markup_length(text: &str) -> Option<usize> {
     for (start, end) in [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>")] {
-        if text.starts_with(start) {
-            return Some(text[start.len()..].find(end)? + start.len() + end.len());
+        if let Some(rest) = text.strip_prefix(start) {
+            return Some(rest.find(end)? + start.len() + end.len());
         }
     }
     let mut quote = None;
