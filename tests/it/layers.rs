@@ -3,7 +3,7 @@
 use std::path::Path;
 
 /// The crates, and those of them that each may use.
-const CRATES: [(&str, &[&str]); 17] = [
+const CRATES: [(&str, &[&str]); 18] = [
     ("geometry", &[]),
     ("files", &[]),
     ("proximity", &["geometry"]),
