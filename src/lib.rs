@@ -95,12 +95,12 @@ pub use clearance_planner as planner;
 #[doc(inline)]
 pub use clearance_collision_matrix as collision_matrix;
 
-/// Checks of robot models: mesh defects, and certified distances between collision and visual geometry.
-#[doc(inline)]
-pub use clearance_lint as lint;
 /// Covers of the links of a robot by spheres, with proven errors.
 #[doc(inline)]
 pub use clearance_covers as covers;
+/// Checks of robot models: mesh defects, and certified distances between collision and visual geometry.
+#[doc(inline)]
+pub use clearance_lint as lint;
 
 /// Independent verification of certificates.
 #[doc(inline)]

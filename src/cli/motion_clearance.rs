@@ -1,7 +1,7 @@
 //! Output of the least distances along a motion.
 
 use clearance::checker::{
-    CollisionChecker, LeastClearance, MotionClearance, MotionClearanceOptions, NearestMoment,
+    CollisionChecker, LeastClearance, MotionClearance, MotionClearanceOptions, NearestMoment, UndecidedReason,
 };
 use clearance::motion::Trajectory;
 use serde::Serialize;
@@ -51,7 +51,7 @@ impl ClearanceResult {
         Self {
             nearest_self: nearest_self.map(result),
             world: nearest_world.map(result),
-            reason: unfinished.map(|reason| reason.code()),
+            reason: unfinished.map(UndecidedReason::code),
         }
     }
 

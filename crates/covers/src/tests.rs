@@ -114,7 +114,8 @@ fn assert_bounds(name: &str, solid: &LinkSolid, cover: &[BoundedBall]) {
         assert!(excess.upper >= most, "{name}: {most} is beyond {excess:?}");
         assert!(excess.lower <= excess.upper, "{name}: {excess:?}");
         let reached = solid.signed_distance(&excess.witness).max(0.0);
-        assert!((reached - excess.lower).abs() < 1e-9, "{name}: the witness is at {reached}, not {excess:?}");
+        // a search that ends early has a lower bound below its witness
+        assert!(reached >= excess.lower - 1e-9, "{name}: the witness is at {reached}, not {excess:?}");
         assert!(ball.slack(&excess.witness) > -1e-9, "{name}: the witness is not in the ball");
     }
     let largest = cover.iter().map(|(_, excess)| excess.lower).fold(0.0, f64::max);

@@ -108,7 +108,7 @@ fn schema(path: &str, value: &serde_json::Value, lines: &mut Vec<String>) {
     use serde_json::Value;
     match value {
         Value::Object(fields) => {
-            fields.iter().for_each(|(name, v)| schema(&format!("{path}.{name}"), v, lines))
+            fields.iter().for_each(|(name, v)| schema(&format!("{path}.{name}"), v, lines));
         }
         Value::Array(list) => list.iter().take(1).for_each(|v| schema(&format!("{path}[]"), v, lines)),
         Value::String(_) => lines.push(format!("{path}: text")),
