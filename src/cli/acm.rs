@@ -122,11 +122,12 @@ impl AcmArgs {
 
     /// Pairs that are written although they can collide.
     fn allowed(&self, robot: &RobotModel) -> Result<AllowedPairs, Failure> {
-        let pairs = self.allow.iter().map(|pair| {
+        let mut allowed = AllowedPairs { adjacent: self.allow_adjacent, ..AllowedPairs::default() };
+        for pair in &self.allow {
             let links = link_pair(robot, "--allow", pair)?;
-            Ok(links.map(|link| robot.described_name(link).to_owned()))
-        });
-        Ok(AllowedPairs { pairs: pairs.collect::<Result<_, Failure>>()?, adjacent: self.allow_adjacent })
+            allowed.allow(robot, links).map_err(|why| Failure::Input(format!("--allow {pair}: {why}")))?;
+        }
+        Ok(allowed)
     }
 
     /// Decisions of an earlier run.

@@ -44,7 +44,7 @@ pub fn run(args: &DoctorArgs, level: LevelFilter) -> Result<ExitStatus, Failure>
     clearance_ros::start_logging(level);
     let mesh_files = args.robot.mesh_files();
     let robot = args.robot.urdf.as_ref().map(|_| args.robot.load_quietly(&mesh_files)).transpose()?;
-    let geometry = robot.as_ref().map(|robot| geometry_finding(robot, &args.robot)).transpose()?.flatten();
+    let geometry = robot.as_ref().and_then(|robot| geometry_finding(robot, &args.robot));
     let arguments = RosArguments::parse(&args.ros_args).map_err(Failure::input)?;
     let mesh_model = args.robot.mesh_model();
     let options = DoctorOptions { arguments, robot, mesh_files, mesh_model, duration };
@@ -62,12 +62,19 @@ pub fn run(args: &DoctorArgs, level: LevelFilter) -> Result<ExitStatus, Failure>
 const GEOMETRY_DEADLINE: f64 = 10.0;
 
 /// Summary of the checks of a robot's geometry; `clearance lint` lists them.
-fn geometry_finding(robot: &RobotModel, args: &RobotArgs) -> Result<Option<Finding>, Failure> {
-    let Some(urdf) = &args.urdf else { return Ok(None) };
+fn geometry_finding(robot: &RobotModel, args: &RobotArgs) -> Option<Finding> {
+    let urdf = args.urdf.as_ref()?;
     let hausdorff =
         HausdorffOptions { deadline: deadline_in(GEOMETRY_DEADLINE), ..HausdorffOptions::default() };
     let options = LintOptions { hausdorff, ..LintOptions::default() };
-    let report: LintReport = lint(robot, &visual_geometry(urdf, args)?, &options);
+    let visuals = match visual_geometry(urdf, args) {
+        Ok(visuals) => visuals,
+        Err(failure) => {
+            let text = on_one_line(&format!("visual geometry: {failure}")).into_owned();
+            return Some(Finding { verdict: Verdict::Wrong, about: "geometry".to_owned(), text });
+        }
+    };
+    let report: LintReport = lint(robot, &visuals, &options);
     let [errors, warnings] = [Severity::Error, Severity::Warning].map(|severity| report.count(severity));
     let verdict = match (errors, warnings) {
         (0, 0) => Verdict::Good,
@@ -79,7 +86,7 @@ fn geometry_finding(robot: &RobotModel, args: &RobotArgs) -> Result<Option<Findi
         None => String::new(),
     };
     let text = on_one_line(&format!("{errors} errors, {warnings} warnings{first}")).into_owned();
-    Ok(Some(Finding { verdict, about: "geometry".to_owned(), text }))
+    Some(Finding { verdict, about: "geometry".to_owned(), text })
 }
 
 fn print_finding(Finding { verdict, about, text }: &Finding) -> Result<(), Failure> {

@@ -421,6 +421,7 @@ impl MotionResult {
         let when = self.t.map_or_else(String::new, |[lo, hi]| match self.verdict {
             // with the order "any", nothing before the contact is checked
             "contact" if lo == 0.0 && hi > 0.0 => format!(", colliding at t = {hi:.6}"),
+            "within_margin" if lo == 0.0 && hi > 0.0 => format!(", within the margin at t = {hi:.6}"),
             "within_margin" => format!(", farther until t = {lo:.6}, within the margin at t = {hi:.6}"),
             "contact" => format!(", free until t = {lo:.6}, colliding at t = {hi:.6}"),
             _ => format!(", open from t = {lo:.6} to {hi:.6}: {}", self.reason_text),

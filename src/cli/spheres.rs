@@ -146,7 +146,7 @@ impl SpheresArgs {
             (Some(count), ..) => CoverSize::PerLink(*count),
             (_, Some(total), ..) => CoverSize::Total(*total),
             (_, _, Some(excess), _) => CoverSize::Excess(*excess),
-            (_, _, _, Some(file)) => CoverSize::Links(counts(robot, &self.model_of_spheres(file)?)),
+            (_, _, _, Some(file)) => CoverSize::Links(counts(robot, &self.model_of_spheres(file)?, file)?),
             _ => return Err(Failure::Input("give --count, --total, --excess or --counts-of".to_owned())),
         })
     }
@@ -173,13 +173,22 @@ impl SpheresArgs {
     }
 }
 
-/// The number of spheres of each link.
-fn counts(robot: &RobotModel, spheres: &RobotModel) -> Vec<(LinkId, usize)> {
+/// The number of spheres of each link. A link without spheres would not be covered.
+fn counts(robot: &RobotModel, spheres: &RobotModel, file: &Path) -> Result<Vec<(LinkId, usize)>, Failure> {
+    let with_geometry = robot.link_ids().filter(|id| !robot.link(*id).collisions.is_empty());
     let count = |id: LinkId| {
-        let link = spheres.link(spheres.link_by_name(&robot.link(id).name)?);
-        (!link.collisions.is_empty()).then_some((id, link.collisions.len()))
+        let name = &robot.link(id).name;
+        let link = spheres.link_by_name(name).map(|link| spheres.link(link));
+        match link.map_or(0, |link| link.collisions.len()) {
+            0 => Err(Failure::Input(format!(
+                "--counts-of: {} has no sphere for link '{}', which has collision geometry; use --total, which covers every link",
+                file.display(),
+                on_one_line(name)
+            ))),
+            count => Ok((id, count)),
+        }
     };
-    robot.link_ids().filter_map(count).collect()
+    with_geometry.map(count).collect()
 }
 
 fn millimetres([lower, upper]: [f64; 2]) -> String {
@@ -251,6 +260,6 @@ fn measure(args: &SpheresArgs, robot: &RobotModel, file: &Path) -> Result<ExitSt
             print_line(&serde_json::to_string(&outputs).map_err(internal)?)?;
         }
     }
-    let is_bare = |link: &MeasuredLink| link.uncovered.lower > 0.0 || link.spheres == 0;
+    let is_bare = |link: &MeasuredLink| link.uncovered.upper > 0.0 || link.spheres == 0;
     Ok(ExitStatus::from(u8::from(links.iter().any(is_bare))))
 }

@@ -85,6 +85,8 @@ def test_srdf(plates, matrix):
     assert again.collision_matrix().srdf(allow_adjacent=True) == text
     with pytest.raises(cl.Error, match="no link 'nobody'"):
         matrix.srdf(allow=[("base", "nobody")])
+    with pytest.raises(cl.Error, match="'base' is given twice"):
+        matrix.srdf(allow=[("base", "base")])
 
 
 def test_the_text_of_the_srdf_stays(arm_matrix):

@@ -46,5 +46,5 @@ pub use decision::{DecidedPair, Decision};
 pub use matrix_builder::MatrixBuilder;
 pub use matrix_document::{DocumentError, MatrixDocument};
 pub use options::{MatrixFailure, MatrixOptions};
-pub use srdf_entries::AllowedPairs;
+pub use srdf_entries::{AllowedPairError, AllowedPairs};
 pub use srdf_update::{SrdfEntry, SrdfTextError, add_disabled_pairs};

@@ -1,6 +1,6 @@
 //! Which pairs become entries of an SRDF.
 
-use clearance_robot::RobotModel;
+use clearance_robot::{LinkId, RobotModel};
 
 use crate::decision::{DecidedPair, Decision};
 use crate::srdf_update::SrdfEntry;
@@ -14,7 +14,36 @@ pub struct AllowedPairs {
     pub adjacent: bool,
 }
 
+/// Reason why a pair cannot be allowed.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum AllowedPairError {
+    /// Both links are the same.
+    #[error("'{0}' is given twice: give two links")]
+    SameLink(String),
+    /// A link is in no pair.
+    #[error("link '{0}' has no collision geometry, so there is no pair to allow")]
+    NoGeometry(String),
+}
+
 impl AllowedPairs {
+    /// Adds a pair of links.
+    ///
+    /// # Errors
+    /// If the links are no pair that is decided.
+    pub fn allow(&mut self, robot: &RobotModel, links: [LinkId; 2]) -> Result<(), AllowedPairError> {
+        let names = links.map(|link| robot.described_name(link).to_owned());
+        if links[0] == links[1] {
+            return Err(AllowedPairError::SameLink(names[0].clone()));
+        }
+        for (link, name) in links.into_iter().zip(&names) {
+            if robot.link(link).collisions.is_empty() {
+                return Err(AllowedPairError::NoGeometry(name.clone()));
+            }
+        }
+        self.pairs.push(names);
+        Ok(())
+    }
+
     /// Entries of the decided pairs that the SRDF of `original` neither disables nor enables. Only what is proven gets the reason `Never`.
     #[must_use]
     pub fn new_entries(&self, pairs: &[DecidedPair], original: Option<&RobotModel>) -> Vec<SrdfEntry> {

@@ -7,7 +7,7 @@ use clearance::checker::Watch;
 use clearance::collision_matrix::{
     AllowedPairs, DecidedPair, Decision, MatrixBuilder, MatrixDocument, MatrixOptions, add_disabled_pairs,
 };
-use clearance::robot::RobotModel;
+use clearance::robot::{LinkId, RobotModel};
 use clearance::scene::Settings;
 use numpy::PyArray1;
 use pyo3::exceptions::PyTypeError;
@@ -69,11 +69,9 @@ impl CollisionMatrix {
         Ok(Self { model: Arc::clone(model), sources: Arc::clone(sources), settings, document })
     }
 
-    /// The name in the robot that a name of a pair means.
-    fn described(&self, name: &str) -> PyResult<String> {
+    fn link(&self, name: &str) -> PyResult<LinkId> {
         let link = self.model.link_by_name(name);
-        let link = link.ok_or_else(|| error(format!("allow: the robot has no link '{name}'")))?;
-        Ok(self.model.described_name(link).to_owned())
+        link.ok_or_else(|| error(format!("allow: the robot has no link '{name}'")))
     }
 }
 
@@ -99,8 +97,11 @@ impl CollisionMatrix {
     /// states, with the reason `Adjacent`.
     #[pyo3(signature = (allow=Vec::new(), allow_adjacent=false))]
     fn srdf(&self, allow: Vec<(String, String)>, allow_adjacent: bool) -> PyResult<String> {
-        let pairs = allow.iter().map(|(a, b)| Ok([self.described(a)?, self.described(b)?]));
-        let allowed = AllowedPairs { pairs: pairs.collect::<PyResult<_>>()?, adjacent: allow_adjacent };
+        let mut allowed = AllowedPairs { adjacent: allow_adjacent, ..AllowedPairs::default() };
+        for (a, b) in &allow {
+            let links = [self.link(a)?, self.link(b)?];
+            allowed.allow(&self.model, links).map_err(|why| error(format!("allow: {why}")))?;
+        }
         let entries = allowed.new_entries(&self.document.pairs, Some(&self.model));
         let original = self.sources.srdf.as_ref().map(|srdf| srdf.text.as_str());
         add_disabled_pairs(original, self.model.name(), &entries).map_err(error)

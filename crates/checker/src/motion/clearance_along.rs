@@ -86,10 +86,11 @@ impl<'a> ClearanceAlong<'a> {
         MotionClearance {
             nearest_self,
             nearest_world,
-            unfinished: if is_done {
-                None
-            } else {
-                Some(progress.unfinished.unwrap_or(UndecidedReason::Tolerance))
+            unfinished: match progress.unfinished {
+                // such a motion was not searched, even if there are no pairs
+                Some(UndecidedReason::Mismatch) => Some(UndecidedReason::Mismatch),
+                _ if is_done => None,
+                reason => Some(reason.unwrap_or(UndecidedReason::Tolerance)),
             },
             evaluations: progress.evaluations,
             work: workspace.scratch.work,

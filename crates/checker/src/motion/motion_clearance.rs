@@ -89,7 +89,7 @@ pub struct NearestMoment {
 }
 
 /// The least distances along a motion or trajectory.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct MotionClearance {
     /// The least distance of two bodies of the robot; `None` if no such pairs are checked.
     pub nearest_self: Option<LeastClearance>,
@@ -113,9 +113,12 @@ impl MotionClearance {
         }
     }
 
-    /// Proven: no pair is nearer than this (m) at any time; infinite if no pairs are checked.
+    /// Proven: no pair is nearer than this (m) at any time; infinite if no pairs are checked, zero for a motion of another robot or world.
     #[must_use]
     pub fn lower(&self) -> f64 {
+        if self.unfinished == Some(UndecidedReason::Mismatch) {
+            return 0.0;
+        }
         self.of_both().map(|least| least.lower).fold(f64::INFINITY, f64::lesser)
     }
 

@@ -47,7 +47,11 @@ pub fn check_stretches(
     let (mut evaluations, mut work) = (0, Work::default());
     let segments = trajectory.segments();
     for (i, segment) in segments.iter().enumerate() {
-        let gap = if i == 0 { None } else { check_gap([&segments[i - 1], segment], &mut check) };
+        let gap = if i == 0 {
+            None
+        } else {
+            check_gap([&segments[i - 1], segment], options.kept_margin(), &mut check)
+        };
         if let Some(report) = &gap {
             evaluations += report.evaluations;
             work += report.work;
@@ -86,6 +90,7 @@ pub enum Stretch<'t> {
 /// Report on the gap between two segments, expressed at the start of the second; `None` if they join exactly.
 fn check_gap(
     [before, after]: [&MotionSegment; 2],
+    margin: f64,
     check: &mut impl FnMut(Stretch) -> MotionReport,
 ) -> Option<MotionReport> {
     let undecided =
@@ -102,8 +107,10 @@ fn check_gap(
     let is_loose = before.is_loose() || after.is_loose();
     let verdict = match report.verdict {
         MotionVerdict::Free => MotionVerdict::Free,
-        // neither segment itself touches
-        MotionVerdict::Contact { pair, .. } => undecided(Some(pair), [0.0; 2], UndecidedReason::Tolerance),
+        // neither segment itself is that near
+        MotionVerdict::Contact { pair, .. } => {
+            undecided(Some(pair), [0.0, margin], UndecidedReason::Tolerance)
+        }
         MotionVerdict::Undecided { pair, distance, reason, .. } => {
             // the gap's own tolerance only covers rounding
             let by_rounding = reason == UndecidedReason::Tube && !is_loose;

@@ -10,7 +10,7 @@
     free = checker.is_free(checker.configuration(robot.group_states["home"]))
 
 Units are metres, radians and seconds. All poses and points are in the frame of the robot's root link. Joint positions are float64 arrays in
-the order of ``joint_names``. All objects pickle. The package has no thread of its own until the first batch.
+the order of ``joint_names``. All objects but ``View`` and ``CollisionMatrix`` pickle. The package has no thread of its own until the first batch.
 """
 
 from ._clearance import Certificate, Checker, CollisionMatrix, Error, Robot, View, World, __version__, verify

@@ -85,7 +85,8 @@ impl<'d> Validator<'d> {
                 self.writer.close("geometry");
             }
             ([_, second, ..], _) => {
-                let message = "<geometry> has more than one shape; write one <collision> for each";
+                let tag = self.kind.tag();
+                let message = format!("<geometry> has more than one shape; write one <{tag}> for each");
                 self.fault(*second, element, message);
             }
             ([], None) if geometry.children().any(|n| n.is_element()) => {
