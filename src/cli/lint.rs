@@ -73,6 +73,9 @@ pub fn run(args: &LintArgs) -> Result<ExitStatus, Failure> {
     // a link without collision geometry is a finding; the warning about it would repeat that
     let robot = robot_args.load_quietly(&robot_args.mesh_files())?;
     let visuals = visual_geometry(&args.urdf, &robot_args)?;
+    for warning in &visuals.warnings {
+        log::warn!("{warning}");
+    }
     let report = lint(&robot, &visuals, &options);
     if let Some(file) = &args.html {
         write_page(file, &report, &robot, &visuals)?;

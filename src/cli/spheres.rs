@@ -21,7 +21,7 @@ use super::run_args::{Format, internal, positive, print_line};
 /// The spheres of a link contain all triangles of its collision geometry and the inside of closed meshes and primitives. The excess is the
 /// largest distance of a point of the spheres from the link: its upper bound is proven.
 ///
-/// Exit codes: 0 done; with --measure, 1 if a part of the surface is in no sphere; 2 bad input.
+/// Exit codes: 0 done; with --measure, 1 if a part of the surface is certainly in no sphere; 2 bad input.
 #[derive(Args)]
 pub struct SpheresArgs {
     #[command(flatten)]
@@ -228,7 +228,7 @@ fn json(robot: &RobotModel, cover: &SphereCover, inner: bool, seconds: f64) -> R
     serde_json::to_string(&output).map_err(internal)
 }
 
-/// Exit code 1 if a part of the surface is in no sphere.
+/// Exit code 1 if a part of the surface is certainly in no sphere.
 fn measure(args: &SpheresArgs, robot: &RobotModel, file: &Path) -> Result<ExitStatus, Failure> {
     let links = covers::measure_spheres(robot, &args.model_of_spheres(file)?).map_err(Failure::input)?;
     let name = |link: &MeasuredLink| robot.link(link.link).name.clone();
@@ -260,6 +260,6 @@ fn measure(args: &SpheresArgs, robot: &RobotModel, file: &Path) -> Result<ExitSt
             print_line(&serde_json::to_string(&outputs).map_err(internal)?)?;
         }
     }
-    let is_bare = |link: &MeasuredLink| link.uncovered.upper > 0.0 || link.spheres == 0;
+    let is_bare = |link: &MeasuredLink| link.uncovered.lower > 0.0 || link.spheres == 0;
     Ok(ExitStatus::from(u8::from(links.iter().any(is_bare))))
 }

@@ -150,6 +150,11 @@ fn covers_leave_no_surface_out_and_smaller_spheres_do() {
     assert_eq!(measured.status.code(), Some(1));
     let as_many = folder.run(&["spheres", "--urdf", "r.urdf", "--counts-of", "s.urdf"]);
     assert_eq!(as_many.status.code(), Some(0));
+    // a link without spheres would not be covered
+    folder.write("n.urdf", &urdf.replace("a &amp; b", "c"));
+    let without = folder.run(&["spheres", "--urdf", "r.urdf", "--counts-of", "n.urdf"]);
+    let text = String::from_utf8_lossy(&without.stderr);
+    assert!(without.status.code() == Some(2) && text.contains("'a & b'"), "{text}");
 }
 
 #[test]

@@ -74,6 +74,9 @@ impl<'s> InnerCover<'s> {
                 balls = self.search(&points, None).unwrap_or(balls);
                 continue;
             }
+            if left.lower <= 4.0 * ROUNDING {
+                break;
+            }
             balls.push(Ball { centre: left.witness, radius: left.lower - 2.0 * ROUNDING });
         }
         balls

@@ -11,6 +11,22 @@ use crate::primitive_distance;
 use crate::primitive_mesh::inscribed_mesh;
 use crate::triangle_tree::TriangleTree;
 
+/// Largest coordinate (m) for which the rounding of distances is below `ball::ROUNDING`.
+const LARGEST_COORDINATE: f64 = 1000.0;
+
+/// Reason why a link has no solid.
+#[derive(Debug, thiserror::Error)]
+pub enum SolidError {
+    /// The shape has no mesh.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// Nothing would be proven by rounded distances.
+    #[error(
+        "its collision geometry reaches {0} m from the link's origin: covers are proven up to 1000 m; check the units"
+    )]
+    TooFar(f64),
+}
+
 /// The solid that a link's collision geometry makes: closed surfaces with what is inside of them, and open surfaces. Coordinates (m) are in
 /// the link frame.
 ///
@@ -94,7 +110,7 @@ impl Part {
 
 impl LinkSolid {
     /// The solid of a link; `None` if the link has no collision geometry. Rejects planes, clouds and voxels.
-    pub fn of_link(link: &Link) -> Result<Option<Self>, MeshError> {
+    pub fn of_link(link: &Link) -> Result<Option<Self>, SolidError> {
         if link.collisions.is_empty() {
             return Ok(None);
         }
@@ -109,7 +125,13 @@ impl LinkSolid {
                 _ => parts.extend(Part::of_mesh(mesh)?),
             }
         }
-        Ok(Some(Self { parts, chord_error }))
+        let solid = Self { parts, chord_error };
+        let [low, high] = solid.bounds();
+        let farthest = low.coords.amax().greater(high.coords.amax());
+        if farthest > LARGEST_COORDINATE {
+            return Err(SolidError::TooFar(farthest));
+        }
+        Ok(Some(solid))
     }
 
     /// The solid of meshes; `None` of no meshes.

@@ -160,7 +160,7 @@ impl<'s> OuterCover<'s> {
             if gaps.is_empty() {
                 break;
             }
-            points.extend(thinned(&gaps, 0.5 * self.spacing));
+            points.extend(thinned(gaps.into_iter(), 0.5 * self.spacing));
             balls = Refinement::new(&self.grid, 2.0 * margin).refine(&balls, &points, 4).balls;
             let closed = self.closed(&containment, &balls, margin);
             if largest_excess(&closed) < largest_excess(&best) {

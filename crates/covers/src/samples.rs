@@ -17,19 +17,17 @@ pub fn surface_points(solid: &LinkSolid) -> (Vec<Point>, f64) {
     let area: f64 = solid.triangles().map(|t| 0.5 * (t.b - t.a).cross(&(t.c - t.a)).norm()).sum();
     let spacing = (area / ON_SURFACE).sqrt() + 1e-3 * solid.extent() + 1e-12;
     // corners first: covers are tight there
-    let mut points: Vec<Point> = solid.triangles().flat_map(Triangle::corners).collect();
-    for triangle in solid.triangles() {
-        points.extend(lattice(triangle, spacing));
-    }
-    (thinned(&points, spacing), spacing)
+    let corners = solid.triangles().flat_map(Triangle::corners);
+    let between = solid.triangles().flat_map(|triangle| lattice(triangle, spacing));
+    (thinned(corners.chain(between), spacing), spacing)
 }
 
 /// The first point (m) in each cell of a grid of this step (m).
-pub fn thinned(points: &[Point], step: f64) -> Vec<Point> {
+pub fn thinned(points: impl Iterator<Item = Point>, step: f64) -> Vec<Point> {
     let mut taken = HashSet::new();
     #[allow(clippy::cast_possible_truncation)] // saturates beyond 2^63 cells
     let cell = |p: &Point| [0, 1, 2].map(|i| (p[i] / step).floor() as i64);
-    points.iter().filter(|p| taken.insert(cell(p))).copied().collect()
+    points.filter(|p| taken.insert(cell(p))).collect()
 }
 
 /// Points on a triangle, at most about `spacing` apart; its corners are not among them.

@@ -58,6 +58,10 @@ pub(crate) fn mesh_findings(
                 findings.push(finding(severity, check, defect, format!("{least}{count} {text}")));
             }
         }
+        if found.may_have_more_self_intersections && found.self_intersections.is_none() {
+            let message = "the search for faces that pass through each other ended early".to_owned();
+            findings.push(finding(Severity::Note, Check::LimitReached, None, message));
+        }
         if found.components > 1 {
             let message =
                 format!("{} components that share no vertex: correct, if this is intended", found.components);

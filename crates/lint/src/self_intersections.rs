@@ -33,6 +33,8 @@ pub(crate) struct Crossings {
 struct Budget {
     tests: Cell<usize>,
     deadline: Option<Instant>,
+    /// True from the last test on.
+    is_spent: Cell<bool>,
 }
 
 impl Budget {
@@ -42,7 +44,8 @@ impl Budget {
         self.tests.set(tests);
         let is_late = tests.is_multiple_of(TESTS_PER_CLOCK)
             && self.deadline.is_some_and(|deadline| Instant::now() >= deadline);
-        tests < MOST_TESTS && !is_late
+        self.is_spent.set(self.is_spent.get() || is_late || tests >= MOST_TESTS);
+        !self.is_spent.get()
     }
 }
 
@@ -64,7 +67,7 @@ pub(crate) fn find(welded: &WeldedMesh, faces: &[usize], deadline: Option<Instan
             !crossings.is_limited && budget.spend()
         },
     );
-    crossings.is_limited |= !is_complete || !budget.spend();
+    crossings.is_limited |= !is_complete || budget.is_spent.get();
     crossings
 }
 

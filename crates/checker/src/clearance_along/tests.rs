@@ -5,7 +5,7 @@ use std::sync::Arc;
 use clearance_geometry::testing::Random;
 use clearance_motion::{MotionSegment, MovingObstacle, Trajectory};
 use clearance_robot::{Configuration, RobotModel};
-use clearance_scene::World;
+use clearance_scene::{Settings, World};
 
 use crate::random_scenes::{coordinate, robot, settings, world};
 use crate::{
@@ -188,6 +188,26 @@ fn a_stopped_search_has_wider_bounds_and_a_reason() {
 }
 
 /// With a tracking tolerance, the lower bound holds for states off the motion.
+#[test]
+fn a_motion_of_another_robot_is_not_free_even_without_pairs() {
+    let mut random = Random::new(76);
+    let of_length = |random: &mut Random, count: usize| {
+        std::iter::repeat_with(|| robot(random)).find(|robot| robot.position_names().len() == count).unwrap()
+    };
+    let (own, other) = (of_length(&mut random, 2), of_length(&mut random, 3));
+    let settings = Settings { check_self: false, check_world: false, ..Settings::default() };
+    let checker = CollisionChecker::new(Arc::new(own), &World::default(), settings).unwrap();
+    let search = |robot: &RobotModel, random: &mut Random| {
+        let motion = motion(robot, random);
+        let options = MotionClearanceOptions::default();
+        checker.clearance_along(&motion, &options, &mut checker.workspace())
+    };
+    let own = search(checker.robot(), &mut random);
+    assert!(own.is_free() && own.unfinished.is_none());
+    let foreign = search(&other, &mut random);
+    assert!(!foreign.is_free() && foreign.unfinished == Some(UndecidedReason::Mismatch));
+}
+
 #[test]
 fn lower_bounds_hold_within_tracking_tolerances_and_for_moving_obstacles() {
     let mut random = Random::new(75);
