@@ -133,7 +133,7 @@ fn text(report: &LintReport) -> Vec<String> {
         "link", "unprotected (mm)", "excess (mm)", "collision", "visual"
     )];
     let bounds = |distance: &Option<LargestDistance>| {
-        distance.map_or("-".to_owned(), |d| format!("{:.3} to {:.3}", 1e3 * d.lower, 1e3 * d.upper))
+        distance.map_or("-".to_owned(), |distance| distance.in_millimetres(3))
     };
     for link in &report.links {
         lines.push(format!(

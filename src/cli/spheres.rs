@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
-use clearance::covers::{self, CoverSize, LinkCover, MeasuredLink, SphereCover};
+use clearance::covers::{self, CoverSize, LinkCover, MeasuredCover, MeasuredLink, SphereCover};
 use clearance::robot::{LinkId, RobotModel};
 use clearance_files::input_files::{self, DESCRIPTION_LIMIT};
 use clearance_files::readable_text::on_one_line;
@@ -230,7 +230,13 @@ fn json(robot: &RobotModel, cover: &SphereCover, inner: bool, seconds: f64) -> R
 
 /// Exit code 1 if a part of the surface is certainly in no sphere.
 fn measure(args: &SpheresArgs, robot: &RobotModel, file: &Path) -> Result<ExitStatus, Failure> {
-    let links = covers::measure_spheres(robot, &args.model_of_spheres(file)?).map_err(Failure::input)?;
+    let MeasuredCover { links, unmeasured } =
+        covers::measure_spheres(robot, &args.model_of_spheres(file)?).map_err(Failure::input)?;
+    for name in &unmeasured {
+        log::warn!(
+            "the spheres of link '{name}' are not measured: the robot has no collision geometry there"
+        );
+    }
     let name = |link: &MeasuredLink| robot.link(link.link).name.clone();
     match args.format {
         Format::Text => {

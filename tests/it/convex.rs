@@ -123,7 +123,7 @@ fn grid_pose(random: &mut Random, reach: u32) -> Pose {
     Pose::from_parts(by.into(), turn)
 }
 
-/// What was compared.
+/// Counts of compared pairs.
 #[derive(Debug, Default)]
 struct Seen {
     touching: u32,

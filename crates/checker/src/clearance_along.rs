@@ -36,7 +36,7 @@ impl CollisionChecker {
         ClearanceAlong::new(self.begin(workspace), options, workspace.motion()).of_trajectory(trajectory)
     }
 
-    /// The first time at which a pair is not farther apart than `distance` (m, padding subtracted).
+    /// The first time at which a pair is not farther apart than `distance` (m, padding subtracted; less than 0 counts as 0).
     ///
     /// The report is that of [`Self::check_motion_with`] with this [`margin`](MotionOptions::margin): `Free` if all pairs are
     /// proven farther apart at all times; otherwise `Contact` with `t`: proven farther apart before the first t, not farther
@@ -49,7 +49,7 @@ impl CollisionChecker {
         options: &MotionOptions,
         workspace: &mut Workspace,
     ) -> MotionReport {
-        self.check_motion_with(segment, &within(distance, options), workspace)
+        self.check_motion_with(segment, &options_with_margin(distance, options), workspace)
     }
 
     /// As [`Self::event_distance`], along a trajectory.
@@ -61,11 +61,11 @@ impl CollisionChecker {
         options: &MotionOptions,
         workspace: &mut Workspace,
     ) -> TrajectoryReport {
-        self.check_trajectory(trajectory, &within(distance, options), workspace)
+        self.check_trajectory(trajectory, &options_with_margin(distance, options), workspace)
     }
 }
 
-fn within(distance: f64, options: &MotionOptions) -> MotionOptions {
+fn options_with_margin(distance: f64, options: &MotionOptions) -> MotionOptions {
     MotionOptions { margin: distance, order: MotionOrder::Earliest, ..options.clone() }
 }
 

@@ -5,11 +5,32 @@ use std::sync::Arc;
 use clearance_geometry::math::{Point, Pose, Rotation, Vector};
 use clearance_geometry::testing::Random;
 use clearance_geometry::{Plane, Primitive, Shape, TriangleMesh};
-use clearance_robot::{MeshFiles, RobotModel};
+use clearance_motion::MotionSegment;
+use clearance_robot::{Configuration, MeshFiles, RobotModel};
 use clearance_scene::{AttachedObject, Obstacle, ObstacleShape, Settings, World};
+
+use crate::CollisionChecker;
 
 /// Lengths are multiples of this (m), so that many bodies touch exactly.
 pub const GRID: f64 = 0.05;
+
+/// A checker of a random robot in a random world.
+pub fn checker(random: &mut Random) -> CollisionChecker {
+    let (robot, world) = (Arc::new(robot(random)), world(random));
+    CollisionChecker::new(robot, &world, settings(random)).unwrap()
+}
+
+/// A random state.
+pub fn state(robot: &RobotModel, random: &mut Random) -> Configuration {
+    let positions: Vec<f64> = robot.position_names().iter().map(|_| coordinate(random, 1.0)).collect();
+    robot.configuration(&positions).unwrap()
+}
+
+/// A curved motion from a state.
+pub fn curved_motion(robot: &RobotModel, from: &Configuration, random: &mut Random) -> MotionSegment {
+    let polynomial = |q: &f64| [*q, random.within(0.3), random.within(0.3), random.within(0.1), 0.0, 0.0];
+    MotionSegment::polynomial(robot, from.positions().iter().map(polynomial).collect()).unwrap()
+}
 
 /// A multiple of [`GRID`], or any number.
 pub fn coordinate(random: &mut Random, extent: f64) -> f64 {

@@ -1,10 +1,10 @@
 //! Connected solids of a link: primitives and the closed connected parts of its meshes.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
 use clearance_geometry::math::{Point, Pose};
-use clearance_geometry::{Shape, TriangleMesh};
+use clearance_geometry::{DisjointSets, Shape, TriangleMesh, WeldedMesh};
 use clearance_proximity::SolidBody;
 
 use crate::inner_points::PointDepth;
@@ -62,27 +62,16 @@ impl SolidPart {
 
 /// The connected parts of a mesh without a free edge; vertices at the same position are one.
 fn closed_parts(mesh: &TriangleMesh) -> Vec<TriangleMesh> {
-    let mut first_at: HashMap<[u64; 3], u32> = HashMap::new();
-    let mut welded = Vec::with_capacity(mesh.vertices().len());
-    for (p, v) in mesh.vertices().iter().zip(0u32..) {
-        welded.push(*first_at.entry([p.x, p.y, p.z].map(|c| (c + 0.0).to_bits())).or_insert(v));
+    let WeldedMesh { positions, mut faces } = WeldedMesh::new(mesh);
+    faces.retain(|[a, b, c]| a != b && b != c && c != a);
+    let mut sets = DisjointSets::of_faces(positions.len(), &faces);
+    let mut parts: BTreeMap<u32, Vec<[u32; 3]>> = BTreeMap::new();
+    for face in faces {
+        parts.entry(sets.smallest(face[0])).or_default().push(face);
     }
-    let corners = mesh.triangles().iter().map(|t| t.map(|v| welded[v as usize]));
-    let triangles: Vec<[u32; 3]> = corners.filter(|[a, b, c]| a != b && b != c && c != a).collect();
-    let mut parent: Vec<u32> = (0..).take(mesh.vertices().len()).collect();
-    for [a, b, c] in &triangles {
-        join(&mut parent, *a, *b);
-        join(&mut parent, *b, *c);
-    }
-    let mut parts: HashMap<u32, Vec<[u32; 3]>> = HashMap::new();
-    for t in triangles {
-        parts.entry(find(&mut parent, t[0])).or_default().push(t);
-    }
-    let mut parts: Vec<_> = parts.into_iter().collect();
-    parts.sort_by_key(|(first, _)| *first);
-    (parts.into_iter().map(|(_, triangles)| triangles))
-        .filter(|triangles| is_closed(triangles))
-        .filter_map(|triangles| part_mesh(mesh.vertices(), &triangles))
+    (parts.into_values())
+        .filter(|faces| is_closed(faces))
+        .filter_map(|faces| part_mesh(&positions, &faces))
         .collect()
 }
 
@@ -110,17 +99,4 @@ fn part_mesh(vertices: &[Point], triangles: &[[u32; 3]]) -> Option<TriangleMesh>
     };
     let triangles = triangles.iter().map(|t| t.map(&mut index)).collect();
     TriangleMesh::new(used, triangles).ok()
-}
-
-fn find(parent: &mut [u32], mut v: u32) -> u32 {
-    while parent[v as usize] != v {
-        parent[v as usize] = parent[parent[v as usize] as usize];
-        v = parent[v as usize];
-    }
-    v
-}
-
-fn join(parent: &mut [u32], a: u32, b: u32) {
-    let (a, b) = (find(parent, a), find(parent, b));
-    parent[a.max(b) as usize] = a.min(b);
 }

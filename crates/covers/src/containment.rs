@@ -2,7 +2,7 @@
 //!
 //! Each triangle is split until every piece lies in one ball, by a margin: then, all points within the margin of the surface are covered, too.
 //! The box around the closed parts is split into cells until each lies in one ball, lies outside, or is within the margin of the surface.
-//! What cannot be proven is a gap: a small piece or cell. [`Containment::close`] enlarges the ball that needs it least for each gap, so that
+//! A gap is a small piece or cell that is not proven to be covered. [`Containment::close`] enlarges the ball that needs it least for each gap, so that
 //! the result always contains the solid.
 
 use clearance_geometry::math::{Extremes, Point, Vector};
@@ -16,14 +16,14 @@ const MOST_CELLS: usize = 400_000;
 /// Largest number of gaps that are collected.
 const MOST_GAPS: usize = 5000;
 
-/// What is proven, about which solid.
+/// Containment of one solid.
 pub struct Containment<'s> {
     solid: &'s LinkSolid,
     /// All points of the solid within this distance (m) of the surface are covered, if the surface is.
     margin: f64,
 }
 
-/// What to do with a gap: its corners, or none if it is to be split further.
+/// Handler of gaps.
 trait Gaps {
     /// Balls that cover what has been closed so far.
     fn balls(&self) -> &[Ball];

@@ -12,7 +12,7 @@
 //!
 //! | content | file |
 //! |---|---|
-//! | the geometry of a link as a solid, distances from it | `link_solid`, `triangle_tree`, `primitive_distance`, `primitive_mesh` |
+//! | the geometry of a link as a solid, distances from it | `link_solid`, `triangle_tree`, `primitive_mesh` |
 //! | search of few balls | `distance_grid`, `offset_balls`, `samples`, `cover_search`, `refinement` |
 //! | proofs | `containment`, `excess`, `uncovered_area`, `branch_and_bound` |
 //! | covers of one solid | `outer_cover`, `inner_cover` |
@@ -35,7 +35,6 @@ mod measured_cover;
 mod offset_balls;
 mod options;
 mod outer_cover;
-mod primitive_distance;
 mod primitive_mesh;
 mod refinement;
 mod samples;
@@ -46,7 +45,7 @@ mod triangle_tree;
 mod uncovered_area;
 
 pub use formats::{curobo_yaml, sphere_urdf, xrdf};
-pub use measured_cover::{MeasuredLink, measure_spheres};
+pub use measured_cover::{MeasuredCover, MeasuredLink, measure_spheres};
 pub use options::{CoverError, CoverSize};
 pub use sphere_cover::{CoverSphere, LinkCover, SphereCover, inner_sphere_cover, sphere_cover};
 pub use uncovered_area::UncoveredArea;

@@ -7,7 +7,6 @@ use clearance_geometry::{MeshError, Primitive, Shape, Triangle, TriangleMesh};
 use clearance_robot::{Collision, Link};
 
 use crate::ball::ROUNDING;
-use crate::primitive_distance;
 use crate::primitive_mesh::inscribed_mesh;
 use crate::triangle_tree::TriangleTree;
 
@@ -94,7 +93,7 @@ impl Part {
     /// Signed distance, or `limit` if the point is farther outside; `is_outside` of a point that is known to be.
     fn signed_distance(&self, p: &Point, limit: f64, is_outside: bool) -> f64 {
         if let Some((primitive, pose_sl)) = &self.primitive {
-            return primitive_distance::signed_distance(primitive, &(pose_sl * p));
+            return primitive.signed_distance(&(pose_sl * p));
         }
         let distance = self.tree.distance(p, limit);
         if self.has_inside && !is_outside && self.mesh.encloses(p) { -distance } else { distance }

@@ -29,18 +29,33 @@ pub struct MeasuredLink {
     pub excess: [f64; 2],
 }
 
+/// Measurement of a model of spheres.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeasuredCover {
+    /// The links of the robot that have collision geometry.
+    pub links: Vec<MeasuredLink>,
+    /// Names of the links with spheres that stand for no collision geometry of the robot: nothing is said about these spheres.
+    pub unmeasured: Vec<String>,
+}
+
 /// Measures the spheres of `spheres`, a model with the link names of `robot`, beside the collision geometry of `robot`.
 ///
 /// # Errors
 /// If a link of `spheres` has collision geometry other than spheres, or a link of `robot` has geometry that cannot be covered.
-pub fn measure_spheres(robot: &RobotModel, spheres: &RobotModel) -> Result<Vec<MeasuredLink>, CoverError> {
+pub fn measure_spheres(robot: &RobotModel, spheres: &RobotModel) -> Result<MeasuredCover, CoverError> {
     let mut links = vec![];
     for id in robot.link_ids() {
         if let Some(solid) = solid_of(robot, id)? {
             links.push((id, solid, balls(spheres, &robot.link(id).name)?));
         }
     }
-    Ok(links.par_iter().map(|(link, solid, balls)| measured(*link, solid, balls)).collect())
+    let is_measured = |name: &str| {
+        robot.link_by_name(name).is_some_and(|id| links.iter().any(|(measured, ..)| *measured == id))
+    };
+    let with_spheres = spheres.links().iter().filter(|link| !link.collisions.is_empty());
+    let unmeasured = with_spheres.map(|link| link.name.clone()).filter(|name| !is_measured(name)).collect();
+    let links = links.par_iter().map(|(link, solid, balls)| measured(*link, solid, balls)).collect();
+    Ok(MeasuredCover { links, unmeasured })
 }
 
 fn measured(link: LinkId, solid: &LinkSolid, balls: &[Ball]) -> MeasuredLink {

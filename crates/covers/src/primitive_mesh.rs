@@ -88,16 +88,22 @@ fn revolved(profile: &[[f64; 2]]) -> Result<TriangleMesh, MeshError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::link_solid::LinkSolid;
+    use clearance_geometry::math::Vector;
 
-    #[test]
-    fn meshes_are_closed_and_inscribed() {
-        for primitive in [
+    fn primitives() -> [Primitive; 5] {
+        [
             Primitive::cuboid([0.2, 0.3, 0.4]).unwrap(),
             Primitive::sphere(0.3).unwrap(),
             Primitive::cylinder(0.1, 0.5).unwrap(),
             Primitive::cone(0.2, 0.3).unwrap(),
             Primitive::capsule(0.1, 0.4).unwrap(),
-        ] {
+        ]
+    }
+
+    #[test]
+    fn meshes_are_closed_and_inscribed() {
+        for primitive in primitives() {
             let (mesh, error) = inscribed_mesh(&primitive).unwrap();
             assert!(mesh.signed_volume() > 0.0 && !mesh.solid().remarks().is_open(), "{primitive:?}");
             assert!(mesh.solid().remarks().is_empty() && error <= 0.002 * 0.3, "{primitive:?}");
@@ -115,5 +121,20 @@ mod tests {
         });
         let gap = gap.fold(0.0, f64::max);
         assert!(gap <= error && gap > 0.2 * error, "{gap} {error}");
+    }
+
+    #[test]
+    fn distances_agree_with_the_inscribed_mesh() {
+        let mut random = fastrand::Rng::with_seed(1);
+        for primitive in primitives() {
+            let (mesh, error) = inscribed_mesh(&primitive).unwrap();
+            let solid = LinkSolid::of_meshes(vec![mesh]).unwrap();
+            for _ in 0..2000 {
+                let p = Point::from(Vector::from_fn(|_, _| random.f64() - 0.5));
+                let (exact, of_mesh) = (primitive.signed_distance(&p), solid.signed_distance(&p));
+                let gap = of_mesh - exact;
+                assert!(-1e-12 <= gap && gap <= error + 1e-12, "{primitive:?} {p:?}: {exact} {of_mesh}");
+            }
+        }
     }
 }

@@ -30,12 +30,21 @@ pub fn thinned(points: impl Iterator<Item = Point>, step: f64) -> Vec<Point> {
     points.filter(|p| taken.insert(cell(p))).collect()
 }
 
-/// Points on a triangle, at most about `spacing` apart; its corners are not among them.
+/// Points on a triangle, at most about `spacing` apart; its corners are not among them. A narrow triangle has points on its edges alone, so
+/// that the number of all points is bounded by the area.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // a few hundred steps
 fn lattice(triangle: &Triangle, spacing: f64) -> Vec<Point> {
     let Triangle { a, b, c } = *triangle;
+    let steps_of = |length: f64| (length / spacing).ceil().clamp(1.0, 200.0) as u32;
     let longest = triangle.edges().iter().map(|[p, q]| (q - p).norm()).fold(0.0, Extremes::greater);
-    let steps = (longest / spacing).ceil().clamp(1.0, 200.0) as u32;
+    if (b - a).cross(&(c - a)).norm() < spacing * longest {
+        let on_edge = |[p, q]: [Point; 2]| {
+            let steps = steps_of((q - p).norm());
+            (1..steps).map(move |i| p + (q - p) * (f64::from(i) / f64::from(steps)))
+        };
+        return triangle.edges().into_iter().flat_map(on_edge).collect();
+    }
+    let steps = steps_of(longest);
     let mut points = vec![];
     for i in 0..=steps {
         for j in 0..=steps - i {

@@ -3,6 +3,8 @@
 use clearance_geometry::Triangle;
 use clearance_geometry::math::{Extremes, Point, Vector};
 
+use crate::ball::ROUNDING;
+
 /// Largest number of triangles in a leaf.
 const LEAF: usize = 4;
 
@@ -15,8 +17,8 @@ pub struct TriangleTree {
     prepared: Vec<PreparedTriangle>,
 }
 
-/// Height (m) of a triangle below which its points are as near to its edges: less than the rounding that proofs allow for.
-const NARROW: f64 = 1e-9;
+/// A triangle is narrow if the rounding of its normal, times its longest edge, may exceed a tenth of the rounding that proofs allow for.
+const NARROW: f64 = 10.0 * 4.0 * f64::EPSILON / ROUNDING;
 
 /// A triangle with the data for distances from points.
 #[derive(Clone, Copy, Debug)]
@@ -25,8 +27,8 @@ struct PreparedTriangle {
     edges: [Vector; 3],
     /// By edge: 1 / squared length, 0 for an edge without length.
     inverse: [f64; 3],
-    /// Unit normal, or zero for a narrow triangle.
-    normal: Vector,
+    /// Unit normal; none for a narrow triangle.
+    normal: Option<Vector>,
     /// By edge: a normal in the plane that points to the inside.
     inward: [Vector; 3],
 }
@@ -38,26 +40,30 @@ impl PreparedTriangle {
         let inverse = edges.map(|e| if e.norm_squared() > 0.0 { e.norm_squared().recip() } else { 0.0 });
         let cross = edges[0].cross(&-edges[2]);
         let longest = edges.iter().map(Vector::norm).fold(0.0, Extremes::greater);
-        let is_narrow = cross.norm() <= NARROW * longest;
-        let normal = if is_narrow { Vector::zeros() } else { cross / cross.norm() };
-        Self { corners, edges, inverse, normal, inward: edges.map(|e| normal.cross(&e)) }
+        let is_narrow = cross.norm() <= NARROW * longest.powi(3);
+        let normal = (!is_narrow).then(|| cross / cross.norm());
+        let inward = edges.map(|edge| normal.map_or(Vector::zeros(), |normal| normal.cross(&edge)));
+        Self { corners, edges, inverse, normal, inward }
     }
 
     /// Squared distance (m²) of a point, or a value of at least `enough` if it is not smaller.
     #[inline]
     fn squared_distance(&self, p: &Point, enough: f64) -> f64 {
-        let height = self.normal.dot(&(p - self.corners[0]));
+        let Some(normal) = &self.normal else {
+            let [a, b, c] = self.corners;
+            return (Triangle { a, b, c }.nearest_point(p) - p).norm_squared();
+        };
+        let height = normal.dot(&(p - self.corners[0]));
         let mut best = height * height;
         if best >= enough {
             return best;
         }
-        let has_plane = self.normal != Vector::zeros();
-        let mut is_over = has_plane;
+        let mut is_over = true;
         let mut least = f64::INFINITY;
         for i in 0..3 {
             let way = p - self.corners[i];
             // the nearest point is on an edge that the point is outside of
-            if has_plane && self.inward[i].dot(&way) >= 0.0 {
+            if self.inward[i].dot(&way) >= 0.0 {
                 continue;
             }
             is_over = false;

@@ -8,7 +8,8 @@ use crate::link_solid::LinkSolid;
 /// Size below which a piece of the surface is not split further, relative to the extent of the solid.
 const FINEST: f64 = 1e-3;
 
-/// Bounds on the uncovered part of a surface.
+/// Bounds on the uncovered part of a surface. Areas are those of the meshes that stand for curved primitives; the bounds hold for the parts of
+/// the primitives over them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UncoveredArea {
     /// Area (m²) that is certainly in no ball.
@@ -22,6 +23,8 @@ pub struct UncoveredArea {
 /// Bounds on the area of the surface outside of all balls.
 pub fn uncovered_area(solid: &LinkSolid, balls: &[Ball]) -> UncoveredArea {
     let finest = FINEST * solid.extent();
+    // the surface of a curved primitive is this near to its mesh
+    let margin = solid.chord_error() + ROUNDING;
     let mut result = UncoveredArea { lower: 0.0, upper: 0.0, total: 0.0 };
     let mut open = vec![];
     for triangle in solid.triangles() {
@@ -30,11 +33,11 @@ pub fn uncovered_area(solid: &LinkSolid, balls: &[Ball]) -> UncoveredArea {
         while let Some([a, b, c]) = open.pop() {
             let centre = Point::from((a.coords + b.coords + c.coords) / 3.0);
             let reach = [a, b, c].iter().map(|p| (p - centre).norm()).fold(0.0, Extremes::greater);
-            let is_in = |ball: &Ball| [a, b, c].iter().all(|p| ball.contains(p, ROUNDING));
+            let is_in = |ball: &Ball| [a, b, c].iter().all(|p| ball.contains(p, margin));
             if balls.iter().any(is_in) {
                 continue;
             }
-            let is_outside = balls.iter().all(|ball| ball.slack(&centre) < -reach - ROUNDING);
+            let is_outside = balls.iter().all(|ball| ball.slack(&centre) < -reach - margin);
             if is_outside || reach < finest {
                 result.upper += area(&[a, b, c]);
                 result.lower += if is_outside { area(&[a, b, c]) } else { 0.0 };

@@ -1,36 +1,55 @@
 //! Connected parts of a mesh.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 
+use crate::WeldedMesh;
 use crate::math::Point;
 
+/// Disjoint sets of the numbers from 0 on (union-find).
+#[derive(Clone, Debug)]
+pub struct DisjointSets {
+    parent: Vec<u32>,
+}
+
+impl DisjointSets {
+    /// One set for each of so many numbers.
+    #[must_use]
+    pub fn new(count: usize) -> Self {
+        Self { parent: (0..).take(count).collect() }
+    }
+
+    /// One set for each connected part of faces over so many vertices.
+    #[must_use]
+    pub fn of_faces<'f>(vertices: usize, faces: impl IntoIterator<Item = &'f [u32; 3]>) -> Self {
+        let mut sets = Self::new(vertices);
+        for [a, b, c] in faces {
+            sets.join(*a, *b);
+            sets.join(*b, *c);
+        }
+        sets
+    }
+
+    /// The smallest number of the set of `number`.
+    pub fn smallest(&mut self, mut number: u32) -> u32 {
+        while self.parent[number as usize] != number {
+            let above = self.parent[number as usize];
+            self.parent[number as usize] = self.parent[above as usize];
+            number = self.parent[number as usize];
+        }
+        number
+    }
+
+    /// Joins the sets of two numbers.
+    pub fn join(&mut self, a: u32, b: u32) {
+        let (a, b) = (self.smallest(a), self.smallest(b));
+        self.parent[a.max(b) as usize] = a.min(b);
+    }
+}
+
 /// One vertex of each connected part, corners at equal positions joined; in the order of the faces.
-pub(super) fn part_points(vertices: &[Point], triangles: &[[u32; 3]]) -> Vec<Point> {
-    let mut parent: Vec<usize> = (0..vertices.len()).collect();
-    let mut first_at: HashMap<[u64; 3], usize> = HashMap::new();
-    for (v, p) in vertices.iter().enumerate() {
-        let same = *first_at.entry([p.x, p.y, p.z].map(|c| (c + 0.0).to_bits())).or_insert(v);
-        join(&mut parent, same, v);
-    }
-    for t in triangles {
-        let [a, b, c] = t.map(|v| v as usize);
-        join(&mut parent, a, b);
-        join(&mut parent, b, c);
-    }
+pub(super) fn part_points(welded: &WeldedMesh) -> Vec<Point> {
+    let mut sets = DisjointSets::of_faces(welded.positions.len(), &welded.faces);
     let mut seen = HashSet::new();
-    let corners = triangles.iter().flatten().map(|&v| v as usize);
-    corners.filter(|&v| seen.insert(find(&mut parent, v))).map(|v| vertices[v]).collect()
-}
-
-fn find(parent: &mut [usize], mut v: usize) -> usize {
-    while parent[v] != v {
-        parent[v] = parent[parent[v]];
-        v = parent[v];
-    }
-    v
-}
-
-fn join(parent: &mut [usize], a: usize, b: usize) {
-    let (a, b) = (find(parent, a), find(parent, b));
-    parent[a.max(b)] = a.min(b);
+    let corners = welded.faces.iter().flatten();
+    corners.filter(|v| seen.insert(sets.smallest(**v))).map(|v| welded.positions[*v as usize]).collect()
 }

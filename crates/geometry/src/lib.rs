@@ -18,13 +18,16 @@ mod mesh;
 mod plane;
 mod point_cloud;
 mod primitive;
+mod primitive_distance;
 mod shape;
 mod solid_mesh;
 mod triangle;
 mod voxels;
+mod welded_mesh;
 
 pub use nalgebra;
 
+pub use connected_parts::DisjointSets;
 pub use inside_test::InsideTest;
 pub use mesh::{MeshError, TriangleMesh};
 pub use plane::{Plane, PlaneError};
@@ -36,3 +39,4 @@ pub use triangle::{
     PointPair, Triangle, nearest_on_segment, nearest_on_segments, nearest_pair, separated_across,
 };
 pub use voxels::{Cube, Voxels, VoxelsError};
+pub use welded_mesh::WeldedMesh;

@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use super::connected_parts::part_points;
-use super::{InsideGrid, InsideWork, SolidMesh, Triangle};
+use super::{InsideGrid, InsideWork, SolidMesh, Triangle, WeldedMesh};
 use crate::constants::LARGEST_COORDINATE;
 use crate::math::{Point, Vector};
 
@@ -158,7 +158,7 @@ impl TriangleMesh {
     /// A vertex of each connected part (m). Parts are connected where corners have the same position.
     #[must_use]
     pub fn part_points(&self) -> Vec<Point> {
-        part_points(&self.vertices, &self.triangles)
+        part_points(&WeldedMesh::new(self))
     }
 
     /// A point well inside the mesh as a solid, if one is known.

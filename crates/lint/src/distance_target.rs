@@ -3,8 +3,7 @@
 use std::ops::Range;
 
 use clearance_geometry::math::{Extremes, Point};
-use clearance_geometry::nalgebra::Point2;
-use clearance_geometry::{InsideTest, Primitive, Shape, Triangle, TriangleMesh};
+use clearance_geometry::{InsideTest, Shape, Triangle, TriangleMesh};
 
 use crate::link_geometry::PlacedShape;
 use crate::triangle_tree::{Nearest, TriangleTree, centroid};
@@ -149,45 +148,5 @@ fn mesh_of(placed: &PlacedShape) -> Option<&TriangleMesh> {
 /// Signed distance (m) of a point from the surface of a solid primitive, negative inside. Infinite for other shapes.
 pub(crate) fn primitive_distance(placed: &PlacedShape, p: &Point) -> f64 {
     let Shape::Primitive(primitive) = &placed.shape else { return f64::INFINITY };
-    let p = placed.pose.inverse_transform_point(p);
-    let around = p.x.hypot(p.y);
-    match *primitive {
-        Primitive::Box { half_extents: [x, y, z] } => {
-            outside_or_inside([p.x.abs() - x, p.y.abs() - y, p.z.abs() - z])
-        }
-        Primitive::Sphere { radius } => p.coords.norm() - radius,
-        Primitive::Cylinder { radius, half_length } => {
-            outside_or_inside([around - radius, p.z.abs() - half_length, f64::NEG_INFINITY])
-        }
-        Primitive::Capsule { radius, half_length } => {
-            around.hypot((p.z.abs() - half_length).greater(0.0)) - radius
-        }
-        Primitive::Cone { radius, half_length } => {
-            cone_distance(radius, half_length, Point2::new(around, p.z))
-        }
-    }
-}
-
-/// Signed distance from a box, of the coordinates beyond its sides.
-fn outside_or_inside(beyond: [f64; 3]) -> f64 {
-    let outside = beyond.map(|b| b.greater(0.0));
-    let inside = beyond[0].greater(beyond[1]).greater(beyond[2]).lesser(0.0);
-    outside[0].hypot(outside[1]).hypot(outside[2]) + inside
-}
-
-/// Signed distance of a point (distance from the axis, height) from a cone.
-fn cone_distance(radius: f64, half_length: f64, p: Point2<f64>) -> f64 {
-    let apex = Point2::new(0.0, half_length);
-    let rim = Point2::new(radius, -half_length);
-    let centre = Point2::new(0.0, -half_length);
-    let to_segment = |a: Point2<f64>, b: Point2<f64>| {
-        let way = b - a;
-        let length = way.norm_squared();
-        let t = if length == 0.0 { 0.0 } else { ((p - a).dot(&way) / length).clamp(0.0, 1.0) };
-        (p - (a + way * t)).norm()
-    };
-    let distance = to_segment(apex, rim).lesser(to_segment(rim, centre));
-    let below_side = (p - apex).perp(&(rim - apex)) >= 0.0;
-    let is_inside = p.y >= -half_length && below_side;
-    if is_inside { -distance } else { distance }
+    primitive.signed_distance(&placed.pose.inverse_transform_point(p))
 }

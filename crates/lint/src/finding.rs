@@ -116,7 +116,7 @@ pub struct Finding {
     /// Place (m, link frame).
     #[serde(serialize_with = "coordinates")]
     pub point: Option<Point>,
-    /// What is wrong, and what to do.
+    /// Description of the defect, and advice.
     pub message: String,
 }
 

@@ -79,8 +79,7 @@ pub fn hausdorff(
     let target = DistanceTarget::new(to, options.target_is_solid);
     let error = surface.deviation + ROUNDING * largest_coordinate(from).greater(largest_coordinate(to));
     let mut search = Search::new(&surface, target, options)?;
-    if search.measure_corners(&surface.corners) {
-        surface.patches.into_iter().for_each(|patch| search.add(patch));
+    if search.measure_corners(&surface.corners) && search.add_all(surface.patches) {
         search.run();
     } else {
         search.left_out = search.far_bound(from);
@@ -176,10 +175,24 @@ impl<'s> Search<'s> {
         box_corners(bounds).map(distance).fold(0.0, Extremes::greater)
     }
 
+    /// Adds all patches; false if the deadline was reached.
+    fn add_all(&mut self, patches: Vec<Patch>) -> bool {
+        for (i, patch) in patches.into_iter().enumerate() {
+            if i.is_multiple_of(SAMPLES_PER_CLOCK) && self.is_over_deadline() {
+                return false;
+            }
+            self.add(patch);
+        }
+        true
+    }
+
     /// True at and after the deadline; the clock is read now and then.
     fn is_late(&self) -> bool {
-        self.samples.len().is_multiple_of(SAMPLES_PER_CLOCK)
-            && self.options.deadline.is_some_and(|deadline| Instant::now() >= deadline)
+        self.samples.len().is_multiple_of(SAMPLES_PER_CLOCK) && self.is_over_deadline()
+    }
+
+    fn is_over_deadline(&self) -> bool {
+        self.options.deadline.is_some_and(|deadline| Instant::now() >= deadline)
     }
 
     fn run(&mut self) {

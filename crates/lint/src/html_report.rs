@@ -8,7 +8,7 @@ use clearance_robot::{RobotModel, VisualGeometry};
 
 use crate::finding::{Finding, Severity};
 use crate::link_geometry::{bounds_of, placed};
-use crate::link_report::{LargestDistance, LinkReport};
+use crate::link_report::{LargestDistance, LinkReport, MOST_TRIANGLES};
 use crate::measured_surface::MeasuredSurface;
 use crate::picture::{HEIGHT, View, WIDTH, draw};
 use crate::robot_lint::LintReport;
@@ -109,9 +109,8 @@ fn add_distances(page: &mut String, links: &[LinkReport]) {
          <th>collision triangles</th><th>visual triangles</th></tr>\n",
     );
     for link in links {
-        let bounds = |d: &Option<LargestDistance>| {
-            d.map_or("–".to_owned(), |d| format!("{:.3} to {:.3}", 1e3 * d.lower, 1e3 * d.upper))
-        };
+        let bounds =
+            |d: &Option<LargestDistance>| d.map_or("–".to_owned(), |distance| distance.in_millimetres(3));
         add(
             page,
             format_args!(
@@ -129,6 +128,9 @@ fn add_distances(page: &mut String, links: &[LinkReport]) {
 
 fn add_pictures(page: &mut String, report: &LinkReport, robot: &RobotModel, visuals: &VisualGeometry) {
     let Some(id) = robot.link_by_name(&report.link) else { return };
+    if report.triangles() > MOST_TRIANGLES {
+        return;
+    }
     let collisions = placed(&robot.link(id).collisions);
     let visuals = placed(visuals.links.get(id.index()).map_or(&[][..], Vec::as_slice));
     let boxes = [&collisions, &visuals].map(|shapes| bounds_of(shapes));
@@ -145,9 +147,8 @@ fn add_pictures(page: &mut String, report: &LinkReport, robot: &RobotModel, visu
     marked.dedup_by_key(|(distance, _)| distance.point);
     for (distance, text) in &marked {
         let caption = format!(
-            "Largest distance of: {text}, {:.2} to {:.2} mm, at ({:.3}, {:.3}, {:.3}) m",
-            1e3 * distance.lower,
-            1e3 * distance.upper,
+            "Largest distance of: {text}, {} mm, at ({:.3}, {:.3}, {:.3}) m",
+            distance.in_millimetres(2),
             distance.point[0],
             distance.point[1],
             distance.point[2]
@@ -173,7 +174,8 @@ fn add_view(
     caption: &str,
 ) {
     let view = View::facing(bounds, &marked.unwrap_or(bounds[1]));
-    let picture = draw(&view, collision, visual);
+    let (picture, is_complete) = draw(&view, collision, visual);
+    let rest = if is_complete { "" } else { "; too many triangles to draw all" };
     add(
         page,
         format_args!(
@@ -197,7 +199,7 @@ fn add_view(
         format_args!(
             "<path d=\"M12 346v5h{pixels:.1}v-5\" fill=\"none\" stroke=\"#3e4c59\" stroke-width=\"1.5\"/>\
              <text x=\"16\" y=\"343\" font-size=\"12\" fill=\"#3e4c59\">{}</text></svg>\
-             <figcaption>{caption}</figcaption></figure>\n",
+             <figcaption>{caption}{rest}</figcaption></figure>\n",
             length_text(length)
         ),
     );

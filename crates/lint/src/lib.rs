@@ -4,7 +4,7 @@
 //! |---|---|
 //! | all checks of a robot | `robot_lint` |
 //! | findings, severities | `finding` |
-//! | defects of one mesh | `mesh_defects`, `self_intersections`, `welded_mesh` |
+//! | defects of one mesh | `mesh_defects`, `self_intersections` |
 //! | findings about the meshes of a link | `mesh_findings` |
 //! | measurements of a link | `link_report` |
 //! | units and scales | `size_checks` |
@@ -34,7 +34,6 @@ mod robot_lint;
 mod self_intersections;
 mod size_checks;
 mod triangle_tree;
-mod welded_mesh;
 
 pub use finding::{Check, Finding, GeometryKind, Severity};
 pub use hausdorff::{HausdorffBounds, HausdorffOptions, hausdorff};

@@ -6,6 +6,21 @@ use clearance_geometry::math::{Extremes, Point, Pose};
 use clearance_geometry::{Primitive, Shape, TriangleMesh};
 use clearance_robot::{Collision, MeshSource};
 
+/// Geometry of a link, with the places of its elements in the URDF.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Numbered<'g> {
+    pub geometry: &'g [Collision],
+    /// From 1; without them, no element is missing.
+    pub numbers: &'g [usize],
+}
+
+impl<'g> Numbered<'g> {
+    pub fn elements(self) -> impl Iterator<Item = (usize, &'g Collision)> {
+        let number = move |i: usize| self.numbers.get(i).copied().unwrap_or(i + 1);
+        self.geometry.iter().enumerate().map(move |(i, collision)| (number(i), collision))
+    }
+}
+
 /// A shape in the link frame. The vertices of meshes are in the link frame already; primitives keep their pose.
 #[derive(Clone, Debug)]
 pub struct PlacedShape {

@@ -27,6 +27,13 @@ pub struct LargestDistance {
     pub is_within_gap: bool,
 }
 
+impl LargestDistance {
+    /// The bounds in millimetres, with so many digits.
+    pub fn in_millimetres(&self, digits: usize) -> String {
+        format!("{:.digits$} to {:.digits$}", 1e3 * self.lower, 1e3 * self.upper)
+    }
+}
+
 impl From<HausdorffBounds> for LargestDistance {
     fn from(bounds: HausdorffBounds) -> Self {
         let HausdorffBounds { lower, upper, point, is_within_gap, .. } = bounds;
@@ -55,7 +62,7 @@ pub struct LinkReport {
 
 impl LinkReport {
     /// Number of triangles of all meshes.
-    fn triangles(&self) -> usize {
+    pub(crate) fn triangles(&self) -> usize {
         self.collision_triangles + self.visual_triangles
     }
 }
@@ -161,5 +168,5 @@ pub(crate) fn distance_findings(report: &LinkReport, options: &LintOptions) -> V
 
 /// The bounds in millimetres.
 fn millimetres(distance: &LargestDistance) -> String {
-    format!("{:.2} to {:.2} mm", 1e3 * distance.lower, 1e3 * distance.upper)
+    distance.in_millimetres(2) + " mm"
 }

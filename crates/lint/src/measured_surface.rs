@@ -3,10 +3,9 @@
 use std::f64::consts::TAU;
 
 use clearance_geometry::math::{Extremes, Point, Pose};
-use clearance_geometry::{Primitive, Shape, Triangle};
+use clearance_geometry::{Primitive, Shape, Triangle, WeldedMesh};
 
 use crate::link_geometry::PlacedShape;
-use crate::welded_mesh::WeldedMesh;
 
 /// Number of flat strips around a cylinder or cone: they lie within 2e-5 of its radius.
 const STRIPS: u32 = 512;

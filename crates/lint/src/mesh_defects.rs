@@ -4,12 +4,11 @@ use std::collections::HashMap;
 use std::time::Instant;
 
 use clearance_geometry::math::{Point, Vector};
-use clearance_geometry::{Triangle, TriangleMesh};
+use clearance_geometry::{DisjointSets, Triangle, TriangleMesh, WeldedMesh};
 
 use crate::link_geometry::joined;
 use crate::self_intersections;
 use crate::triangle_tree::centroid;
-use crate::welded_mesh::WeldedMesh;
 
 /// Height of a triangle, relative to its longest edge, at which it counts as without area.
 const FLAT: f64 = 1e-12;
@@ -136,18 +135,14 @@ impl MeshDefects {
     /// Counts components. A mesh of one winding is inverted if its largest component is wound inward: if it encloses a negative volume,
     /// after its holes are closed by cones with their apex at the mean of its vertices.
     fn find_components(&mut self, welded: &WeldedMesh, faces: &[usize]) {
-        let mut parent: Vec<u32> = (0..).take(welded.positions.len()).collect();
-        for &face in faces {
-            let [a, b, c] = welded.faces[face];
-            join(&mut parent, a, b);
-            join(&mut parent, b, c);
-        }
+        let mut parts =
+            DisjointSets::of_faces(welded.positions.len(), faces.iter().map(|face| &welded.faces[*face]));
         let mut volumes: HashMap<u32, (f64, usize)> = HashMap::new();
         let origin = mean(&welded.positions);
         for &face in faces {
             let Triangle { a, b, c } = welded.triangle(face);
             let volume = (a - origin).dot(&(b - origin).cross(&(c - origin))) / 6.0;
-            let entry = volumes.entry(root(&mut parent, welded.faces[face][0])).or_insert((0.0, face));
+            let entry = volumes.entry(parts.smallest(welded.faces[face][0])).or_insert((0.0, face));
             entry.0 += volume;
         }
         self.components = volumes.len();
@@ -194,17 +189,4 @@ fn is_flat(triangle: &Triangle) -> bool {
     let longest = edges.iter().fold(0.0, |l: f64, e| if *e > l { *e } else { l });
     let twice_area = (triangle.b - triangle.a).cross(&(triangle.c - triangle.a)).norm();
     twice_area <= FLAT * longest
-}
-
-fn root(parent: &mut [u32], mut v: u32) -> u32 {
-    while parent[v as usize] != v {
-        parent[v as usize] = parent[parent[v as usize] as usize];
-        v = parent[v as usize];
-    }
-    v
-}
-
-fn join(parent: &mut [u32], a: u32, b: u32) {
-    let (a, b) = (root(parent, a), root(parent, b));
-    parent[a.max(b) as usize] = a.min(b);
 }

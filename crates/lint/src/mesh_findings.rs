@@ -21,15 +21,15 @@ struct Rule {
     text: &'static str,
 }
 
-/// Findings about all meshes of one kind of geometry of a link.
+/// Findings about the meshes of one kind of geometry of a link, with the numbers of their elements.
 pub(crate) fn mesh_findings(
     link: &str,
     kind: GeometryKind,
-    geometry: &[Collision],
+    elements: &mut dyn Iterator<Item = (usize, &Collision)>,
     defects: &HashMap<*const TriangleMesh, MeshDefects>,
 ) -> Vec<Finding> {
     let mut findings = Vec::new();
-    for (collision, number) in geometry.iter().zip(1..) {
+    for (number, collision) in elements {
         let Shape::Mesh(mesh) = &collision.shape else { continue };
         let element = format!("{} {number}", kind.name());
         let finding = |severity, check, defect: Option<Defect>, message: String| Finding {

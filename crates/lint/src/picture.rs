@@ -12,6 +12,8 @@ use crate::png;
 pub(crate) const WIDTH: usize = 480;
 /// Height of a picture (pixels).
 pub(crate) const HEIGHT: usize = 360;
+/// Number of tests of pixels after which the rest of a surface is not drawn.
+const MOST_TESTS: usize = 300_000_000;
 /// Free space around the geometry (pixels).
 const MARGIN: f64 = 24.0;
 
@@ -77,28 +79,36 @@ impl View {
 struct DepthBuffer(Vec<(f64, f64)>);
 
 impl DepthBuffer {
-    fn of(triangles: &[Triangle], view: &View) -> Self {
+    /// Also returns whether all triangles are drawn.
+    fn of(triangles: &[Triangle], view: &View) -> (Self, bool) {
         let mut buffer = Self(vec![(f64::NEG_INFINITY, 0.0); WIDTH * HEIGHT]);
         let light = (view.towards + view.up * 0.6 - view.right * 0.4).normalize();
+        let mut tests = 0;
         for triangle in triangles {
+            if tests > MOST_TESTS {
+                return (buffer, false);
+            }
             let brightness = 0.35 + 0.65 * triangle.normal().dot(&light).abs();
-            buffer.draw(&triangle.corners().map(|p| view.project(&p)), brightness);
+            tests += buffer.draw(&triangle.corners().map(|p| view.project(&p)), brightness);
         }
-        buffer
+        (buffer, true)
     }
 
-    fn draw(&mut self, &[a, b, c]: &[[f64; 3]; 3], brightness: f64) {
+    /// Draws a triangle; returns the number of tests of pixels.
+    fn draw(&mut self, &[a, b, c]: &[[f64; 3]; 3], brightness: f64) -> usize {
         let area = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
         if area.abs() < 1e-9 {
-            return;
+            return 1;
         }
         let span = |i: usize, most: usize| {
             let low = a[i].lesser(b[i]).lesser(c[i]).floor().clamp(0.0, most as f64);
             let high = a[i].greater(b[i]).greater(c[i]).ceil().clamp(0.0, most as f64);
             low as usize..high as usize
         };
-        for row in span(1, HEIGHT) {
-            for column in span(0, WIDTH) {
+        let (rows, columns) = (span(1, HEIGHT), span(0, WIDTH));
+        let tests = 1 + rows.len() * columns.len();
+        for row in rows {
+            for column in columns.clone() {
                 let (x, y) = (column as f64 + 0.5, row as f64 + 0.5);
                 let weight = |p: [f64; 3], q: [f64; 3]| {
                     ((q[0] - p[0]) * (y - p[1]) - (x - p[0]) * (q[1] - p[1])) / area
@@ -114,12 +124,14 @@ impl DepthBuffer {
                 }
             }
         }
+        tests
     }
 }
 
-/// PNG of a view, in base 64. Collision geometry is translucent; visual geometry in front of it is red.
-pub(crate) fn draw(view: &View, collision: &[Triangle], visual: &[Triangle]) -> String {
-    let [collision, visual] = [collision, visual].map(|triangles| DepthBuffer::of(triangles, view));
+/// PNG of a view, in base 64, and whether all triangles are drawn. Collision geometry is translucent; visual geometry in front of it is red.
+pub(crate) fn draw(view: &View, collision: &[Triangle], visual: &[Triangle]) -> (String, bool) {
+    let [(collision, has_collision), (visual, has_visual)] =
+        [collision, visual].map(|triangles| DepthBuffer::of(triangles, view));
     let in_front = IN_FRONT * WIDTH as f64 / view.scale;
     let mut rgb = Vec::with_capacity(3 * WIDTH * HEIGHT);
     for (collision, visual) in collision.0.iter().zip(&visual.0) {
@@ -136,7 +148,7 @@ pub(crate) fn draw(view: &View, collision: &[Triangle], visual: &[Triangle]) -> 
         };
         rgb.extend(colour.map(|c| c.clamp(0.0, 255.0) as u8));
     }
-    png::base64(&png::encode(WIDTH as u32, HEIGHT as u32, &rgb))
+    (png::base64(&png::encode(WIDTH as u32, HEIGHT as u32, &rgb)), has_collision && has_visual)
 }
 
 fn shaded(colour: [f64; 3], brightness: f64) -> [f64; 3] {

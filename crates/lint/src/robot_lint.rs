@@ -11,6 +11,7 @@ use serde::Serialize;
 
 use crate::finding::{Check, Finding, GeometryKind, Severity};
 use crate::hausdorff::HausdorffOptions;
+use crate::link_geometry::Numbered;
 use crate::link_report::{LinkReport, MOST_TRIANGLES, distance_findings, measure, meshes};
 use crate::mesh_defects::MeshDefects;
 use crate::mesh_findings::mesh_findings;
@@ -56,16 +57,24 @@ pub fn lint(robot: &RobotModel, visuals: &VisualGeometry, options: &LintOptions)
     let visual = |index: usize| visuals.links.get(index).map_or(&[][..], Vec::as_slice);
     let all = robot.links().iter().enumerate();
     let deadline = options.hausdorff.deadline;
-    let own_visuals = |index: usize, link: &Link| own_visuals(&link.collisions, visual(index));
-    let lists = all.clone().flat_map(|(i, link)| [link.collisions.clone(), own_visuals(i, link)]);
-    let defects = all_defects(&lists.collect::<Vec<_>>(), deadline);
+    let visuals_of = |index: usize| Numbered {
+        geometry: visual(index),
+        numbers: visuals.numbers.get(index).map_or(&[][..], Vec::as_slice),
+    };
+    let lists = all.clone().flat_map(|(i, link)| [&link.collisions[..], visual(i)]);
+    let defects = all_defects(lists, deadline);
     let mut findings: Vec<Finding> = visuals.faults.iter().map(unreadable).collect();
     for (index, link) in all.clone() {
-        findings.extend(mesh_findings(&link.name, GeometryKind::Collision, &link.collisions, &defects));
-        findings.extend(mesh_findings(&link.name, GeometryKind::Visual, &own_visuals(index, link), &defects));
+        let collisions = Numbered { geometry: &link.collisions, numbers: &[] };
+        let mut find = |kind, elements: &mut dyn Iterator<Item = (usize, &Collision)>| {
+            findings.extend(mesh_findings(&link.name, kind, elements, &defects));
+        };
+        find(GeometryKind::Collision, &mut collisions.elements());
+        let own = |(_, visual): &(usize, &Collision)| !is_shared(visual, &link.collisions);
+        find(GeometryKind::Visual, &mut visuals_of(index).elements().filter(own));
         findings.extend(missing_geometry(link, visual(index)));
     }
-    findings.extend(size_findings(robot, visual));
+    findings.extend(size_findings(robot, visuals_of));
     let links: Vec<LinkReport> = all
         .filter(|(index, link)| !(link.collisions.is_empty() && visual(*index).is_empty()))
         .collect::<Vec<_>>()
@@ -81,22 +90,18 @@ fn sorted(mut findings: Vec<Finding>) -> Vec<Finding> {
     findings
 }
 
-/// The visuals whose meshes are no collision meshes of the same link: the findings about these are not repeated.
-fn own_visuals(collisions: &[Collision], visuals: &[Collision]) -> Vec<Collision> {
-    let is_shared = |visual: &&Collision| {
-        visual.mesh_source.is_some() && collisions.iter().any(|c| c.mesh_source == visual.mesh_source)
-    };
-    visuals.iter().filter(|visual| !is_shared(visual)).cloned().collect()
+/// True if the mesh of a visual is a collision mesh of the same link: the findings about it are not repeated.
+fn is_shared(visual: &Collision, collisions: &[Collision]) -> bool {
+    visual.mesh_source.is_some() && collisions.iter().any(|c| c.mesh_source == visual.mesh_source)
 }
 
 /// The defects of each mesh that is not too large; several links may share one.
-fn all_defects(
-    lists: &[Vec<Collision>],
+fn all_defects<'g>(
+    lists: impl Iterator<Item = &'g [Collision]>,
     deadline: Option<Instant>,
 ) -> HashMap<*const TriangleMesh, MeshDefects> {
     let all: HashMap<*const TriangleMesh, &Arc<TriangleMesh>> = lists
-        .iter()
-        .flat_map(|list| meshes(list))
+        .flat_map(meshes)
         .filter(|mesh| mesh.triangles().len() <= MOST_TRIANGLES)
         .map(|mesh| (Arc::as_ptr(mesh), mesh))
         .collect();

@@ -3,11 +3,10 @@
 use std::cell::Cell;
 use std::time::Instant;
 
-use clearance_geometry::Triangle;
 use clearance_geometry::math::Point;
+use clearance_geometry::{Triangle, WeldedMesh};
 
 use crate::triangle_tree::TriangleTree;
-use crate::welded_mesh::WeldedMesh;
 
 /// Number of pairs after which counting ends.
 const MOST_COUNTED: usize = 10_000;

@@ -5,7 +5,7 @@ use clearance_geometry::math::{Extremes, Point};
 use clearance_robot::{Collision, Link, MeshSource, RobotModel};
 
 use crate::finding::{Check, Finding, GeometryKind, Severity};
-use crate::link_geometry::{PlacedShape, bounds_of, placed};
+use crate::link_geometry::{Numbered, PlacedShape, bounds_of, placed};
 
 /// Ratios of units that are often confused, with their names: the larger number belongs to the smaller unit.
 const UNIT_RATIOS: [(f64, &str); 4] = [
@@ -41,16 +41,13 @@ const SMALL_MESH: f64 = 0.002;
 const SMALL_FRACTION: f64 = 0.005;
 
 /// Findings about the sizes of all links. `visuals` are those of a link, by its index.
-pub(crate) fn size_findings<'v>(
-    robot: &RobotModel,
-    visuals: impl Fn(usize) -> &'v [Collision],
-) -> Vec<Finding> {
+pub(crate) fn size_findings<'v>(robot: &RobotModel, visuals: impl Fn(usize) -> Numbered<'v>) -> Vec<Finding> {
     let sizes: Vec<f64> = robot.links().iter().map(|link| size_of(&link.collisions)).collect();
     let reach = reach(robot);
     let mut findings = Vec::new();
     for (index, link) in robot.links().iter().enumerate() {
         findings.extend(against_reach(link, visuals(index), reach));
-        findings.extend(against_visual(link, visuals(index)));
+        findings.extend(against_visual(link, visuals(index).geometry));
         findings.extend(against_neighbours(link, &neighbour_sizes(robot, &sizes, index), reach));
     }
     findings
@@ -101,10 +98,11 @@ fn neighbour_sizes(robot: &RobotModel, sizes: &[f64], index: usize) -> Vec<f64> 
 }
 
 /// Parts that are much larger than the whole robot.
-fn against_reach(link: &Link, visuals: &[Collision], reach: f64) -> Vec<Finding> {
+fn against_reach(link: &Link, visuals: Numbered, reach: f64) -> Vec<Finding> {
     let mut findings = Vec::new();
-    for (kind, list) in [(GeometryKind::Collision, &link.collisions[..]), (GeometryKind::Visual, visuals)] {
-        for (collision, number) in list.iter().zip(1..) {
+    let collisions = Numbered { geometry: &link.collisions, numbers: &[] };
+    for (kind, list) in [(GeometryKind::Collision, collisions), (GeometryKind::Visual, visuals)] {
+        for (number, collision) in list.elements() {
             let source = collision.mesh_source.as_ref();
             let Some(bounds) = PlacedShape::of(collision).and_then(|placed| placed.bounds()) else {
                 continue;

@@ -185,7 +185,7 @@ fn links(
     files: &MeshFiles,
     warnings: &mut Vec<Warning>,
 ) -> Result<Vec<Link>, ModelError> {
-    let (geometries, faults) = geometries(robot, notes, files, warnings);
+    let LinkGeometries { links: geometries, faults, .. } = geometries(robot, notes, files, warnings);
     let bodies = tree.parent_joint.iter().zip(&tree.rigid_body);
     let links = (robot.links.iter().zip(geometries).zip(bodies)).map(
         |((link, collisions), (&parent_joint, &rigid_body))| Link {
@@ -198,29 +198,42 @@ fn links(
     ModelError::unless_sound(links.collect(), faults)
 }
 
-/// The geometry of each link, as far as it can be loaded, and the errors of the rest.
+/// The geometry of each link, as far as it can be loaded.
+pub(super) struct LinkGeometries {
+    pub links: Vec<Vec<Collision>>,
+    /// The places of these elements in their link, from 1.
+    pub numbers: Vec<Vec<usize>>,
+    /// The errors of the rest.
+    pub faults: Vec<Fault>,
+}
+
+/// Reads the geometry of each link.
 pub(super) fn geometries(
     robot: &urdf_rs::Robot,
     notes: &[LinkNotes],
     files: &MeshFiles,
     warnings: &mut Vec<Warning>,
-) -> (Vec<Vec<Collision>>, Vec<Fault>) {
+) -> LinkGeometries {
     let mut meshes = MeshCache::new(files);
     let (mut faults, mut missing) = (Vec::new(), MissingMeshes::default());
-    let mut links = Vec::with_capacity(robot.links.len());
+    let (mut links, mut numbers) = (Vec::with_capacity(robot.links.len()), Vec::new());
     for (link, notes) in robot.links.iter().zip(notes) {
-        let mut collisions = Vec::with_capacity(link.collision.len());
-        for (collision, notes) in link.collision.iter().zip(&notes.collisions) {
+        let (mut collisions, mut loaded) = (Vec::with_capacity(link.collision.len()), Vec::new());
+        for ((collision, notes), number) in link.collision.iter().zip(&notes.collisions).zip(1..) {
             match read_collision(collision, notes, &mut meshes, warnings) {
-                Ok(collision) => collisions.push(collision),
+                Ok(collision) => {
+                    collisions.push(collision);
+                    loaded.push(number);
+                }
                 Err(ShapeError::Mesh(error)) if missing.record(collision, &error, &notes.place) => {}
                 Err(error) => faults.push(Fault { place: notes.place.clone(), message: error.to_string() }),
             }
         }
         links.push(collisions);
+        numbers.push(loaded);
     }
     faults.extend(missing.faults(files));
-    (links, faults)
+    LinkGeometries { links, numbers, faults }
 }
 
 /// Reason why a collision has no shape.

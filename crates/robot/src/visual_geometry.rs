@@ -3,8 +3,9 @@
 use super::mesh_files::MeshFiles;
 use super::model::{Collision, ModelError, RobotModel};
 use super::robot_text::{RobotText, parse};
+use super::urdf_reader::{self, LinkGeometries};
 use super::urdf_validation::{GeometryKind, check_geometry};
-use super::{Fault, Warning, urdf_reader};
+use super::{Fault, Warning};
 
 /// The visual geometry of a robot.
 #[derive(Clone, Debug, Default)]
@@ -12,6 +13,8 @@ pub struct VisualGeometry {
     /// Visuals of each link, in the order of [`RobotModel::links`], with poses and shapes in the frames that [`Collision`] documents.
     /// Visuals that could not be loaded are left out.
     pub links: Vec<Vec<Collision>>,
+    /// Of each visual in [`Self::links`], its place among the `<visual>` elements of its link, from 1.
+    pub numbers: Vec<Vec<usize>>,
     /// Visuals that could not be loaded.
     pub faults: Vec<Fault>,
     /// Remarks on the meshes.
@@ -28,13 +31,14 @@ impl VisualGeometry {
         let sound = check_geometry(text.urdf, text.urdf_name, GeometryKind::Visual)?;
         let robot = parse(&sound, text.urdf_name)?;
         let mut warnings = Vec::new();
-        let (links, faults) = urdf_reader::geometries(&robot, &sound.links, files, &mut warnings);
-        Ok(Self { links, faults, warnings })
+        let read = urdf_reader::geometries(&robot, &sound.links, files, &mut warnings);
+        let LinkGeometries { links, numbers, faults } = read;
+        Ok(Self { links, numbers, faults, warnings })
     }
 
     /// True if every link of `robot` has an entry in [`Self::links`].
     #[must_use]
-    pub fn fits(&self, robot: &RobotModel) -> bool {
+    pub fn has_all_links_of(&self, robot: &RobotModel) -> bool {
         self.links.len() == robot.links().len()
     }
 }
@@ -72,7 +76,7 @@ mod tests {
              <visual><geometry><sphere radius='1'/></geometry></visual></link></robot>",
         )
         .unwrap();
-        assert_eq!(found.links[0].len(), 1);
+        assert_eq!((found.links[0].len(), &found.numbers[0][..]), (1, &[2][..]));
         assert!(found.faults[0].to_string().contains("link 'a' visual 1"), "{:?}", found.faults);
     }
 

@@ -44,7 +44,7 @@ pub fn nearest_features(a: &Polytope, b: &Polytope, random: &mut Random) -> Prox
     panic!("no walk from {MOST_WALKS} pairs of features ends with a proof:\n{a:?}\n{b:?}")
 }
 
-/// What follows from the present pair of features.
+/// The next step of the walk.
 enum Step {
     /// A feature has been replaced.
     Continue,

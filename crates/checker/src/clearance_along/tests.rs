@@ -7,7 +7,7 @@ use clearance_motion::{MotionSegment, MovingObstacle, Trajectory};
 use clearance_robot::{Configuration, RobotModel};
 use clearance_scene::{Settings, World};
 
-use crate::random_scenes::{coordinate, robot, settings, world};
+use crate::random_scenes::{checker, curved_motion, robot, state};
 use crate::{
     CollisionChecker, LeastClearance, MotionClearance, MotionClearanceOptions, MotionOptions, MotionVerdict,
     PairKind, Question, UndecidedReason, Workspace,
@@ -17,16 +17,6 @@ use crate::{
 const ROUNDING: f64 = 1e-8;
 
 const SAMPLES: u32 = 100;
-
-fn checker(random: &mut Random) -> CollisionChecker {
-    let (robot, world) = (Arc::new(robot(random)), world(random));
-    CollisionChecker::new(robot, &world, settings(random)).unwrap()
-}
-
-fn state(robot: &RobotModel, random: &mut Random) -> Configuration {
-    let positions: Vec<f64> = robot.position_names().iter().map(|_| coordinate(random, 1.0)).collect();
-    robot.configuration(&positions).unwrap()
-}
 
 fn moved(from: &Configuration, length: f64, robot: &RobotModel, random: &mut Random) -> Configuration {
     let to: Vec<f64> = from.positions().iter().map(|q| q + random.within(length)).collect();
@@ -41,8 +31,7 @@ fn length(random: &mut Random) -> f64 {
 fn motion(robot: &RobotModel, random: &mut Random) -> MotionSegment {
     let from = state(robot, random);
     if random.below(5) == 0 {
-        let polynomial = |q: &f64| [*q, random.within(0.3), random.within(0.3), random.within(0.1), 0.0, 0.0];
-        return MotionSegment::polynomial(robot, from.positions().iter().map(polynomial).collect()).unwrap();
+        return curved_motion(robot, &from, random);
     }
     let length = length(random);
     MotionSegment::straight(robot, &from, &moved(&from, length, robot, random))

@@ -1,29 +1,16 @@
 //! Free motions: a motion is free exactly if the check finds it free, for less work.
 
-use std::sync::Arc;
-
 use clearance_geometry::testing::Random;
 use clearance_motion::{MotionSegment, MovingObstacle};
 use clearance_proximity::Work;
 use clearance_robot::{Configuration, RobotModel};
 use clearance_scene::World;
 
-use crate::random_scenes::{coordinate, robot, settings, world};
+use crate::random_scenes::{checker, curved_motion, state};
 use crate::{CollisionChecker, MotionOptions, MotionOrder, Workspace};
 
 /// Limit of evaluations: enough for all but motions that stay undecided.
 const BUDGET: u64 = 5000;
-
-/// A checker of a random robot in a random world.
-fn checker(random: &mut Random) -> CollisionChecker {
-    let (robot, world) = (Arc::new(robot(random)), world(random));
-    CollisionChecker::new(robot, &world, settings(random)).unwrap()
-}
-
-fn state(robot: &RobotModel, random: &mut Random) -> Configuration {
-    let positions: Vec<f64> = robot.position_names().iter().map(|_| coordinate(random, 1.0)).collect();
-    robot.configuration(&positions).unwrap()
-}
 
 /// A straight motion from a state, mostly short.
 fn motion_from(from: &Configuration, robot: &RobotModel, random: &mut Random) -> MotionSegment {
@@ -37,8 +24,7 @@ fn motion(robot: &RobotModel, world: &World, random: &mut Random) -> MotionSegme
     let from = state(robot, random);
     let mut motion = motion_from(&from, robot, random);
     if random.below(5) == 0 {
-        let polynomial = |q: &f64| [*q, random.within(0.3), random.within(0.3), random.within(0.1), 0.0, 0.0];
-        motion = MotionSegment::polynomial(robot, from.positions().iter().map(polynomial).collect()).unwrap();
+        motion = curved_motion(robot, &from, random);
     }
     if random.below(5) == 0 {
         let tube = from.positions().iter().map(|_| random.within(0.01).abs()).collect();

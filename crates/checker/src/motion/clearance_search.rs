@@ -68,6 +68,19 @@ impl SearchProgress {
     }
 }
 
+/// Evaluation of an interval of one pair.
+#[derive(Clone, Copy)]
+struct IntervalBound {
+    /// Lower bound (m) on the distance, padding subtracted, in the whole interval.
+    lower: f64,
+    /// Motion (m) of the pair in half of the interval.
+    motion: f64,
+    /// Allowed difference (m) of the bounds of the result.
+    tolerance: f64,
+    /// Fraction of the interval around its middle that is done.
+    share: f64,
+}
+
 /// Search along one segment.
 pub struct ClearanceSearch<'p, 'a, 'w> {
     pub motion: CheckedMotion<'a>,
@@ -194,14 +207,26 @@ impl ClearanceSearch<'_, '_, '_> {
 
     /// Evaluates an interval with a known lower bound (m), and queues the parts of it that are not done.
     fn evaluate(&mut self, interval: PairInterval, known: f64) {
-        let PairInterval { pair: index, from, to } = interval;
-        let (middle, half_width) = (0.5 * (from + to), 0.5 * (to - from));
         self.progress.evaluations += 1;
-        let kind = self.motion.pairs.kind(index);
+        let kind = self.motion.pairs.kind(interval.pair);
         if self.is_over() {
             return self.least_mut(kind).prove(known);
         }
+        let found = self.bound(interval, kind);
+        let lower = found.lower.greater(known);
+        if lower >= self.target(kind) {
+            self.least_mut(kind).prove(lower);
+        } else {
+            self.divide(interval, kind, &IntervalBound { lower, ..found });
+        }
+    }
+
+    /// Bounds the pair's distance in an interval by its distance in the middle.
+    fn bound(&mut self, interval: PairInterval, kind: PairKind) -> IntervalBound {
+        let PairInterval { pair: index, from, to } = interval;
+        let (middle, half_width) = (0.5 * (from + to), 0.5 * (to - from));
         let mut target = self.target(kind);
+        let tolerance = self.options.tolerance(self.least(kind).upper());
         let MotionWorkspace { robot, scratch, motion, .. } = &mut *self.workspace;
         let mut poses = PoseScratch {
             frames: robot.frames_mut(),
@@ -214,64 +239,53 @@ impl ClearanceSearch<'_, '_, '_> {
         let padding = pair.info.padding;
         let (bound, motion) = (approach.within(1.0), approach.motion());
         let mut lower = lower - padding;
-        let tolerance = self.options.tolerance(self.progress.least[kind as usize].upper());
         if lower - bound <= target && motion <= WORTH_SEARCHING[0] + WORTH_SEARCHING[1] * target.greater(0.0)
         {
-            let effort = Effort {
-                absolute_tolerance: DISTANCE_TOLERANCE[0] * motion
-                    + DISTANCE_TOLERANCE[1] * tolerance.lesser(1.0),
-                ..Effort::default()
-            };
+            let absolute_tolerance =
+                DISTANCE_TOLERANCE[0] * motion + DISTANCE_TOLERANCE[1] * tolerance.lesser(1.0);
+            let effort = Effort { absolute_tolerance, ..Effort::default() };
             let limit = target.greater(0.0) + bound + padding + CONTACT_DISTANCE;
             let DistanceBounds { lower: found, upper, .. } = pair.separation_bounds(limit, &effort, scratch);
             lower = lower.greater(found - padding);
-            match upper {
-                None => lower = lower.greater(limit - padding),
-                Some(near) => {
-                    let mut near_pair = pair.padded(&near);
-                    if near.distance <= padding.greater(CONTACT_DISTANCE) {
-                        near_pair.distance = 0.0;
-                    }
-                    let found = NearestSoFar {
-                        segment: self.segment,
-                        t: middle,
-                        index,
-                        pair: near_pair,
-                        is_exact: near_pair.distance == 0.0,
-                    };
-                    self.progress.least[kind as usize].offer(found);
-                    target = self.progress.least[kind as usize].target(self.options);
+            if let Some(near) = upper {
+                let mut near_pair = pair.padded(&near);
+                if near.distance <= padding.greater(CONTACT_DISTANCE) {
+                    near_pair.distance = 0.0;
                 }
+                let is_exact = near_pair.distance == 0.0;
+                let segment = self.segment;
+                let least = &mut self.progress.least[kind as usize];
+                least.offer(NearestSoFar { segment, t: middle, index, pair: near_pair, is_exact });
+                target = least.target(self.options);
+            } else {
+                lower = lower.greater(limit - padding);
             }
         }
-        let least = &mut self.progress.least[kind as usize];
-        let value = (lower - bound).greater(known);
-        if value >= target {
-            return least.prove(value);
-        }
-        let share = approach.share(lower - target);
-        let queue = &mut self.workspace.motion.queue;
-        let mut push = |from: f64, to: f64| {
-            if from < to {
-                queue
-                    .push(BoundedInterval { lower: value, interval: PairInterval { pair: index, from, to } });
-            }
-        };
-        if share >= LEAST_SHARE {
-            least.prove(target);
-            push(from, middle - share * half_width);
-            push(middle + share * half_width, to);
+        IntervalBound { lower: lower - bound, motion, tolerance, share: approach.share(lower - target) }
+    }
+
+    /// Queues the parts of an interval that are not done, unless it cannot be refined.
+    fn divide(&mut self, interval: PairInterval, kind: PairKind, found: &IntervalBound) {
+        let PairInterval { pair, from, to } = interval;
+        let (middle, half_width) = (0.5 * (from + to), 0.5 * (to - from));
+        let IntervalBound { lower, motion, tolerance, share } = *found;
+        let parts = if share >= LEAST_SHARE {
+            let target = self.target(kind);
+            self.least_mut(kind).prove(target);
+            [[from, middle - share * half_width], [middle + share * half_width, to]]
         } else if !motion.is_finite() {
-            least.leave(value);
             self.progress.unfinished = Some(UndecidedReason::Overflow);
+            return self.least_mut(kind).leave(lower);
         } else if motion <= LEAST_MOTION * tolerance || !(from < middle && middle < to) {
-            least.leave(value);
             let is_loose = self.motion.segment.is_loose();
             let reason = if is_loose { UndecidedReason::Tube } else { UndecidedReason::Tolerance };
             self.progress.unfinished.get_or_insert(reason);
+            return self.least_mut(kind).leave(lower);
         } else {
-            push(from, middle);
-            push(middle, to);
+            [[from, middle], [middle, to]]
+        };
+        for [from, to] in parts.into_iter().filter(|[from, to]| from < to) {
+            self.push(lower, PairInterval { pair, from, to });
         }
     }
 

@@ -18,7 +18,7 @@
 //! | check of one motion | `motion_check` |
 //! | options and result of the check | `motion_report` |
 //! | check of a trajectory, segment by segment | `trajectory_check` |
-//! | least distance along a motion or trajectory | `clearance_along` |
+//! | least distance along a motion or trajectory | `clearance_along_segments` |
 //! | branch and bound of the least distance | `clearance_search` |
 //! | bounds on the least distance, so far | `least_bounds` |
 //! | options and result of the least distance | `motion_clearance` |
@@ -29,7 +29,7 @@
 
 mod certification;
 mod checked_motion;
-mod clearance_along;
+mod clearance_along_segments;
 mod clearance_search;
 mod free_search;
 mod interval_midpoint;
@@ -50,7 +50,7 @@ mod watch;
 
 pub use certification::{CertificateConstants, CertificateSubject, prove_motion, prove_trajectory};
 pub use checked_motion::CheckedMotion;
-pub use clearance_along::ClearanceAlong;
+pub use clearance_along_segments::ClearanceAlong;
 pub use look_ahead::{LookAhead, MovingState, look_ahead};
 pub use motion_check::MotionCheck;
 pub use motion_clearance::{LeastClearance, MotionClearance, MotionClearanceOptions, NearestMoment};

@@ -28,7 +28,7 @@ pub struct MotionClearanceOptions {
     pub relative_tolerance: f64,
     /// Distances larger than this (m) do not matter: the search ends when the lower bound has reached it.
     pub limit: f64,
-    /// Time at which the search stops with its bounds so far.
+    /// Time at which the search stops. What it has not searched may be at any distance: `lower` is then 0.
     pub deadline: Option<Instant>,
     /// Number of pair evaluations after which the search stops; each takes some microseconds.
     pub budget: u64,

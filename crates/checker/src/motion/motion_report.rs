@@ -74,15 +74,15 @@ impl Default for MotionOptions {
 /// Result of a motion check.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MotionVerdict {
-    /// Proven: no pair touches anywhere in [0, 1].
+    /// Proven: no pair touches, or is within the [margin](MotionOptions::margin), anywhere in [0, 1].
     Free,
-    /// A pair touches.
+    /// A pair touches, or is within the margin.
     Contact {
-        /// The motion is proven free before the first time, and collides at the second.
+        /// The motion is proven free before the first time, and a pair touches, or is within the margin, at the second.
         t: [f64; 2],
-        /// The bodies that touch.
+        /// The bodies of the pair.
         pair: (BodyId, BodyId),
-        /// A common point (root frame) at the second t, if one is known.
+        /// A point (root frame) of the pair at the second t, if one is known: common to both bodies, with a margin of one of them.
         witness: Option<Point>,
     },
     /// Neither a proof nor a contact was found.
