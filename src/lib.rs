@@ -112,7 +112,7 @@ pub use clearance_verifier as verifier;
 pub use clearance_monitor as monitor;
 
 pub use clearance_checker::{
-    CollisionChecker, CollisionReport, Contact, LeastClearance, LookAhead, MotionClearance,
+    CollisionChecker, CollisionReport, Contact, LeastClearance, LookAhead, LookAheadState, MotionClearance,
     MotionClearanceOptions, MotionOptions, MotionOrder, MotionReport, MotionVerdict, NearestMoment,
     PairDistance, Question, SettingsError, TrajectoryReport, UndecidedPair, UndecidedReason, Workspace,
 };

@@ -1,11 +1,14 @@
 //! What is asked about motions beyond straight edges, on robots whose answers can be worked out with pencil and paper.
 
 use clearance::checker::{
-    CollisionChecker, MotionOptions, MotionOrder, MotionReport, MotionVerdict, UndecidedReason, Watch,
+    CollisionChecker, LookAheadState, MotionOptions, MotionOrder, MotionReport, MotionVerdict,
+    UndecidedReason, Watch,
 };
 use clearance::geometry::math::{Pose, Vector};
 use clearance::geometry::{Primitive, Shape};
-use clearance::motion::{Certificate, MotionSegment, MovingObstacle, Trajectory, TrajectoryPoint};
+use clearance::motion::{
+    Certificate, MotionSegment, MovingObstacle, ObstacleLimits, SpeedLimit, Trajectory, TrajectoryPoint,
+};
 use clearance::robot::{Configuration, MeshFiles, RobotModel};
 use clearance::scene::{BodyId, Settings};
 use clearance::scene::{Obstacle, World};
@@ -334,19 +337,71 @@ fn nothing_touches_before_the_look_ahead_says() {
     let robot = two_link();
     let checker = alone(&robot);
     let q = at(&robot, 0.0, 2.0);
-    let mut workspace = checker.workspace();
-    let still = checker.look_ahead(&q, &[0.0; 2], &[0.0; 2], 1.0, &mut workspace).unwrap();
+    let look = |velocities: [f64; 2], accelerations: [f64; 2], horizon| {
+        let state = LookAheadState {
+            q: &q,
+            velocities: &velocities,
+            accelerations: &accelerations,
+            obstacle_limits: None,
+            obstacle_latency: 0.0,
+        };
+        checker.look_ahead(state, horizon, &mut checker.workspace()).unwrap()
+    };
+    let still = look([0.0; 2], [0.0; 2], 1.0);
     assert_eq!((still.free_for, still.first), (1.0, None));
     // joint2 closes 0.8369 rad at 1 rad/s, and sooner if it may accelerate by 2 rad/s²
-    let coasting = checker.look_ahead(&q, &[0.0, 1.0], &[0.0; 2], 2.0, &mut workspace).unwrap();
+    let coasting = look([0.0, 1.0], [0.0; 2], 2.0);
     let real = FOLDED - 2.0;
     assert!(
         coasting.free_for <= real && coasting.free_for > 0.97 * real && coasting.first.is_some(),
         "{coasting:?}"
     );
-    let pushing = checker.look_ahead(&q, &[0.0, 1.0], &[0.0, 2.0], 2.0, &mut workspace).unwrap();
+    let pushing = look([0.0, 1.0], [0.0, 2.0], 2.0);
     let soonest = 0.5 * ((1.0 + 4.0 * real).sqrt() - 1.0);
     assert!(pushing.free_for <= soonest && pushing.free_for > 0.8 * soonest, "{pushing:?} {soonest}");
+}
+
+/// A ball 1 m before the stretched arm, which stands: it comes at 0.5 m/s, or accelerates.
+#[test]
+fn obstacles_that_move_come_within_the_look_ahead() {
+    let robot = two_link();
+    let mut world = World::default();
+    let q = at(&robot, 0.0, 0.0);
+    let ball = |x: f64| {
+        Obstacle::of_shape(
+            "ball",
+            Pose::translation(x, 0.0, 0.0),
+            Shape::Primitive(Primitive::Sphere { radius: 0.1 }),
+        )
+    };
+    world.add(ball(4.0)).unwrap();
+    let checker = CollisionChecker::new(Arc::new(robot.clone()), &world, Settings::default()).unwrap();
+    let report =
+        checker.check(&q, Question::SelfAndWorldDistance { limit: f64::INFINITY }, &mut checker.workspace());
+    let distance = report.distance_of(PairKind::WorldPair);
+    let look = |speed: f64, acceleration: f64, latency: f64| {
+        let by_name = [("ball".to_owned(), SpeedLimit { speed, acceleration })].into();
+        let limits = Arc::new(ObstacleLimits { by_name, ..ObstacleLimits::default() });
+        let state = LookAheadState {
+            q: &q,
+            velocities: &[0.0; 2],
+            accelerations: &[0.0; 2],
+            obstacle_limits: Some(&limits),
+            obstacle_latency: latency,
+        };
+        checker.look_ahead(state, 10.0, &mut checker.workspace()).unwrap()
+    };
+    let stands = look(0.0, 0.0, 3.0);
+    assert_eq!((stands.free_for, stands.first), (10.0, None));
+    for (speed, acceleration, latency, soonest) in [
+        (0.5, 0.0, 0.0, distance / 0.5),
+        (0.5, 0.0, 0.5, distance / 0.5 - 0.5),
+        (0.0, 2.0, 0.0, distance.sqrt()),
+    ] {
+        let found = look(speed, acceleration, latency);
+        assert!(found.free_for <= soonest && found.free_for > 0.9 * soonest, "{found:?} {soonest}");
+        assert!(matches!(found.first, Some((_, BodyId::Obstacle(_)))));
+    }
 }
 
 type Change = dyn Fn(&mut Certificate);

@@ -11,8 +11,8 @@ use rayon::prelude::*;
 
 use crate::collision_report::{CollisionReport, Question};
 use crate::motion::{
-    self, CertificateConstants, CertificateSubject, CheckedMotion, LookAhead, MotionCheck, MotionOptions,
-    MotionReport, MovingState, SweptVolume, TrajectoryReport,
+    self, CertificateConstants, CertificateSubject, CheckedMotion, LookAhead, LookAheadState, MotionCheck,
+    MotionOptions, MotionReport, SweptVolume, TrajectoryReport,
 };
 use crate::pair_kind::PairKind;
 use crate::pairs::{CheckedPairs, PosedPair};
@@ -425,19 +425,15 @@ impl CollisionChecker {
         CertificateSubject { pairs: &self.pairs, settings: &self.settings, matrix: self.matrix.as_ref() }
     }
 
-    /// Time (s) before which no pair can touch, up to `horizon` (s). The robot now moves with `velocities` (rad/s, m/s,
-    /// one per position), and no position accelerates by more than `accelerations` (rad/s², m/s²). Floating joints must
-    /// be at rest.
+    /// Time (s) before which no pair can touch, up to `horizon` (s), whatever motion follows within the limits of
+    /// `state`. Floating joints must be at rest.
     pub fn look_ahead(
         &self,
-        q: &Configuration,
-        velocities: &[f64],
-        accelerations: &[f64],
+        state: LookAheadState,
         horizon: f64,
         workspace: &mut Workspace,
     ) -> Result<LookAhead, SegmentError> {
         workspace.adapt(self.identity, &self.pairs);
-        let state = MovingState { q, velocities, accelerations };
         motion::look_ahead(&self.pairs, state, horizon, workspace.motion())
     }
 

@@ -47,8 +47,9 @@ pub use clearance::{Clearance, ClearanceCandidate, ClearanceOptions, PairClearan
 pub use collision_checker::CollisionChecker;
 pub use collision_report::{CollisionReport, PairDistance, Question, UndecidedPair};
 pub use motion::{
-    LeastClearance, LookAhead, MotionClearance, MotionClearanceOptions, MotionOptions, MotionOrder,
-    MotionReport, MotionVerdict, NearestMoment, SweptVolume, TrajectoryReport, UndecidedReason, Watch,
+    LeastClearance, LookAhead, LookAheadState, MotionClearance, MotionClearanceOptions, MotionOptions,
+    MotionOrder, MotionReport, MotionVerdict, NearestMoment, SweptVolume, TrajectoryReport, UndecidedReason,
+    Watch,
 };
 pub use pair_kind::PairKind;
 pub use recovery::{

@@ -85,6 +85,8 @@ pub struct CheckedState {
     pub poses: LinkPoses,
     /// Proven time without contact after the joint state's stamp, if look-ahead is on and the velocities are known.
     pub look_ahead: Option<LookAhead>,
+    /// Whether the look-ahead takes the motion of obstacles into account.
+    pub obstacles_may_move: bool,
     /// Velocities of the positions (rad/s, m/s), if all are known.
     pub velocities: Option<Vec<f64>>,
     /// The same. If only some of several drivers publish velocities, the others are computed from successive positions.

@@ -1,6 +1,6 @@
 //! Look-ahead: the time until which nothing can touch, computed from one joint state with velocities.
 
-use clearance_checker::{CollisionChecker, CollisionReport, LookAhead, Workspace};
+use clearance_checker::{CollisionChecker, CollisionReport, LookAhead, LookAheadState, Workspace};
 use clearance_robot::{Configuration, JointKind, RobotModel};
 
 use super::MonitorSettings;
@@ -66,9 +66,15 @@ impl LookAheadEvaluator {
         }
         let usual = settings.look_ahead_acceleration;
         let accelerations: Vec<f64> = self.limits.iter().map(|limit| limit.unwrap_or(usual)).collect();
-        let horizon = settings.look_ahead_horizon;
-        (checker.look_ahead(configuration, velocities, &accelerations, horizon, &mut self.workspace))
-            .or_else(|error| unknown(&error.to_string()))
+        let state = LookAheadState {
+            q: configuration,
+            velocities,
+            accelerations: &accelerations,
+            obstacle_limits: settings.moving_obstacles(),
+            obstacle_latency: settings.obstacle_latency,
+        };
+        let found = checker.look_ahead(state, settings.look_ahead_horizon, &mut self.workspace);
+        found.or_else(|error| unknown(&error.to_string()))
     }
 }
 

@@ -1,7 +1,9 @@
 //! User settings of the monitor.
 
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use clearance_motion::ObstacleLimits;
 use clearance_proximity::Effort;
 
 use super::SpeedSettings;
@@ -46,6 +48,10 @@ pub struct MonitorSettings {
     pub look_ahead_horizon: f64,
     /// Assumed acceleration limit (rad/s², m/s²) of joints without their own.
     pub look_ahead_acceleration: f64,
+    /// How fast obstacles may move after the evaluated state.
+    pub obstacle_limits: Arc<ObstacleLimits>,
+    /// Time (s) between the measurement of the obstacles' poses and the evaluated state.
+    pub obstacle_latency: f64,
 }
 
 impl Default for MonitorSettings {
@@ -67,6 +73,8 @@ impl Default for MonitorSettings {
             speed: SpeedSettings::default(),
             look_ahead_horizon: 0.0,
             look_ahead_acceleration: 10.0,
+            obstacle_limits: Arc::default(),
+            obstacle_latency: 0.0,
         }
     }
 }
@@ -94,6 +102,12 @@ impl MonitorSettings {
             exact_cost: 0,
             deadline,
         }
+    }
+
+    /// The limits of obstacles, if any of them may move.
+    #[must_use]
+    pub fn moving_obstacles(&self) -> Option<&Arc<ObstacleLimits>> {
+        Some(&self.obstacle_limits).filter(|limits| !limits.is_zero())
     }
 
     /// Longest time between two published evaluations.

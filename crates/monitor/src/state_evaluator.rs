@@ -147,6 +147,7 @@ impl StateEvaluator {
             configuration,
             poses,
             look_ahead,
+            obstacles_may_move: settings.moving_obstacles().is_some(),
             velocities,
             rates: rates.filter(|_| are_of_joints),
             measured,

@@ -12,7 +12,7 @@ use clearance_robot::{ConfigurationError, RobotModel};
 use serde::{Deserialize, Serialize};
 
 use super::segment::SegmentText;
-use super::{CertificateParts, Fingerprint, MotionSegment, SegmentError};
+use super::{CertificateParts, Fingerprint, MotionSegment, ObstacleUncertainty, SegmentError};
 
 /// [`Certificate::format`] of a certificate with parts and tolerance.
 pub const FORMAT: &str = "clearance certificate 2";
@@ -221,7 +221,11 @@ impl Certificate {
             }
             _ => return Err(CertificateError::NoMotion(segment)),
         };
-        let motion = motion.with_movers(text.obstacles.clone()).map_err(of_segment)?;
+        let mut motion = motion.with_movers(text.obstacles.clone()).map_err(of_segment)?;
+        if let Some(text) = &text.obstacle_uncertainty {
+            let uncertainty = ObstacleUncertainty::try_from(text.clone());
+            motion = motion.with_uncertainty(uncertainty.map_err(|error| of_segment(error.into()))?);
+        }
         if text.tube.is_empty() {
             return Ok(motion);
         }

@@ -5,6 +5,7 @@
 //! | one smooth segment, t from 0 to 1 | [`MotionSegment`] |
 //! | a rigid moving obstacle | [`MovingObstacle`] |
 //! | the same over time, with constant velocity or through poses | [`ObstacleTrajectory`] |
+//! | speed and acceleration limits of obstacles whose path is not known | [`ObstacleLimits`] |
 //! | consecutive segments with times | [`Trajectory`] |
 //! | direction of rotation of a continuous joint | [`ContinuousDirection`] |
 //! | a proof that a motion is free, as a document | [`Certificate`] |
@@ -22,6 +23,7 @@ mod model_fingerprint;
 mod moving_obstacle;
 mod obstacle_trajectory;
 mod obstacle_trajectory_yaml;
+mod obstacle_uncertainty;
 mod part_hashes;
 mod segment;
 mod segment_join;
@@ -41,6 +43,9 @@ pub use model_fingerprint::{model_fingerprint, world_fingerprint};
 pub use moving_obstacle::MovingObstacle;
 pub use obstacle_trajectory::{ObstacleTrajectory, PosesError};
 pub use obstacle_trajectory_yaml::ObstacleTextError;
+pub use obstacle_uncertainty::{
+    LimitError, ObstacleLimits, ObstacleUncertainty, SpeedLimit, UncertaintyText,
+};
 pub use part_hashes::{certificate_parts, mesh_model_name};
 pub use segment::floating;
 pub use segment::{MotionSegment, SegmentError, SegmentText};

@@ -7,6 +7,7 @@ use clearance_scene::World;
 use serde::{Deserialize, Serialize};
 
 use super::MovingObstacle;
+use super::obstacle_uncertainty::{LimitError, ObstacleUncertainty, UncertaintyText};
 
 /// Coefficients of a polynomial of degree five, the constant first.
 pub type Polynomial = [f64; 6];
@@ -26,6 +27,8 @@ pub struct MotionSegment {
     tube: Vec<f64>,
     /// Growth of each position's deviation (rad, m, per unit of t²); empty if there is none.
     spread: Vec<f64>,
+    /// Unknown motion of obstacles, if they may move.
+    uncertainty: Option<ObstacleUncertainty>,
     is_straight: bool,
     /// Upper bound (rad, m) on all positions, and on the values they are computed from.
     size: f64,
@@ -70,6 +73,8 @@ pub enum SegmentError {
     ObstacleTwice(String),
     #[error("obstacle '{0}' moves by numbers that are not finite or no rotation")]
     Obstacle(String),
+    #[error(transparent)]
+    Limit(#[from] LimitError),
 }
 
 /// File format of a segment.
@@ -91,6 +96,9 @@ pub struct SegmentText {
     /// Tolerance (rad, m) of each position; empty without tolerances.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub tube: Vec<f64>,
+    /// Unknown motion of obstacles; none if they stand, or move exactly as in `obstacles`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub obstacle_uncertainty: Option<UncertaintyText>,
 }
 
 impl MotionSegment {
@@ -113,8 +121,8 @@ impl MotionSegment {
         let size = positions.iter().map(most).chain(following).fold(0.0, f64::greater);
         let quaternions = floating(robot).map(|(_, first)| first + 3).collect();
         let (goal, turns, obstacles) = (Vec::new(), Vec::new(), Vec::new());
-        let (tube, spread) = (Vec::new(), Vec::new());
-        Self { positions, goal, quaternions, turns, obstacles, tube, spread, is_straight, size }
+        let (tube, spread, uncertainty) = (Vec::new(), Vec::new(), None);
+        Self { positions, goal, quaternions, turns, obstacles, tube, spread, uncertainty, is_straight, size }
     }
 
     /// A polynomial for each of the robot's positions.
@@ -170,11 +178,17 @@ impl MotionSegment {
         Ok(self)
     }
 
-    /// Adds the moving obstacles of another segment.
+    /// Adds the moving obstacles of another segment, and what is not known about them.
     #[must_use]
     pub fn with_obstacles_of(self, other: &Self) -> Self {
         let size = other.obstacles.iter().map(MovingObstacle::size).fold(self.size, f64::greater);
-        Self { size, obstacles: other.obstacles.clone(), ..self }
+        Self { size, obstacles: other.obstacles.clone(), uncertainty: other.uncertainty.clone(), ..self }
+    }
+
+    /// Obstacles may move as their limits allow, in addition to the motion of [`Self::obstacles`].
+    #[must_use]
+    pub fn with_uncertainty(self, uncertainty: ObstacleUncertainty) -> Self {
+        Self { uncertainty: Some(uncertainty).filter(|uncertainty| !uncertainty.is_zero()), ..self }
     }
 
     /// Adds a tolerance (rad, m) for each of the robot's positions: the robot may be anywhere within it.
@@ -210,9 +224,14 @@ impl MotionSegment {
             return self.clone();
         }
         let obstacles = self.obstacles.iter().map(|mover| mover.part([from, to])).collect();
+        let uncertainty = self.uncertainty.as_ref().map(|uncertainty| uncertainty.part([from, to]));
         if !self.goal.is_empty() {
             // both parts at a cut compute its positions by the same operations, so that they join exactly
-            return Self { obstacles, ..self.between(self.at(from).positions(), self.at(to).positions()) };
+            return Self {
+                obstacles,
+                uncertainty,
+                ..self.between(self.at(from).positions(), self.at(to).positions())
+            };
         }
         let part = |p: &Polynomial| {
             let (mut c, mut scale) = (taylor(p, from), 1.0);
@@ -222,7 +241,7 @@ impl MotionSegment {
             }
             c
         };
-        Self { positions: self.positions.iter().map(part).collect(), obstacles, ..self.clone() }
+        Self { positions: self.positions.iter().map(part).collect(), obstacles, uncertainty, ..self.clone() }
     }
 
     /// A straight motion of the same robot, with the same tolerances and obstacles, between two configurations no farther from zero than
@@ -237,11 +256,12 @@ impl MotionSegment {
         }
     }
 
-    /// Adds the tolerances and obstacles of a gap, next to a segment of this [`Self::size`].
+    /// Adds the tolerances and obstacles of a gap at the start of this segment, next to a segment of this [`Self::size`].
     pub(super) fn into_gap(self, tube: Vec<f64>, obstacles: Vec<MovingObstacle>, beside: f64) -> Self {
         let tube = if tube.iter().all(|t| *t == 0.0) { Vec::new() } else { tube };
         let size = obstacles.iter().map(MovingObstacle::size).fold(self.size.greater(beside), f64::greater);
-        Self { tube, spread: Vec::new(), obstacles, size, ..self }
+        let uncertainty = self.uncertainty.as_ref().map(|uncertainty| uncertainty.part([0.0, 0.0]));
+        Self { tube, spread: Vec::new(), obstacles, uncertainty, size, ..self }
     }
 
     /// The same robot at rest at the start of this segment, without tolerances and moving obstacles.
@@ -251,10 +271,10 @@ impl MotionSegment {
         Self { obstacles: Vec::new(), ..self.nominal().between(&start, &start) }
     }
 
-    /// The same without tolerances.
+    /// The same without tolerances and unknown motion of obstacles.
     #[must_use]
     pub fn nominal(&self) -> Self {
-        Self { tube: Vec::new(), spread: Vec::new(), ..self.clone() }
+        Self { tube: Vec::new(), spread: Vec::new(), uncertainty: None, ..self.clone() }
     }
 
     /// True if the robot's possible deviation grows with t.
@@ -263,10 +283,16 @@ impl MotionSegment {
         !self.spread.is_empty()
     }
 
-    /// True if the robot may deviate from the motion.
+    /// True if the robot or an obstacle may deviate from the motion.
     #[must_use]
     pub fn is_loose(&self) -> bool {
-        !self.tube.is_empty() || !self.spread.is_empty()
+        !self.tube.is_empty() || !self.spread.is_empty() || self.uncertainty.is_some()
+    }
+
+    /// What is not known about the motion of the obstacles; `None` if they stand, or move exactly as [`Self::obstacles`].
+    #[must_use]
+    pub fn uncertainty(&self) -> Option<&ObstacleUncertainty> {
+        self.uncertainty.as_ref()
     }
 
     /// Upper bound (rad, m) on all positions, and on the values they are computed from.
@@ -409,6 +435,7 @@ impl MotionSegment {
             polynomials: (!by_ends).then(|| self.positions.clone()),
             obstacles: self.obstacles.clone(),
             tube: self.tube.clone(),
+            obstacle_uncertainty: self.uncertainty.as_ref().map(ObstacleUncertainty::text),
         }
     }
 }

@@ -1,8 +1,13 @@
 //! Trajectory: consecutive motion segments with times, as in a ROS joint trajectory.
 
+use std::sync::Arc;
+
 use clearance_robot::{Configuration, ConfigurationError, NamedJoints, RobotModel};
 
-use super::{ContinuousDirection, HeldTurn, JoinError, MotionSegment, SegmentError, join, shortest_turns};
+use super::{
+    ContinuousDirection, HeldTurn, JoinError, LimitError, MotionSegment, ObstacleLimits, ObstacleUncertainty,
+    SegmentError, join, shortest_turns,
+};
 
 /// Segments, with their start and end times (s).
 #[derive(Clone, Debug, PartialEq)]
@@ -58,6 +63,8 @@ pub enum TrajectoryError {
     ObstacleJump { segment: usize, name: String },
     #[error("obstacles are to move, but the trajectory has no times: give its points time_from_start")]
     NoClock,
+    #[error("the motion takes {0} s, but must take a positive time")]
+    Duration(f64),
     #[error(
         "obstacle '{name}' has poses from time {} to {}, but the motion lasts from {} to {}", poses[0], poses[1], motion[0], motion[1]
     )]
@@ -159,6 +166,48 @@ impl Trajectory {
     pub fn map<E>(self, change: impl FnMut(MotionSegment) -> Result<MotionSegment, E>) -> Result<Self, E> {
         let segments = self.segments.into_iter().map(change).collect::<Result<_, _>>()?;
         Ok(Self { segments, times: self.times, parts: self.parts })
+    }
+
+    /// Obstacles may move as their limits allow: their poses are those of the world at `latency` (s) before the first point. Also those of
+    /// [`Self::with_obstacles`] may deviate from their motion so far.
+    ///
+    /// # Errors
+    /// If the trajectory has no times, also if it has a single segment, or a number is negative or not finite.
+    pub fn with_obstacle_limits(
+        self,
+        limits: &Arc<ObstacleLimits>,
+        latency: f64,
+    ) -> Result<Self, TrajectoryError> {
+        if limits.is_zero() {
+            return Ok(self);
+        }
+        if self.times.is_empty() {
+            return Err(TrajectoryError::NoClock);
+        }
+        let begin = self.times[0] - latency;
+        let bounded = |(segment, motion): (usize, MotionSegment)| {
+            let time = [segment, segment + 1].map(|point| self.times[point] - begin);
+            let uncertainty = ObstacleUncertainty::new(Arc::clone(limits), time);
+            let of_segment = |error: LimitError| TrajectoryError::Segment { segment, error: error.into() };
+            Ok(motion.with_uncertainty(uncertainty.map_err(of_segment)?))
+        };
+        let segments = self.segments.into_iter().enumerate().map(bounded).collect::<Result<_, _>>()?;
+        Ok(Self { segments, times: self.times, parts: self.parts })
+    }
+
+    /// A single segment that takes this time (s), if it has no times.
+    ///
+    /// # Errors
+    /// If there are several segments, or the time is not a positive number.
+    pub fn lasting(self, duration: f64) -> Result<Self, TrajectoryError> {
+        if !(duration.is_finite() && duration > 0.0) {
+            return Err(TrajectoryError::Duration(duration));
+        }
+        match (self.segments.len(), self.times.is_empty()) {
+            (1, true) => Ok(Self { times: vec![0.0, duration], ..self }),
+            (_, true) => Err(TrajectoryError::NoClock),
+            (_, false) => Ok(self),
+        }
     }
 
     /// A remark if the first point is later than the start of the trajectory.

@@ -6,7 +6,9 @@
 
 use std::collections::{HashMap, HashSet};
 
-use clearance_motion::{Certificate, MotionSegment, MovingObstacle, SegmentText, Trajectory, shown};
+use clearance_motion::{
+    Certificate, MotionSegment, MovingObstacle, SegmentText, SpeedLimit, Trajectory, UncertaintyText, shown,
+};
 
 use super::{CertificateDifferences, Rejection};
 
@@ -134,6 +136,28 @@ impl SegmentComparison<'_> {
         }
         self.tubes(&given.tube, expected.tube());
         self.obstacles(&given.obstacles, expected.obstacles());
+        self.obstacle_limits(
+            given.obstacle_uncertainty.as_ref(),
+            expected_text.obstacle_uncertainty.as_ref(),
+        );
+    }
+
+    fn obstacle_limits(&mut self, given: Option<&UncertaintyText>, expected: Option<&UncertaintyText>) {
+        let segment = self.segment;
+        let text = |uncertainty: Option<&UncertaintyText>| match uncertainty {
+            None => "stand or move exactly as it says".to_owned(),
+            Some(UncertaintyText { time: [from, to], limits }) => {
+                let SpeedLimit { speed, acceleration } = limits.default;
+                let others = limits.by_name.len();
+                format!(
+                    "have moved for {from:?} to {to:?} s, by up to {speed:?} m/s and {acceleration:?} m/s², {others} of them by other limits"
+                )
+            }
+        };
+        if given != expected {
+            let [given, expected] = [given, expected].map(text);
+            self.found.add(|| format!("segment {segment}: obstacles {given}; expected: {expected}"));
+        }
     }
 
     fn ends(&mut self, given: &SegmentText, expected: &SegmentText) {

@@ -68,6 +68,8 @@ pub enum Rejection {
     ObstacleTwice { segment: usize, name: String },
     #[error("obstacle '{name}' is not at the start of segment {segment} where it was at the end of the last")]
     ObstacleJump { segment: usize, name: String },
+    #[error("segment {segment}: how far obstacles may have moved does not continue from the segment before")]
+    ObstacleLimits { segment: usize },
     #[error("segment {segment}, proof {proof}: there is no pair {pair}")]
     PairNumber { segment: usize, proof: usize, pair: usize },
     #[error("segment {segment}, proof {proof}: {from} to {to} is no interval within 0 and 1")]

@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::Extremes;
 use clearance_motion::Proof;
+use clearance_scene::ObstacleId;
 
 use super::body::Body;
 use super::interval_midpoint::{BodyCarrier, BodyPlacement, IntervalMidpoint};
@@ -171,7 +172,17 @@ impl<'p, 'r> SegmentVerifier<'p, 'r> {
         let reaches = [reach(0), reach(1)];
         let side = |i: usize| Side { path: &both[i].2[shared..], reach: &reaches[i][shared..] };
         let motion = PairMotion { bodies: both.map(|(_, body, _)| body), placed, sides: [side(0), side(1)] };
-        motion.bound(lines, &self.rates, interval.half_width, exact)
+        let unknown: f64 = both.iter().map(|(index, ..)| self.unknown_displacement(*index, interval)).sum();
+        motion.bound(lines, &self.rates, interval.half_width, exact) + unknown
+    }
+
+    /// Maximum displacement (m) that the limits of an obstacle allow until the end of the interval; 0 for a robot body.
+    fn unknown_displacement(&self, index: usize, interval: ProofInterval) -> f64 {
+        let Some(uncertainty) = self.kinematics.motion.uncertainty() else { return 0.0 };
+        let Some(obstacle) = index.checked_sub(self.model.carriers.len()) else { return 0.0 };
+        let id = u32::try_from(obstacle).map(ObstacleId).ok();
+        let obstacle = id.and_then(|id| self.model.world.place(id));
+        obstacle.map_or(f64::INFINITY, |of| uncertainty.of(&of.name, interval.middle + interval.half_width))
     }
 
     /// True if a placed pair is proven at least `target` (m) apart.

@@ -162,6 +162,7 @@ impl StateControl {
             configuration: state,
             poses,
             look_ahead: None,
+            obstacles_may_move: false,
             velocities: None,
             rates: None,
             obstacle_motions: Vec::new(),

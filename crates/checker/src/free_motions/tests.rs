@@ -1,7 +1,10 @@
 //! Free motions: a motion is free exactly if the check finds it free, for less work.
 
+use std::sync::Arc;
+
+use clearance_geometry::math::{Pose, Rotation};
 use clearance_geometry::testing::Random;
-use clearance_motion::{MotionSegment, MovingObstacle};
+use clearance_motion::{MotionSegment, MovingObstacle, ObstacleLimits, ObstacleUncertainty, SpeedLimit};
 use clearance_proximity::Work;
 use clearance_robot::{Configuration, RobotModel};
 use clearance_scene::World;
@@ -40,7 +43,22 @@ fn motion(robot: &RobotModel, world: &World, random: &mut Random) -> MotionSegme
             )
             .unwrap();
     }
+    if random.below(5) == 0 {
+        motion = with_uncertainty(motion, random);
+    }
     motion
+}
+
+/// Obstacles may move: all, or only one of them.
+fn with_uncertainty(motion: MotionSegment, random: &mut Random) -> MotionSegment {
+    let limit = |random: &mut Random| SpeedLimit {
+        speed: [0.0, 0.01, 0.1][random.below(3)],
+        acceleration: [0.0, 0.1][random.below(2)],
+    };
+    let default = if random.below(2) == 0 { SpeedLimit::default() } else { limit(random) };
+    let limits = Arc::new(ObstacleLimits { default, by_name: [("o0".to_owned(), limit(random))].into() });
+    let latency = [0.0, 0.1][random.below(2)];
+    motion.with_uncertainty(ObstacleUncertainty::new(limits, [latency, latency + 1.0]).unwrap())
 }
 
 fn options(random: &mut Random) -> MotionOptions {
@@ -173,4 +191,35 @@ fn the_work_is_that_of_the_cheaper_order() {
     assert!(tests(&colliding.free) <= tests(&colliding.any), "{colliding:?}");
     let primitives = |work: &Work| work.primitive_tests;
     assert!(2 * primitives(&colliding.free) <= primitives(&colliding.earliest), "{colliding:?}");
+}
+
+/// Obstacles of free motions are placed where their limits allow: away by as much as possible, in random directions.
+#[test]
+fn obstacles_within_their_limits_touch_nothing_on_free_motions() {
+    let mut random = Random::new(91);
+    let (mut placed, mut touched) = (0, 0);
+    while placed < 3000 {
+        let checker = checker(&mut random);
+        let from = state(checker.robot(), &mut random);
+        let motion = with_uncertainty(motion_from(&from, checker.robot(), &mut random), &mut random);
+        let Some(uncertainty) = motion.uncertainty() else { continue };
+        let options = MotionOptions { budget: BUDGET, ..MotionOptions::default() };
+        let is_free = checker.is_motion_free_with(&motion, &options, &mut checker.workspace());
+        for _ in 0..5 {
+            let t = random.within(0.5) + 0.5;
+            let mut world = checker.world().clone();
+            for obstacle in checker.world().obstacles() {
+                let way = random.direction().into_inner() * uncertainty.of(&obstacle.name, t);
+                let deviation = Pose::from_parts(way.into(), Rotation::identity());
+                world.move_to(&obstacle.name, deviation * obstacle.pose_ro).unwrap();
+            }
+            let settings = checker.settings().clone();
+            let elsewhere = CollisionChecker::new(Arc::clone(checker.robot()), &world, settings).unwrap();
+            let is_apart = elsewhere.is_free(&motion.at(t), &mut elsewhere.workspace());
+            assert!(is_apart || !is_free, "{motion:?} at {t}");
+            placed += u32::from(is_free);
+            touched += u32::from(!is_free && !is_apart);
+        }
+    }
+    assert!(touched > 100, "{touched}");
 }

@@ -81,6 +81,18 @@ impl<'c> CheckedMotion<'c> {
         self.segment.obstacles().iter().find(|mover| mover.name == name)
     }
 
+    /// Upper bound (m) on the unknown displacement of a pair's obstacle at t; 0 for a pair of robot bodies.
+    pub fn uncertainty(&self, index: usize, t: f64) -> f64 {
+        let Some(uncertainty) = self.segment.uncertainty() else { return 0.0 };
+        let PairBodies::PartAndObstacle(pair) = self.pairs.bodies(index) else { return 0.0 };
+        uncertainty.of(self.pairs.world().obstacle(pair.place).name(), t)
+    }
+
+    /// Upper bound (m) on the unknown displacement of any obstacle at t.
+    pub fn largest_uncertainty(&self, t: f64) -> f64 {
+        self.segment.uncertainty().map_or(0.0, |uncertainty| uncertainty.largest(t))
+    }
+
     /// The places of moving obstacles, ascending.
     pub fn moving_places(&self) -> Vec<usize> {
         let world = self.pairs.world().world();

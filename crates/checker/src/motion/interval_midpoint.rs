@@ -62,10 +62,12 @@ impl<'c> IntervalMidpoint<'c> {
         };
         let reaches = moving_reaches(reaches);
         let side = |i: usize| chain.side_motion(path.side(i), &reaches[i], poses.frames, &around);
-        let second = match mover {
+        let mut second = match mover {
             Some(mover) => motion_of_obstacle(mover, &reaches[1], &around),
             None => side(1),
         };
+        // what is not known grows with time: its end is at the end of the interval
+        second.tolerance += motion.uncertainty(index, middle + half_width);
         let approach = MotionBound::new(&[side(0), second], &reaches, half_width, motion.segment.size());
         Self { pair, approach, lower }
     }

@@ -152,6 +152,9 @@ impl LevelZero<'_> {
         let CheckedMotion { pairs, segment, .. } = self.motion;
         let LevelZeroScratch { positions, columns, near, motion, .. } = &mut *self.memory;
         let motion = motion.within(half_width);
+        // an interval of zero width is a state
+        let latest = middles.into_iter().fold(0.0, f64::greater) + half_width;
+        let unknown = if half_width > 0.0 { self.motion.largest_uncertainty(latest) } else { 0.0 };
         let padding = padding_with_slack(pairs, self.margins[0]);
         let self_pairs = pairs.self_pairs().count();
         near.clear();
@@ -177,7 +180,7 @@ impl LevelZero<'_> {
             near.extend(of_parts.map(|(pair, intervals)| NearPair { pair, intervals: *intervals }));
             ObstacleScreen {
                 motion: self.motion,
-                margin: self.margins[1],
+                margin: self.margins[1] + unknown,
                 broad_phase: self.broad_phase,
                 scratch: self.scratch,
                 near,
@@ -207,7 +210,7 @@ impl LevelZero<'_> {
         near.extend(set_bits(robot.near()).map(|pair| NearPair { pair, intervals: 1 }));
         ObstacleScreen {
             motion: self.motion,
-            margin: self.margins[1],
+            margin: self.margins[1] + self.motion.largest_uncertainty(1.0),
             broad_phase: self.broad_phase,
             scratch: self.scratch,
             near,
@@ -237,7 +240,7 @@ impl LevelZero<'_> {
         };
         ObstacleScreen {
             motion: self.motion,
-            margin: self.margins[1],
+            margin: self.margins[1] + self.motion.largest_uncertainty(to),
             broad_phase: self.broad_phase,
             scratch: self.scratch,
             near,

@@ -1,10 +1,12 @@
-//! Time before which nothing can touch, whatever motion follows within the acceleration limits.
+//! Time before which nothing can touch, whatever motion follows within the limits of joints and obstacles.
 //!
 //! From a state with joint velocities, a robot with limited joint accelerations a is, after a time τ, within ½ a τ² of
 //! where its velocities alone would bring it. This is a tube around a straight motion that widens with time (Hubbard
 //! 1995, *Collision detection for interactive graphics applications*, calls such bounds space-time bounds).
 
-use clearance_motion::{MotionSegment, SegmentError, floating};
+use std::sync::Arc;
+
+use clearance_motion::{MotionSegment, ObstacleLimits, ObstacleUncertainty, SegmentError, floating};
 use clearance_robot::{Configuration, RobotModel};
 use clearance_scene::BodyId;
 
@@ -31,22 +33,28 @@ pub struct LookAhead {
 
 /// Joint state that a look-ahead starts from; all slices have one value per position.
 #[derive(Clone, Copy, Debug)]
-pub struct MovingState<'s> {
+pub struct LookAheadState<'s> {
+    /// Present configuration.
     pub q: &'s Configuration,
     /// Present velocities (rad/s, m/s).
     pub velocities: &'s [f64],
     /// Maximum accelerations (rad/s², m/s²).
     pub accelerations: &'s [f64],
+    /// How fast obstacles may move; `None` if they stand.
+    pub obstacle_limits: Option<&'s Arc<ObstacleLimits>>,
+    /// Time (s) that has passed since the obstacles had their poses.
+    pub obstacle_latency: f64,
 }
 
 /// Time (s) before which no pair can touch, up to `horizon` (s). Floating joints must be at rest.
 pub fn look_ahead(
     pairs: &CheckedPairs,
-    state: MovingState,
+    state: LookAheadState,
     horizon: f64,
     workspace: MotionWorkspace,
 ) -> Result<LookAhead, SegmentError> {
     let segment = widening_segment(pairs.robot().model(), state, horizon)?;
+    let segment = with_moving_obstacles(segment, state, horizon)?;
     let budget = EVALUATIONS + EVALUATIONS_PER_PAIR * pairs.count() as u64;
     let options = MotionOptions { tolerance: RESOLUTION, budget, ..MotionOptions::default() };
     let (report, _) = MotionCheck::new(pairs, &options, workspace).prove(&segment, false);
@@ -60,7 +68,7 @@ pub fn look_ahead(
 /// The motion at constant velocity, with a tube that holds all motions within the acceleration limits.
 fn widening_segment(
     robot: &RobotModel,
-    MovingState { q, velocities, accelerations }: MovingState,
+    LookAheadState { q, velocities, accelerations, .. }: LookAheadState,
     horizon: f64,
 ) -> Result<MotionSegment, SegmentError> {
     let expected = q.positions().len();
@@ -85,4 +93,15 @@ fn widening_segment(
         return Err(SegmentError::NotFinite(robot.position_names()[bad].clone()));
     }
     Ok(segment.with_spread(spread))
+}
+
+/// The same, with obstacles that move within their limits.
+fn with_moving_obstacles(
+    segment: MotionSegment,
+    LookAheadState { obstacle_limits, obstacle_latency, .. }: LookAheadState,
+    horizon: f64,
+) -> Result<MotionSegment, SegmentError> {
+    let Some(limits) = obstacle_limits else { return Ok(segment) };
+    let time = [obstacle_latency, obstacle_latency + horizon];
+    Ok(segment.with_uncertainty(ObstacleUncertainty::new(Arc::clone(limits), time)?))
 }

@@ -51,7 +51,7 @@ mod watch;
 pub use certification::{CertificateConstants, CertificateSubject, prove_motion, prove_trajectory};
 pub use checked_motion::CheckedMotion;
 pub use clearance_along_segments::ClearanceAlong;
-pub use look_ahead::{LookAhead, MovingState, look_ahead};
+pub use look_ahead::{LookAhead, LookAheadState, look_ahead};
 pub use motion_check::MotionCheck;
 pub use motion_clearance::{LeastClearance, MotionClearance, MotionClearanceOptions, NearestMoment};
 pub use motion_report::{MotionOptions, MotionOrder, MotionReport, MotionVerdict, UndecidedReason};

@@ -73,8 +73,7 @@ pub fn collision_state(evaluation: &Evaluation) -> CollisionState {
         if let Some(ahead) = &checked_state.look_ahead {
             message.time_to_contact_known = true;
             message.time_to_contact = ahead.free_for;
-            // the look-ahead does not use velocities of obstacles
-            message.time_to_contact_considers_obstacle_motion = false;
+            message.time_to_contact_considers_obstacle_motion = checked_state.obstacles_may_move;
             let pair = ahead.first.map(|(a, b)| pair_message(&revision.checker, a, b));
             message.first_contact_pair = pair.unwrap_or_default();
         }

@@ -1,6 +1,9 @@
 //! Declaration of one parameter: its name, unit, meaning and range.
 
+use std::collections::BTreeSet;
+
 use crate::names::fault_of_topic;
+use crate::parameters::obstacle_limit::obstacle_limit;
 use crate::parameters::parameter_set::Parameters;
 use crate::parameters::parameter_value::Value;
 
@@ -40,6 +43,8 @@ pub enum Range {
     Prefix,
     /// List of names; the text says what they are names of.
     Names(&'static str),
+    /// List of limits of obstacles, `NAME SPEED ACCELERATION`.
+    ObstacleLimits,
     /// Point, or empty.
     Point,
 }
@@ -183,10 +188,25 @@ impl Declaration {
                 ));
             }
         }
+        if self.range == Range::ObstacleLimits {
+            self.check_obstacle_limits(&texts)?;
+        }
         match texts.iter().enumerate().find(|(i, text)| text.is_empty() || texts[..*i].contains(text)) {
             Some((_, text)) => Err(format!("{}: '{text}' is empty or given twice", self.name)),
             None => Ok(texts),
         }
+    }
+
+    fn check_obstacle_limits(&self, texts: &[String]) -> Result<(), String> {
+        let mut names = BTreeSet::new();
+        for text in texts {
+            let shown = text.escape_debug();
+            let (name, _) = obstacle_limit(text).map_err(|why| format!("{}: '{shown}': {why}", self.name))?;
+            if !names.insert(name) {
+                return Err(format!("{}: '{shown}': this obstacle has two limits", self.name));
+            }
+        }
+        Ok(())
     }
 
     fn point(&self, value: &Value) -> Result<Vec<f64>, String> {

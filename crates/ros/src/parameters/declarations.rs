@@ -190,6 +190,36 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             "Reaction to a mimic joint whose reported position differs from the position that its leader implies: the state is unknown, or a warning.",
         ),
         double(
+            "obstacle_acceleration",
+            "m/s2",
+            (0.0, 1000.0),
+            |p| &mut p.obstacle_acceleration,
+            "Largest acceleration of any point of an obstacle, for ~/time_to_contact and ~/speed_scale; obstacle_limits has limits of single ones.",
+        ),
+        double(
+            "obstacle_latency",
+            "s",
+            (0.0, 10.0),
+            |p| &mut p.obstacle_latency,
+            "Time by which the poses of obstacles are older than the joint states.",
+        ),
+        Declaration {
+            range: Range::ObstacleLimits,
+            access: Access::Texts(|p| &mut p.obstacle_limits),
+            ..described(
+                "obstacle_limits",
+                "",
+                "Limits of single obstacles instead of obstacle_speed and obstacle_acceleration, each as 'NAME SPEED ACCELERATION' in m/s and m/s2.",
+            )
+        },
+        double(
+            "obstacle_speed",
+            "m/s",
+            (0.0, 100.0),
+            |p| &mut p.obstacle_speed,
+            "Largest speed of any point of an obstacle at the time of the joint state, for ~/time_to_contact and ~/speed_scale; 0 and no acceleration: obstacles stand.",
+        ),
+        double(
             "octomap_ttl",
             "s",
             (0.0, 86400.0),

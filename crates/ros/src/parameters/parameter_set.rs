@@ -1,9 +1,12 @@
 //! Current values and defaults of all parameters of the node, and the `MonitorSettings` made from them. Units, ranges
 //! and descriptions: `declarations`.
 
+use std::sync::Arc;
+
+use crate::parameters::obstacle_limit::obstacle_limit;
 use crate::parameters::recording_settings::RecordingSettings;
 use clearance_monitor::{MonitorSettings, SpeedDistances, SpeedSettings};
-use clearance_motion::ContinuousDirection;
+use clearance_motion::{ContinuousDirection, ObstacleLimits, SpeedLimit};
 
 /// All current parameters. One value of this type is a consistent set, and is replaced as a whole.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,6 +30,10 @@ pub struct Parameters {
     pub slowdown_release_count: i64,
     pub look_ahead_horizon: f64,
     pub look_ahead_acceleration: f64,
+    pub obstacle_speed: f64,
+    pub obstacle_acceleration: f64,
+    pub obstacle_limits: Vec<String>,
+    pub obstacle_latency: f64,
     pub continuous_joint_direction: &'static str,
     pub joint_prefix: String,
     pub link_prefix: String,
@@ -91,6 +98,10 @@ impl Default for Parameters {
             slowdown_release_count: monitor.speed.release_count.into(),
             look_ahead_horizon: monitor.look_ahead_horizon,
             look_ahead_acceleration: monitor.look_ahead_acceleration,
+            obstacle_speed: 0.0,
+            obstacle_acceleration: 0.0,
+            obstacle_limits: Vec::new(),
+            obstacle_latency: monitor.obstacle_latency,
             continuous_joint_direction: CONTINUOUS_DIRECTIONS[0],
             joint_prefix: monitor.joint_prefix,
             link_prefix: String::new(),
@@ -149,7 +160,18 @@ impl Parameters {
             speed: self.speed_settings(),
             look_ahead_horizon: self.look_ahead_horizon,
             look_ahead_acceleration: self.look_ahead_acceleration,
+            obstacle_limits: Arc::new(self.obstacle_limits()),
+            obstacle_latency: self.obstacle_latency,
         }
+    }
+
+    /// How fast obstacles may move.
+    #[must_use]
+    pub fn obstacle_limits(&self) -> ObstacleLimits {
+        let default = SpeedLimit { speed: self.obstacle_speed, acceleration: self.obstacle_acceleration };
+        // texts were checked when they were set
+        let by_name = self.obstacle_limits.iter().filter_map(|text| obstacle_limit(text).ok()).collect();
+        ObstacleLimits { default, by_name }
     }
 
     fn speed_settings(&self) -> SpeedSettings {

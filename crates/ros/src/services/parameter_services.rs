@@ -221,6 +221,7 @@ fn descriptor(declaration: &Declaration) -> raw::ParameterDescriptor {
         | Range::Service
         | Range::Prefix
         | Range::Names(_)
+        | Range::ObstacleLimits
         | Range::Point => Vec::new(),
         Range::Double { from, to } => {
             vec![raw::FloatingPointRange { from_value: from, to_value: to, step: 0.0 }]
@@ -247,7 +248,8 @@ fn descriptor(declaration: &Declaration) -> raw::ParameterDescriptor {
             | Range::Text
             | Range::Service
             | Range::Prefix
-            | Range::Names(_) => String::new(),
+            | Range::Names(_)
+            | Range::ObstacleLimits => String::new(),
         },
         floating_point_range: ranges,
         integer_range: integers,

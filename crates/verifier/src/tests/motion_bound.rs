@@ -1,6 +1,6 @@
 //! No sampled point of any robot comes nearer to another than the bound says.
 
-use clearance_geometry::math::{Point, Pose};
+use clearance_geometry::math::{Point, Pose, Rotation, Vector};
 use clearance_geometry::testing::Random;
 use clearance_geometry::{Primitive, Shape};
 use clearance_motion::{MotionSegment, MovingObstacle};
@@ -21,6 +21,8 @@ struct Scene<'s> {
     motion: &'s MotionSegment,
     poses: LinkPoses,
     t: f64,
+    /// Direction in which obstacles deviate from their motion, as far as their limits allow; shorter for less.
+    deviation: Vector,
 }
 
 impl Scene<'_> {
@@ -42,7 +44,9 @@ impl Scene<'_> {
         };
         let name = &self.world.obstacle(ObstacleId(u32::try_from(obstacle).unwrap())).name;
         let mover = self.motion.obstacles().iter().find(|m| m.name == *name);
-        mover.map_or(Pose::identity(), |m| m.displacement(self.t))
+        let pose = mover.map_or(Pose::identity(), |m| m.displacement(self.t));
+        let unknown = self.motion.uncertainty().map_or(0.0, |uncertainty| uncertainty.of(name, self.t));
+        Pose::from_parts((self.deviation * unknown).into(), Rotation::identity()) * pose
     }
 }
 
@@ -65,8 +69,14 @@ fn worst(random: &mut Random, extent: f64) -> f64 {
     let verifier = Verifier::new(&robot, &world, &Settings::default(), None).unwrap();
     let kinematics = SegmentKinematics::new(&robot, &world, 0, motion.clone()).unwrap();
     let mut segment_verifier = SegmentVerifier::new(&verifier.model, 0, &kinematics);
-    let mut scene =
-        Scene { robot: &robot, world: &world, motion: &motion, poses: LinkPoses::new(&robot), t: 0.0 };
+    let mut scene = Scene {
+        robot: &robot,
+        world: &world,
+        motion: &motion,
+        poses: LinkPoses::new(&robot),
+        t: 0.0,
+        deviation: Vector::zeros(),
+    };
     let from = random.within(0.5) + 0.5;
     let to = (from + random.within(0.4).abs() * random.within(1.0).abs()).min(1.0);
     let interval = ProofInterval::new(from, to);
@@ -87,12 +97,14 @@ fn worst(random: &mut Random, extent: f64) -> f64 {
                 .map(|[a, b]| nalgebra::distance(&(poses[0] * a), &(poses[1] * b)))
                 .collect::<Vec<_>>()
         };
+        scene.deviation = Vector::zeros();
         scene.go_to(interval.middle, |_| 0.0);
         let before = distances(&scene);
         for k in 0..12 {
             let t = [from, to, interval.middle + random.within(interval.half_width)][k % 3].clamp(from, to);
             let signs = random.bits();
             let share = if k < 6 { 1.0 } else { random.within(1.0) };
+            scene.deviation = random.direction().into_inner() * share;
             scene.go_to(t, |i| if signs >> (i % 64) & 1 == 0 { share } else { -share });
             for (before, now) in before.iter().zip(distances(&scene)) {
                 assert!(before - now <= exact + 1e-9, "{before} to {now}, but at most {exact}: pair {pair}");
@@ -161,7 +173,8 @@ fn worst_before_planes(
     let mut segment_verifier = SegmentVerifier::new(&verifier.model, 0, &kinematics);
     let interval = ProofInterval::new(0.2, 0.2 + 0.8 * random.within(1.0).abs());
     segment_verifier.go_to(interval);
-    let mut scene = Scene { robot, world, motion, poses: LinkPoses::new(robot), t: 0.0 };
+    let mut scene =
+        Scene { robot, world, motion, poses: LinkPoses::new(robot), t: 0.0, deviation: Vector::zeros() };
     let mut worst: f64 = 0.0;
     for pair in 0..verifier.model.required.pairs.len() {
         segment_verifier.place(pair);

@@ -4,7 +4,10 @@ use clearance_checker::CollisionChecker;
 use clearance_geometry::math::{Point, Pose, Vector};
 use clearance_geometry::testing::Random;
 use clearance_geometry::{Primitive, Shape};
-use clearance_motion::{Certificate, MotionSegment, MovingObstacle, Proof, Trajectory};
+use clearance_motion::{
+    Certificate, MotionSegment, MovingObstacle, ObstacleLimits, ObstacleUncertainty, Proof, SpeedLimit,
+    Trajectory, UncertaintyText,
+};
 use clearance_robot::{MeshFiles, RobotModel};
 use clearance_scene::AllowedCollisionMatrix;
 use clearance_scene::{MeshModel, Settings};
@@ -403,6 +406,58 @@ fn a_motion_that_hits_cannot_pass() {
     let hit = coming([0.0; 3], [-1.0, 0.0, -0.5]);
     let hit = [straight(&robot, &[0.0, 0.0], &[0.0, 0.0]).with_movers(hit).unwrap()];
     assert_cannot_pass(&verifier, &settings(), &still, &hit);
+    // it stands, and the ball may come
+    let may_hit = limited(&robot, 1.0, [[0.0, 3.0]]);
+    assert_cannot_pass(&verifier, &settings(), &still, &may_hit);
+}
+
+/// The robot stands, and obstacles may move for these times (s).
+fn limited<const N: usize>(robot: &RobotModel, speed: f64, times: [[f64; 2]; N]) -> Vec<MotionSegment> {
+    let by_name = [("still".to_owned(), SpeedLimit { speed: 0.0, acceleration: 0.1 })].into();
+    let limits = Arc::new(ObstacleLimits { default: SpeedLimit { speed, acceleration: 0.0 }, by_name });
+    let uncertainty = |time| ObstacleUncertainty::new(Arc::clone(&limits), time).unwrap();
+    times.map(|time| straight(robot, &[0.0, 0.0], &[0.0, 0.0]).with_uncertainty(uncertainty(time))).into()
+}
+
+/// Alterations of limits of obstacles, with a test of the rejection.
+type LimitAlteration = (&'static str, fn(&mut UncertaintyText), fn(&Rejection) -> bool);
+
+const LIMIT_ALTERATIONS: &[LimitAlteration] = &[
+    ("faster", |u| u.limits.default.speed = 1.0, |r| matches!(r, Rejection::ObstacleLimits { segment: 1 })),
+    ("longer", |u| u.time[1] = 3.0, |r| matches!(r, Rejection::Bound { segment: 1, .. })),
+    ("known anew", |u| u.time = [0.0, 0.1], |r| matches!(r, Rejection::ObstacleLimits { segment: 1 })),
+    ("negative", |u| u.limits.default.speed = -1.0, |r| matches!(r, Rejection::Motion { segment: 1, .. })),
+    ("backwards", |u| u.time = [2.0, 1.0], |r| matches!(r, Rejection::Motion { segment: 1, .. })),
+    ("no number", |u| u.time[1] = f64::NAN, |r| matches!(r, Rejection::Motion { segment: 1, .. })),
+];
+
+#[test]
+fn limits_of_obstacles_are_part_of_the_claim() {
+    let (robot, world) = (two_link(), balls());
+    let verifier = Verifier::new(&robot, &world, &settings(), None).unwrap();
+    let motion = limited(&robot, 0.1, [[0.0, 1.0], [1.0, 2.0]]);
+    let certificate = prove(&verifier, &settings(), &motion).unwrap();
+    verifier.verify(&Certificate::from_json(&certificate.to_json()).unwrap()).unwrap();
+    for (what, alter, fits) in LIMIT_ALTERATIONS {
+        let mut altered = certificate.clone();
+        alter(altered.segments[1].motion.obstacle_uncertainty.as_mut().unwrap());
+        altered.motion = altered.motion_hash();
+        altered.digest = altered.content_hash();
+        let rejection = verifier.verify(&altered).expect_err(what);
+        assert!(fits(&rejection), "{what}: {rejection:?}");
+    }
+    let mut altered = forged(certificate.clone(), &limited(&robot, 0.1, [[0.0, 1.0]]));
+    altered.segments[1].motion.obstacle_uncertainty = None;
+    altered.motion = altered.motion_hash();
+    altered.digest = altered.content_hash();
+    assert!(matches!(verifier.verify(&altered), Err(Rejection::ObstacleLimits { segment: 1 })));
+    let expected = |motion: Vec<MotionSegment>| {
+        let motion = Some(Trajectory::of_segments(motion).unwrap());
+        verifier.verify_expected(&certificate, &ExpectedMotion { motion, ..ExpectedMotion::default() })
+    };
+    expected(motion).unwrap();
+    let error = expected(limited(&robot, 0.2, [[0.0, 1.0], [1.0, 2.0]])).unwrap_err().to_string();
+    assert!(error.contains("segment 0: obstacles have moved for 0.0 to 1.0 s, by up to 0.1 m/s"), "{error}");
 }
 
 #[test]

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use clearance_geometry::math::{Point, Pose, Vector};
 use clearance_geometry::testing::Random;
 use clearance_geometry::{Cube, Plane, PointCloud, Primitive, Shape, TriangleMesh, Voxels};
-use clearance_motion::{MotionSegment, MovingObstacle};
+use clearance_motion::{MotionSegment, MovingObstacle, ObstacleLimits, ObstacleUncertainty, SpeedLimit};
 use clearance_robot::{JointKind, MeshFiles, RobotModel};
 use clearance_scene::{Obstacle, World};
 
@@ -175,6 +175,19 @@ pub fn motion(random: &mut Random, robot: &RobotModel, extent: f64) -> MotionSeg
         linear: random.vector(extent).into(),
         angular: random.vector(extent).into(),
         start: None,
+    };
+    let motion = if random.below(4) == 0 {
+        let limit = |random: &mut Random| SpeedLimit {
+            speed: random.within(extent).abs(),
+            acceleration: random.within(extent).abs(),
+        };
+        let by_name = [("mesh".to_owned(), limit(random))].into();
+        let limits = ObstacleLimits { default: limit(random), by_name };
+        let latency = [0.0, 0.25][random.below(2)];
+        let time = [latency, latency + 1.0];
+        motion.with_uncertainty(ObstacleUncertainty::new(Arc::new(limits), time).unwrap())
+    } else {
+        motion
     };
     match random.below(4) {
         0 => motion.with_movers(vec![mover("mesh", random), mover("solid", random)]).unwrap(),

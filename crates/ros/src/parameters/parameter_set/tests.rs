@@ -21,6 +21,7 @@ fn declaration_test_start(name: &str) -> Parameters {
     let mut parameters = Parameters::default();
     match name {
         "point_cloud_topics" => parameters.point_cloud_topics = vec!["/clouds".to_owned()],
+        "obstacle_limits" => parameters.obstacle_limits = vec!["cart 1 2".to_owned()],
         "transform_joints" => parameters.transform_joints = vec!["base".to_owned()],
         _ => {}
     }
@@ -55,6 +56,7 @@ fn the_manual_holds_every_parameter_with_its_default_unit_and_range() {
             Range::Service => " A service.".to_owned(),
             Range::Prefix => " A text.".to_owned(),
             Range::Names(what) => format!(" A list of {what}."),
+            Range::ObstacleLimits => " A list of texts 'NAME SPEED ACCELERATION'.".to_owned(),
             Range::Point => format!(" {}, three numbers or none.", declaration.unit),
         };
         let comment = comment_above(name);
