@@ -8,6 +8,8 @@ from std_msgs.msg import Float64
 
 import two_link
 from cell import Companions
+from scene import ball
+from scene_client import SceneClient
 
 
 def test_the_time_to_contact_of_a_robot_at_rest_is_the_horizon(start):
@@ -73,3 +75,39 @@ def test_turning_the_look_ahead_off_says_zero_once_more(start):
     cell.states.wait_for(lambda state: not state.time_to_contact_known, "no time", after=cell.peer.now())
     zero = spoken.wait_for(lambda message: message.data == 0, "a last zero", after=last)
     assert spoken.after(zero) == []
+
+
+def test_obstacles_that_may_move_shorten_the_time_to_contact(start):
+    cell = start(parameters={"look_ahead_horizon": 10.0, "look_ahead_acceleration": 0.0, "distance_limit": 5.0})
+    SceneClient(cell).change(ball("cart", 2.5))
+
+    def look():
+        return cell.moving({"joint1": 0, "joint2": 0}, (0, 0))
+
+    state = look()
+    assert (state.time_to_contact, state.time_to_contact_considers_obstacle_motion) == (10.0, False)
+    for parameters, speed, latency in [
+        ({"obstacle_speed": 0.1}, 0.1, 0.0),
+        ({"obstacle_limits": ["cart 0.2 0", "wall 9 9"]}, 0.2, 0.0),
+        ({"obstacle_latency": 0.3}, 0.2, 0.3),
+    ]:
+        cell.parameters.succeed(**parameters)
+        state = look()
+        truth = state.world_distance / speed - latency
+        assert state.time_to_contact_considers_obstacle_motion
+        assert 0.9 * truth < state.time_to_contact <= truth
+        assert "cart" in (state.first_contact_pair.body_a, state.first_contact_pair.body_b)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "error"),
+    [
+        ("obstacle_speed", -1.0, "obstacle_speed must be from 0 to 100 m/s"),
+        ("obstacle_limits", ["cart"], "'cart': it must have the form 'NAME SPEED ACCELERATION'"),
+        ("obstacle_limits", ["cart 1 2", "cart 1 3"], "this obstacle has two limits"),
+    ],
+)
+def test_invalid_limits_of_obstacles_are_rejected(cell, name, value, error):
+    (result,) = cell.parameters.set(**{name: value})
+    assert not result.successful
+    assert error in result.reason

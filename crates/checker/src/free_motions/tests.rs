@@ -10,7 +10,7 @@ use clearance_robot::{Configuration, RobotModel};
 use clearance_scene::World;
 
 use crate::random_scenes::{checker, curved_motion, state};
-use crate::{CollisionChecker, MotionOptions, MotionOrder, Workspace};
+use crate::{CollisionChecker, LookAheadState, MotionOptions, MotionOrder, Workspace};
 
 /// Limit of evaluations: enough for all but motions that stay undecided.
 const BUDGET: u64 = 5000;
@@ -219,6 +219,55 @@ fn obstacles_within_their_limits_touch_nothing_on_free_motions() {
             assert!(is_apart || !is_free, "{motion:?} at {t}");
             placed += u32::from(is_free);
             touched += u32::from(!is_free && !is_apart);
+        }
+    }
+    assert!(touched > 100, "{touched}");
+}
+
+/// Robot and obstacles accelerate at random within their limits; before the time of the look-ahead nothing touches.
+#[test]
+fn nothing_touches_before_the_look_ahead_with_moving_obstacles() {
+    let mut random = Random::new(92);
+    let (mut placed, mut touched) = (0, 0);
+    while placed < 3000 {
+        let checker = checker(&mut random);
+        let from = state(checker.robot(), &mut random);
+        let still = MotionSegment::straight(checker.robot(), &from, &from);
+        let loose = with_uncertainty(still, &mut random);
+        let Some(text) = loose.text().obstacle_uncertainty else { continue };
+        let limits = Arc::new(text.limits);
+        let velocities: Vec<f64> = from.positions().iter().map(|_| random.within(1.0)).collect();
+        let accelerations: Vec<f64> = from.positions().iter().map(|_| random.within(2.0).abs()).collect();
+        let horizon = 1.0;
+        let now = LookAheadState {
+            q: &from,
+            velocities: &velocities,
+            accelerations: &accelerations,
+            obstacle_limits: Some(&limits),
+            obstacle_latency: text.time[0],
+        };
+        let found = checker.look_ahead(now, horizon, &mut checker.workspace()).unwrap();
+        for _ in 0..5 {
+            let time = random.within(0.5) + 0.5;
+            let uncertainty = |name: &str| limits.of(name).displacement(text.time[0] + time);
+            let mut world = checker.world().clone();
+            for obstacle in checker.world().obstacles() {
+                let way = random.direction().into_inner() * uncertainty(&obstacle.name);
+                let deviation = Pose::from_parts(way.into(), Rotation::identity());
+                world.move_to(&obstacle.name, deviation * obstacle.pose_ro).unwrap();
+            }
+            let later = (0..velocities.len()).map(|i| {
+                let acceleration = [-1.0, 1.0, random.within(1.0)][random.below(3)] * accelerations[i];
+                from.positions()[i] + velocities[i] * time + 0.5 * acceleration * time * time
+            });
+            let later: Vec<f64> = later.collect();
+            let settings = checker.settings().clone();
+            let elsewhere = CollisionChecker::new(Arc::clone(checker.robot()), &world, settings).unwrap();
+            let later = checker.robot().configuration(&later).unwrap();
+            let is_apart = elsewhere.is_free(&later, &mut elsewhere.workspace());
+            assert!(is_apart || time >= found.free_for, "{found:?}, but a contact at {time}");
+            placed += u32::from(time < found.free_for);
+            touched += u32::from(!is_apart);
         }
     }
     assert!(touched > 100, "{touched}");
