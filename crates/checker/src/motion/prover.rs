@@ -35,6 +35,9 @@ const FLOOR: f64 = 4e-9;
 /// For a widening motion: an interval that is short relative to the time before it need not be split.
 const SHORT_SHARE: f64 = 0.03;
 
+/// For obstacles that may move: intervals that end before this t are not split for a robot at rest.
+const LEAST_END: f64 = 1e-3;
+
 /// Number of evaluations between two reads of the clock.
 const EVALUATIONS_PER_CLOCK_READ: u64 = 16;
 
@@ -291,8 +294,11 @@ impl<'a, 'w> Prover<'a, 'w> {
         if !motion.is_finite() {
             return self.leave_open(interval, distance, UndecidedReason::Overflow);
         }
-        let is_short = segment.widens() && to - from <= SHORT_SHARE * to;
-        if motion <= self.tolerance() || cannot_be_split || is_short {
+        let grows = segment.uncertainty().is_some();
+        let is_short = (segment.widens() || grows) && to - from <= SHORT_SHARE * to;
+        // what is not known about obstacles is less in the first half, even if the robot stands
+        let is_still = motion <= self.tolerance() && !(grows && to > LEAST_END);
+        if is_still || cannot_be_split || is_short {
             if segment.is_loose() {
                 self.leave_open(interval, distance, UndecidedReason::Tube);
                 self.cutoff = self.cutoff.lesser(from);
