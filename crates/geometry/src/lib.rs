@@ -21,6 +21,7 @@ mod primitive;
 mod shape;
 mod solid_mesh;
 mod triangle;
+mod volume_kind;
 mod voxels;
 
 pub use nalgebra;
@@ -35,4 +36,5 @@ pub use solid_mesh::{ClosedSurface, InsideGrid, InsideWork, SolidMesh, SolidRema
 pub use triangle::{
     PointPair, Triangle, nearest_on_segment, nearest_on_segments, nearest_pair, separated_across,
 };
+pub use volume_kind::{UnknownVolumeKind, VolumeKind};
 pub use voxels::{Cube, Voxels, VoxelsError};
