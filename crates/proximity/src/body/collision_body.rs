@@ -372,10 +372,10 @@ mod tests {
                     assert_eq!(triangles.len(), 72);
                     let points = triangles.iter().flatten();
                     let middle = points.clone().fold(Vector::zeros(), |sum, p| sum + p.coords / 216.0);
-                    for [a, b, c] in triangles {
-                        let normal = (b - a).cross(&(c - a));
-                        assert!(normal.dot(&(a.coords - middle)) >= -1e-9, "{kind}: a face looks inward");
-                    }
+                    let sixfold = |[a, b, c]: &[Point; 3]| (b - a).cross(&(c - a)).dot(&(a.coords - middle));
+                    assert!(triangles.iter().all(|t| sixfold(t) >= -1e-9), "{kind}: a face looks inward");
+                    let volume = triangles.iter().map(sixfold).sum::<f64>() / 6.0;
+                    assert!((0.2..4.0).contains(&volume), "{kind}: {volume}");
                     let size = points.map(|p| (p.coords - middle).norm()).fold(0.0, f64::max);
                     assert!((0.3..2.0).contains(&size), "{kind}: {size}");
                 }

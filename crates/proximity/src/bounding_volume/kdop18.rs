@@ -4,7 +4,7 @@
 //! The directions are those of the tree. In a rotated frame a polytope is bounded along any direction by three of its own: the direction is a
 //! sum of these with positive weights, the same for all polytopes of a node.
 
-use clearance_geometry::math::{RotationMatrix, Vector};
+use clearance_geometry::math::{Extremes, RotationMatrix, Vector};
 use clearance_geometry::simd::prelude::*;
 use clearance_geometry::simd::{LANES, Simd, Vectors, f32x8};
 
@@ -134,20 +134,25 @@ impl BoundingVolume for Kdop18 {
             let direction = Vector::from(direction.map(f64::from));
             for point in points {
                 let along = direction.dot(point);
-                polytope.high[k] = polytope.high[k].max(round_up(along));
-                polytope.low[k] = polytope.low[k].min(-round_up(-along));
+                polytope.high[k] = polytope.high[k].greater(round_up(along));
+                polytope.low[k] = polytope.low[k].lesser(-round_up(-along));
             }
         }
         polytope
     }
 
     fn outline(&self) -> Outline {
-        let corners = self.corners();
-        let farthest = |direction: &Vector| {
-            let along = |p: &&Vector, q: &&Vector| p.dot(direction).total_cmp(&q.dot(direction));
-            corners.iter().max_by(along).copied().unwrap_or_else(Vector::zeros)
+        let (corners, faces) = (self.corners(), self.faces());
+        #[allow(clippy::cast_precision_loss)] // there are few corners
+        let middle = corners.iter().sum::<Vector>() / corners.len().max(1) as f64;
+        // from the middle, which is inside, to the nearest face
+        let exit = |direction: &Vector| {
+            let ahead = faces.iter().filter(|(normal, _)| normal.dot(direction) > 1e-9);
+            let to =
+                |(normal, offset): &(Vector, f64)| (offset - normal.dot(&middle)) / normal.dot(direction);
+            middle + direction * ahead.map(to).fold(f64::INFINITY, f64::lesser).greater(0.0)
         };
-        Outline::Triangles(convex_outline(farthest))
+        Outline::Triangles(convex_outline(exit))
     }
 
     fn pack(volumes: &[Self]) -> Kdop18Pack {
@@ -263,15 +268,20 @@ fn largest<S: Simd>(gaps: &[f32x8<S>; DIRECTIONS]) -> f32x8<S> {
 }
 
 impl Kdop18 {
-    /// Corners, for visualisation: points where three faces meet, within all others up to rounding.
-    fn corners(&self) -> Vec<Vector> {
-        let faces: Vec<(Vector, f64)> = (UNIT_DIRECTIONS.iter().zip(self.low.iter().zip(&self.high)))
+    /// Outward normals of the faces, and their distances (m) from the origin along them.
+    fn faces(&self) -> Vec<(Vector, f64)> {
+        (UNIT_DIRECTIONS.iter().zip(self.low.iter().zip(&self.high)))
             .flat_map(|(direction, (low, high))| {
                 let direction = Vector::from(direction.map(f64::from));
                 [(direction, f64::from(*high)), (-direction, -f64::from(*low))]
             })
-            .collect();
-        let size = faces.iter().map(|(_, offset)| offset.abs()).fold(0.0, f64::max);
+            .collect()
+    }
+
+    /// Corners, for visualisation: points where three faces meet, within all others up to rounding.
+    fn corners(&self) -> Vec<Vector> {
+        let faces = self.faces();
+        let size = faces.iter().map(|(_, offset)| offset.abs()).fold(0.0, f64::greater);
         let is_inside = |p: &Vector| faces.iter().all(|(n, offset)| n.dot(p) <= offset + 1e-5 * size);
         let mut corners = Vec::new();
         for i in 0..faces.len() {

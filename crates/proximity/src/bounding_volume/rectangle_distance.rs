@@ -160,7 +160,7 @@ mod tests {
         let (mut apart, mut met) = (0, 0);
         for round in 0..6_000 {
             let mut rectangle = || {
-                let (centre, half) = (random.vector(0.5), random.vector(0.4).abs());
+                let (centre, half) = (random.vector(0.2), random.vector(0.4).abs());
                 let thin = |i: u32, x: f64| if round >> i & 7 == 0 { 0.0 } else { x as f32 };
                 Obb {
                     centre: std::array::from_fn(|i| centre[i] as f32),
@@ -168,7 +168,7 @@ mod tests {
                 }
             };
             let (a, b) = (rectangle(), rectangle());
-            let mut pose_ab = random.pose(1.0);
+            let mut pose_ab = random.pose(0.3);
             if round % 5 == 0 {
                 pose_ab.rotation = nalgebra::one();
             }
@@ -192,6 +192,6 @@ mod tests {
                 met += 1;
             }
         }
-        assert!(apart > 2_000 && met > 300, "{apart} {met}");
+        assert!(apart > 2_000 && met > 100, "{apart} {met}");
     }
 }
