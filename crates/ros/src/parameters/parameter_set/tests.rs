@@ -54,6 +54,7 @@ fn the_manual_holds_every_parameter_with_its_default_unit_and_range() {
             Range::Text => " A file.".to_owned(),
             Range::Service => " A service.".to_owned(),
             Range::Prefix => " A text.".to_owned(),
+            Range::Volumes => " Kinds of volumes.".to_owned(),
             Range::Names(what) => format!(" A list of {what}."),
             Range::Point => format!(" {}, three numbers or none.", declaration.unit),
         };
@@ -82,6 +83,13 @@ fn a_rejected_value_is_named_with_its_reason_and_changes_nothing() {
         ("link_volume_level", Value::Double(1.0), "a double"),
         ("unknown_space", Value::Text("full".into()), "free or occupied, but 'full'"),
         ("unknown_space", Value::Bool(true), "a bool"),
+        (
+            "volumes",
+            Value::Text("sphere".into()),
+            "'sphere' is no kind of bounding volume; there are obb, rss",
+        ),
+        ("volumes", Value::Text("rss,tip=ball".into()), "link 'tip': 'ball' is no kind"),
+        ("volumes", Value::Integer(1), "is a string, but an integer"),
         ("point_cloud_topics", Value::Text("/a".into()), "a list of strings, but a string"),
         ("point_cloud_topics", Value::Texts(vec!["/a".into(), "/a".into()]), "twice"),
         ("point_cloud_topics", Value::Texts(vec!["a//b".into()]), "'a//b' is no name of a topic"),
