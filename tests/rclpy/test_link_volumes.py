@@ -102,9 +102,10 @@ def test_states_are_the_same_with_any_kind(cell):
 
     def results():
         states = [cell.evaluate(**position) for position in positions]
-        return [(state.status, state.distance) for state in states]
+        return [(state.status, state.self_distance) for state in states]
 
     with_boxes = results()
+    assert len(set(with_boxes)) == len(positions)
     for kind in ("rss", "kdop18", "kios"):
         cell.parameters.succeed(volumes=kind)
         assert results() == with_boxes, kind
