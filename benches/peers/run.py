@@ -176,7 +176,8 @@ def write_costs(found: subjects.Subjects, options: argparse.Namespace) -> int:
         print(f"peers: {failure}", file=sys.stderr)
         return 1
     before = options.out.read_text() if options.out.exists() else ""
-    options.out.write_text(costs_report.put(before, report.costs_alone(measured, environment.commit(), options.core)))
+    section = report.costs_alone(measured, environment.commit(), options.poses, options.core)
+    options.out.write_text(costs_report.put(before, section))
     print(f"wrote {options.out}", file=sys.stderr)
     return 0
 

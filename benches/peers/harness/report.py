@@ -57,10 +57,10 @@ def worlds_alone(among: list[WorldsResult], versions: dict[str, str], rounds: in
     return worlds(among, ["Measured by a run of its own:", "", *_conditions(versions, rounds, core)[2:]])
 
 
-def costs_alone(pairs: list[MeshPairResult], commit: str, core: int) -> list[str]:
+def costs_alone(pairs: list[MeshPairResult], commit: str, poses: int, core: int) -> list[str]:
     """The section about costs from a run that measured nothing else."""
     when = f"{datetime.date.today().isoformat()}, clearance {commit}"
-    conditions = f"Measured by a run of its own (`--costs-only`): {when}, core {core}, {_machine()}."
+    conditions = f"Measured by a run of its own (`--costs-only --poses {poses}`): {when}, core {core}, {_machine()}."
     return costs(pairs, [conditions, ""])
 
 
