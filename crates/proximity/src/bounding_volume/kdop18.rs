@@ -176,8 +176,7 @@ impl BoundingVolume for Kdop18 {
     fn seen<S: Simd>(simd: S, pack: &Kdop18Pack, relative: &Relative) -> SeenKdop18 {
         let mut seen = SeenKdop18 { along_b: *pack, own: *pack };
         let anchor = relative.along_a(&relative.t);
-        for k in 0..DIRECTIONS {
-            let direction = &UNIT_DIRECTIONS[k];
+        for (k, direction) in UNIT_DIRECTIONS.iter().enumerate() {
             let [low, high] = interval(simd, pack, &relative.along_a(direction));
             let offset = relative.offset_along(direction);
             seen.along_b.low[k] = (low + offset).into();
@@ -194,9 +193,9 @@ impl BoundingVolume for Kdop18 {
         let zero = [f32x8::splat(simd, 0.0); 2];
         let mut facing = FacingKdop18 { own: [zero; DIRECTIONS], along_a: [zero; DIRECTIONS] };
         let back = Relative { t: [0.0; 3], ..*relative };
-        for k in 0..DIRECTIONS {
+        for (k, direction) in UNIT_DIRECTIONS.iter().enumerate() {
             facing.own[k] = [f32x8::from_slice(simd, &pack.low[k]), f32x8::from_slice(simd, &pack.high[k])];
-            facing.along_a[k] = interval(simd, pack, &back.point(&UNIT_DIRECTIONS[k]));
+            facing.along_a[k] = interval(simd, pack, &back.point(direction));
         }
         facing
     }
