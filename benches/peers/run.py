@@ -9,7 +9,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from harness import environment, report, subjects, world_report
+from harness import costs_report, environment, report, subjects, world_report
 from harness.agreement import compare
 from harness.child import Child, Failed
 from harness.edge_comparison import MOST_CAST_PAIRS, MOST_FCL_PAIRS, EdgeComparison, Extent
@@ -36,6 +36,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--few-edges", type=int, default=5, help="of those, for continuous checks")
     parser.add_argument("--edges-only", action="store_true", help="no states, and no pairs of meshes")
     parser.add_argument("--worlds-only", action="store_true", help="robots among obstacles; writes that section alone")
+    parser.add_argument("--costs-only", action="store_true", help="the cost of each volume; writes that section alone")
     parser.add_argument("--world-distance-states", type=int, default=100, help="of the random ones, against a mesh")
     parser.add_argument("--poses", type=int, default=50, help="poses of a pair of meshes and gap")
     parser.add_argument("--patience", type=float, default=30, help="seconds for one contestant and measure")
@@ -153,6 +154,34 @@ class Comparison:
         return Measured(race(voices, question, states, count, options.rounds, options.patience), agreements)
 
 
+def costs_alone(sources: list[subjects.MeshPairSource], options: argparse.Namespace) -> list[MeshPairResult]:
+    """Needs no other contestant than this library."""
+    clearance = Child("clearance", [environment.clearance(), "serve"])
+    os.sched_setaffinity(clearance.pid, {options.core})
+    results = []
+    with tempfile.TemporaryDirectory() as folder:
+        for source in sources:
+            print(f"meshes {source.name}", file=sys.stderr)
+            neutral = Path(folder) / "neutral"
+            facts = clearance.ask("meshes", source.a, source.b, options.seed, options.poses, neutral)
+            results.append(MeshPairResult(source.name, _facts(facts), costs=clearance.ask("costs") or []))
+    clearance.close()
+    return results
+
+
+def write_costs(found: subjects.Subjects, options: argparse.Namespace) -> int:
+    try:
+        measured = costs_alone(found.mesh_pairs[: options.pairs], options)
+    except (Failed, environment.MissingTool) as failure:
+        print(f"peers: {failure}", file=sys.stderr)
+        return 1
+    before = options.out.read_text() if options.out.exists() else ""
+    section = report.costs_alone(measured, environment.commit(), options.poses, options.core)
+    options.out.write_text(costs_report.put(before, section))
+    print(f"wrote {options.out}", file=sys.stderr)
+    return 0
+
+
 def _facts(words: list[str] | None) -> dict[str, str]:
     return dict(word.split("=", 1) for word in words or [])
 
@@ -173,6 +202,8 @@ def main() -> int:
     robots = chosen(found, options.robots)
     if found.note:
         print(f"peers: {found.note}", file=sys.stderr)
+    if options.costs_only:
+        return write_costs(found, options)
     try:
         made = environment.prepare()
     except environment.MissingTool as missing:

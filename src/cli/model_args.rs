@@ -6,7 +6,7 @@ use std::sync::Arc;
 use clap::Args;
 use clearance::checker::CollisionChecker;
 use clearance::robot::{LinkId, MeshFiles, RobotModel};
-use clearance::scene::{AllowedCollisionMatrix, MeshModel, Settings};
+use clearance::scene::{AllowedCollisionMatrix, MeshModel, Settings, VolumeSelection};
 use clearance::scene::{Scene, SceneLoader, World, WorldFileKind};
 use clearance_files::input_files::{self, WORLD_LIMIT};
 
@@ -25,6 +25,11 @@ pub struct ModelArgs {
     /// Apply the padding between links of the robot, too, not only against the world
     #[arg(long)]
     pub pad_self: bool,
+
+    /// Kind of bounding volumes of all bodies (obb, rss, lss, pss, aabb, kdop18, kios), and of individual links as LINK=KIND, separated
+    /// by commas; they change the time of a check, never its result
+    #[arg(long, value_name = "KIND")]
+    pub volumes: Option<VolumeSelection>,
 }
 
 /// A robot.
@@ -146,6 +151,7 @@ impl ModelArgs {
             padding: self.padding.unwrap_or(0.0),
             pad_self: self.pad_self,
             mesh_model: self.robot.mesh_model(),
+            volumes: self.volumes.clone().unwrap_or_default(),
             ..Settings::default()
         }
     }

@@ -102,11 +102,12 @@ impl NodeArgs {
         let files = self.params_file.iter().cloned().map(ParameterSource::File);
         let padding = self.model.padding.map(|m| single("padding", Value::Double(m)));
         let pad_self = self.model.pad_self.then(|| single("pad_self", Value::Bool(true)));
+        let volumes = self.model.volumes.as_ref().map(|v| single("volumes", Value::Text(v.to_string())));
         let record = self.record.as_ref().map(|file| {
             let text = file.to_str().ok_or_else(|| Failure::Input("--record: is no UTF-8".to_owned()))?;
             Ok(single("record_file", Value::Text(text.to_owned())))
         });
-        let first = files.chain(padding).chain(pad_self).chain(record.transpose()?);
+        let first = files.chain(padding).chain(pad_self).chain(volumes).chain(record.transpose()?);
         arguments.parameters = first.chain(arguments.parameters).collect();
         Ok(arguments)
     }

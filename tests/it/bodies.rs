@@ -2,12 +2,15 @@
 
 use clearance::geometry::math::{Point, Pose, Vector};
 use clearance::geometry::simd::{Level, baseline};
-use clearance::geometry::{Primitive, Shape, Triangle, TriangleMesh};
+use clearance::geometry::{Primitive, Shape, Triangle, TriangleMesh, VolumeKind};
 use clearance::proximity::bounding_volume::{
-    Aabb, AnchoredReach, Axes, BoundingVolume, Capsule, Obb, Relative, Rss, Sphere,
+    Aabb, AnchoredReach, Axes, BoundingVolume, Capsule, Kdop18, Kios, Obb, Relative, Rss, Sphere,
 };
-use clearance::proximity::{BodyPair, CollisionBody, Effort, Scratch};
-use clearance::proximity::{collide, distance, distance_bounds, signed_distance, within_margin};
+use clearance::proximity::{BodyPair, CollisionBody, Effort, Piece, Scratch};
+use clearance::proximity::{
+    collide, distance, distance_bounds, elements_found_within_margin, margin_bounds, pieces_within_margin,
+    signed_distance, within_margin,
+};
 use fearless_simd::dispatch;
 
 use crate::random::Random;
@@ -242,6 +245,8 @@ fn volumes_hold_what_they_were_fitted_to() {
     holds::<Sphere>(&mut Random::new(22));
     holds::<Capsule>(&mut Random::new(26));
     holds::<Aabb>(&mut Random::new(27));
+    holds::<Kdop18>(&mut Random::new(30));
+    holds::<Kios>(&mut Random::new(31));
 }
 
 #[test]
@@ -251,6 +256,8 @@ fn volume_bounds_never_exceed_the_distance() {
     volume_bounds::<Sphere>(&mut Random::new(25));
     volume_bounds::<Capsule>(&mut Random::new(28));
     volume_bounds::<Aabb>(&mut Random::new(29));
+    volume_bounds::<Kdop18>(&mut Random::new(32));
+    volume_bounds::<Kios>(&mut Random::new(33));
 }
 
 /// One traversal for all volumes: each gives the answers of the reference engine, at every level, to the bit the same.
@@ -291,6 +298,67 @@ fn every_volume_agrees_with_the_reference_engine() {
     engine_agrees::<Sphere>(42);
     engine_agrees::<Capsule>(43);
     engine_agrees::<Aabb>(44);
+    engine_agrees::<Kdop18>(47);
+    engine_agrees::<Kios>(48);
+}
+
+/// Bodies of every kind of volume, and of two different kinds, give every result of boxes to the bit, in contact too.
+#[test]
+fn results_do_not_depend_on_the_kind_of_volume() {
+    let mut random = Random::new(46);
+    let (mut touching, mut apart, mut other_work) = (0, 0, 0);
+    for round in 0..80 {
+        let (shape_a, shape_b) = if round % 2 == 0 {
+            (Shape::Mesh(random.blob(14, 0.4).into()), Shape::Mesh(random.soup(200, 0.4, 0.1).into()))
+        } else {
+            (random.shape(), random.shape())
+        };
+        let more = Shape::Primitive(random.primitive());
+        let (id, aside, pose_ab) = (Pose::identity(), random.pose(0.5), random.pose(0.9));
+        let list = |shape| [(&id, shape), (&aside, &more)];
+        let (a, b) = if round % 3 == 0 {
+            (
+                CollisionBody::with_solid_meshes(list(&shape_a)),
+                CollisionBody::with_solid_meshes(list(&shape_b)),
+            )
+        } else {
+            (CollisionBody::new(list(&shape_a)), CollisionBody::new(list(&shape_b)))
+        };
+        let (a, b) = (a.unwrap(), b.unwrap());
+        let pieces: Vec<Piece> = b.pieces(8).into_iter().step_by(2).map(|(piece, _)| piece).collect();
+        let results = |a: &CollisionBody, b: &CollisionBody, scratch: &mut Scratch| {
+            let bodies = BodyPair { a, b, pose_ab: &(&pose_ab).into() };
+            let exact = distance(a, b, &pose_ab, f64::INFINITY, scratch);
+            let far = 1.3 * exact.map_or(0.0, |found| found.distance) + 0.01;
+            (
+                exact,
+                collide(a, b, &pose_ab, scratch),
+                within_margin(a, b, &pose_ab, far, scratch),
+                pieces_within_margin(bodies, &pieces, far, scratch),
+                elements_found_within_margin(bodies, far, scratch),
+                distance_bounds(bodies, far, &Effort::default(), scratch),
+                margin_bounds(bodies, far, None, scratch),
+            )
+        };
+        let mut with_boxes = Scratch::default();
+        let expected = results(&a, &b, &mut with_boxes);
+        touching += usize::from(expected.1.is_some());
+        apart += usize::from(expected.1.is_none());
+        for kind in VolumeKind::ALL {
+            let mut scratch = Scratch::default();
+            let (of_a, of_b) = (a.clone().with_volumes_of(kind, &[]), b.clone().with_volumes_of(kind, &[]));
+            assert_eq!(results(&of_a, &of_b, &mut scratch), expected, "{kind}");
+            assert_eq!(results(&of_a, &of_b, &mut Scratch::portable()), expected, "{kind}, portable");
+            other_work += usize::from(kind != VolumeKind::Obb && scratch.work != with_boxes.work);
+            assert!(kind != VolumeKind::Obb || scratch.work == with_boxes.work);
+            // a body of another kind, which has volumes of this one, and one which has not
+            let mixed = a.clone().with_volumes_of(VolumeKind::Rss, &[kind]);
+            assert_eq!(results(&mixed, &of_b, &mut Scratch::default()), expected, "rss and {kind}");
+            assert_eq!(results(&a, &of_b, &mut Scratch::default()), expected, "boxes and {kind}");
+        }
+    }
+    assert!(touching > 15 && apart > 15, "{touching} {apart}");
+    assert!(other_work > 300, "only {other_work} searches used other volumes");
 }
 
 /// Less effort: the bounds hold, and a passed deadline still gives bounds that hold.

@@ -471,6 +471,32 @@ fn bench_reports_costs_of_checks_and_compares_broad_phases() {
     assert_bad_input(&bad, &["--obstacles", "0"]);
 }
 
+/// Every kind of volume has the same results, which the command checks; counts and times are those of real work.
+#[test]
+fn bench_compares_kinds_of_volumes() {
+    let volumes = ["bench", "--states", "8", "--compare-volumes"];
+    let answer = json(&clearance(&[&volumes[..], &ARM, &["--format", "json"]].concat()));
+    let costs = answer["costs"].as_array().unwrap();
+    let of = |query: &'static str| costs.iter().filter(move |cost| cost["query"] == query);
+    for query in ["free", "least distance", "distance of each pair"] {
+        let kinds: Vec<_> = of(query).map(|cost| cost["kind"].as_str().unwrap()).collect();
+        assert_eq!(kinds, ["obb", "rss", "lss", "pss", "aabb", "kdop18", "kios"]);
+        for cost in of(query) {
+            let number = |key: &str| cost[key].as_f64().unwrap_or(f64::NAN);
+            assert!(number("volume_tests") > 0.0 && number("query_us") > 0.0, "{cost}");
+            assert!(number("volume_test_ns") >= 0.0 && number("primitive_test_ns") >= 0.0, "{cost}");
+        }
+    }
+    assert!(of("free").all(|cost| cost["kind"] != "obb" || cost["relative_time"] == 1.0));
+    let tests =
+        |kind| of("least distance").find(|cost| cost["kind"] == kind).unwrap()["volume_tests"].as_f64();
+    assert!(tests("pss") > tests("obb"));
+    let text = clearance(&[&volumes[..], &ARM, &["--world", "config/demo_world.yaml"]].concat());
+    assert!(String::from_utf8_lossy(&text.stdout).contains("C_bv (ns)"), "{text:?}");
+    let both = clearance(&[&volumes[..], &ARM, &["--volumes", "rss"]].concat());
+    assert_bad_input(&both, &["--compare-volumes", "--volumes"]);
+}
+
 const BENT_ARM: [&str; 4] = ["--from", "joint4=-1.6", "--to", "joint4=-2.2"];
 
 /// The least distance of a motion is bounded, and the motion reaches no margin below the lower bound.

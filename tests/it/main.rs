@@ -52,5 +52,6 @@ mod trajectories;
 mod triangles;
 mod truth;
 mod truth_scenes;
+mod volumes;
 mod world_files;
 mod worlds;

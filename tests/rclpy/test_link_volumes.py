@@ -66,3 +66,46 @@ def test_levels_that_mean_nothing_are_rejected(cell):
     (described,) = cell.parameters.describe("link_volume_level")
     (between,) = described.integer_range
     assert (between.from_value, between.to_value) == (-1, 20)
+
+
+def test_volumes_of_the_selected_kinds_are_shown(start):
+    cell = start(parameters={"link_volume_level": 0, "volumes": "pss"})
+    shown = boxes(record(cell).ever(boxes, "the balls"))
+    assert {marker.type for marker in shown} == {Marker.SPHERE}
+    (base,) = (marker for marker in shown if marker.ns == "base")
+    assert base.scale.x == base.scale.y == base.scale.z > 0.4
+
+    volumes = record(cell)
+    cell.parameters.succeed(volumes="obb,tip=rss")
+
+    def of_two_kinds(array):
+        return {marker.ns: marker.type for marker in boxes(array)} == {
+            "base": Marker.CUBE,
+            "upper": Marker.CUBE,
+            "tip": Marker.TRIANGLE_LIST,
+        }
+
+    (tip,) = (marker for marker in boxes(volumes.ever(of_two_kinds, "both kinds")) if marker.ns == "tip")
+    assert len(tip.points) == 3 * 72
+    assert cell.parameters.get("volumes") == ["obb,tip=rss"]
+
+
+def test_kinds_that_do_not_exist_are_rejected(cell):
+    (result,) = cell.parameters.set(volumes="box")
+    assert not result.successful
+    assert "volumes: 'box' is no kind of bounding volume; there are obb, rss" in result.reason
+    assert cell.parameters.get("volumes") == ["obb"]
+
+
+def test_states_are_the_same_with_any_kind(cell):
+    positions = [{"joint1": 0.4 * step, "joint2": 1.1 * step} for step in range(6)]
+
+    def results():
+        states = [cell.evaluate(**position) for position in positions]
+        return [(state.status, state.self_distance) for state in states]
+
+    with_boxes = results()
+    assert len(set(with_boxes)) == len(positions)
+    for kind in ("rss", "kdop18", "kios"):
+        cell.parameters.succeed(volumes=kind)
+        assert results() == with_boxes, kind

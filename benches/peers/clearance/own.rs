@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use clearance::geometry::math::Pose;
 use clearance::geometry::{Shape, TriangleMesh};
-use clearance::proximity::bounding_volume::{Aabb, BoundingVolume, Capsule, Obb, Rss, Sphere};
+use clearance::proximity::bounding_volume::{Aabb, BoundingVolume, Capsule, Kdop18, Kios, Obb, Rss, Sphere};
 use clearance::proximity::{CollisionBody, Scratch, collide, distance};
 use clearance::{CollisionChecker, Configuration, Question};
 use cpu_time::ProcessTime;
@@ -71,6 +71,8 @@ pub fn cost_model(meshes: &[Arc<TriangleMesh>; 2], poses: &BTreeMap<&str, Vec<Po
     lines.extend(costs::<Rss>(meshes, &poses));
     lines.extend(costs::<Capsule>(meshes, &poses));
     lines.extend(costs::<Sphere>(meshes, &poses));
+    lines.extend(costs::<Kdop18>(meshes, &poses));
+    lines.extend(costs::<Kios>(meshes, &poses));
     lines
 }
 

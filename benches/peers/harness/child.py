@@ -18,6 +18,10 @@ class Child:
             [str(word) for word in command], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
         )
 
+    @property
+    def pid(self) -> int:
+        return self._process.pid
+
     def ask(self, *words: object) -> list[str] | None:
         """The words of the answer; None if the contestant does not know the question."""
         assert self._process.stdin and self._process.stdout

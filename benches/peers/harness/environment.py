@@ -64,7 +64,7 @@ def prepare() -> Environment:
         notes.append(f"Tesseract is left out: {str(missing).strip().splitlines()[-1]}")
     python = venv / "bin/python"
     versions = _versions(python, tesseract) | ({"FCL": fcl_version} if fcl_version else {})
-    return Environment(python, coal, fcl, _build_clearance(), tesseract, versions, notes)
+    return Environment(python, coal, fcl, clearance(), tesseract, versions, notes)
 
 
 @contextmanager
@@ -155,7 +155,8 @@ def _fcl_version() -> str | None:
     return reported.stdout.strip() if reported.returncode == 0 else None
 
 
-def _build_clearance() -> Path:
+def clearance() -> Path:
+    """Builds this library's contestant."""
     print("building clearance (cargo bench --no-run)", file=sys.stderr)
     command = ["cargo", "bench", "--no-run", "--bench", "peer", "--no-default-features"]
     out = _run([*command, "--message-format=json-render-diagnostics"], "clearance does not build")
@@ -173,10 +174,15 @@ def _versions(python: Path, tesseract: Path | None) -> dict[str, str]:
     found["Python"] = sys.version.split()[0]
     found["rustc"] = _run(["rustc", "--version"], "no rustc").split()[1]
     found["g++"] = _run(["g++", "-dumpfullversion"], "no g++").strip()
-    commit = _run(["git", "rev-parse", "--short", "HEAD"], "no commit").strip()
-    changed = _run(["git", "status", "--porcelain", "--untracked-files=no"], "no status").strip()
-    found["clearance"] = commit + (" with changes" if changed else "")
+    found["clearance"] = commit()
     return found
+
+
+def commit() -> str:
+    """The commit that is measured, with a remark if files were changed since."""
+    name = _run(["git", "rev-parse", "--short", "HEAD"], "no commit").strip()
+    changed = _run(["git", "status", "--porcelain", "--untracked-files=no"], "no status").strip()
+    return name + (" with changes" if changed else "")
 
 
 def _wheels(python: Path, wanted: tuple[str, ...]) -> dict[str, str]:

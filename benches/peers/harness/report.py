@@ -7,11 +7,12 @@ import os
 import subprocess
 
 from .agreement import DISTANCE_TOLERANCE
+from .costs_report import costs
 from .edge_measures import EDGE_VOICES
 from .edge_report import edges
 from .markdown import microseconds, table
 from .required import requirements
-from .results import GAPS, MEASURES, TOUCHING, Measured, RobotResult, Results
+from .results import GAPS, MEASURES, TOUCHING, Measured, MeshPairResult, RobotResult, Results
 from .world_report import worlds
 from .world_results import WorldsResult
 
@@ -45,7 +46,7 @@ def markdown(
         *edges(results),
         *worlds(among, []),
         *_mesh_pairs(results),
-        *_costs(results),
+        *costs(results.mesh_pairs, []),
         *_disagreements(results),
     ]
     return "\n".join(parts).rstrip() + "\n"
@@ -56,15 +57,26 @@ def worlds_alone(among: list[WorldsResult], versions: dict[str, str], rounds: in
     return worlds(among, ["Measured by a run of its own:", "", *_conditions(versions, rounds, core)[2:]])
 
 
-def _conditions(versions: dict[str, str], rounds: int, core: int) -> list[str]:
+def costs_alone(pairs: list[MeshPairResult], commit: str, poses: int, core: int) -> list[str]:
+    """The section about costs from a run that measured nothing else."""
+    when = f"{datetime.date.today().isoformat()}, clearance {commit}"
+    conditions = f"Measured by a run of its own (`--costs-only --poses {poses}`): {when}, core {core}, {_machine()}."
+    return costs(pairs, [conditions, ""])
+
+
+def _machine() -> str:
     lines = (line.partition(":") for line in subprocess.getoutput("lscpu").splitlines())
     cpu = {key.strip(): value.strip() for key, _, value in lines}
     keys = ("Model name", "CPU family", "Model", "Stepping", "CPU(s)", "L2 cache", "L3 cache", "Hypervisor vendor")
     machine = ", ".join(f"{key} {cpu[key]}" if key != "Model name" else cpu[key] for key in keys if key in cpu)
+    return f"{machine}; load {os.getloadavg()[0]:.1f} when this was written"
+
+
+def _conditions(versions: dict[str, str], rounds: int, core: int) -> list[str]:
     return [
         "## How it was measured",
         "",
-        f"- Machine: {machine}; load {os.getloadavg()[0]:.1f} when this was written.",
+        f"- Machine: {_machine()}.",
         f"- Date: {datetime.date.today().isoformat()}.",
         f"- Versions: {', '.join(f'{name} {version}' for name, version in sorted(versions.items()))}.",
         f"- One process a contestant, all on core {core}, in turn, {rounds} rounds (long ones fewer, but two).",
@@ -150,19 +162,6 @@ def _bucket_cell(measured: Measured | None, peers: tuple[str, ...]) -> str:
         return "–"
     ratios = [ratio for peer in peers if (ratio := measured.ratio(peer)) is not None]
     return f"{microseconds(measured.timings['clearance'].best)} ({', '.join(f'{ratio:.2f}x' for ratio in ratios)})"
-
-
-def _costs(results: Results) -> list[str]:
-    """`T = N_bv * C_bv + N_p * C_p` of every volume type, once the library tells it."""
-    parts = ["## Cost model", "", "T = N_bv · C_bv + N_p · C_p (Gottschalk, Lin & Manocha 1996), a pose.", ""]
-    rows = []
-    for pair in results.mesh_pairs:
-        for volume, question, n_bv, c_bv, n_p, c_p in (line.split() for line in pair.costs):
-            total = (float(n_bv) * float(c_bv) + float(n_p) * float(c_p)) / 1e3
-            rows.append([pair.name, volume, question, n_bv, c_bv, n_p, c_p, f"{total:.2f}"])
-    if not rows:
-        return [*parts, "The library does not tell it yet.", ""]
-    return [*parts, *table(["pair", "volume", "question", "N_bv", "C_bv (ns)", "N_p", "C_p (ns)", "T (µs)"], rows)]
 
 
 def _disagreements(results: Results) -> list[str]:

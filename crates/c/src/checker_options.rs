@@ -6,7 +6,7 @@ use std::ptr;
 use std::sync::Arc;
 
 use clearance::robot::RobotModel;
-use clearance::scene::{AllowedCollisionMatrix, MeshModel, Scene, Settings};
+use clearance::scene::{AllowedCollisionMatrix, MeshModel, Scene, Settings, VolumeSelection};
 use clearance_bindings::{JointSpace, PairSelection};
 
 use crate::arguments::Arguments;
@@ -125,6 +125,7 @@ impl CheckSettings {
             check_self: given.check_self != 0,
             check_world: given.check_world != 0,
             mesh_model: if given.solid_meshes == 0 { MeshModel::Surface } else { MeshModel::Solid },
+            volumes: VolumeSelection::default(),
         };
         let pairs = |pairs, count, what| pairs_of_names(arguments, pairs, count, what);
         Ok(Self {

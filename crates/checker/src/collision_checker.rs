@@ -451,7 +451,7 @@ impl CollisionChecker {
         motion::swept_volumes(motion, intervals, workspace.motion())
     }
 
-    /// The boxes around links and their attached objects, at a given depth below the roots of their hierarchies
+    /// The bounding volumes of links and their attached objects, at a given depth below the roots of their hierarchies
     /// ([`CollisionBody::volumes`](clearance_proximity::CollisionBody::volumes)); without padding.
     pub fn link_volumes(&self, level: usize) -> impl Iterator<Item = LinkVolume> {
         robot::link_volumes(self.pairs.robot(), level)

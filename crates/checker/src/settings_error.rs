@@ -8,6 +8,14 @@ pub enum SettingsError {
     /// A padding or a scale names a link that the robot does not have.
     #[error("padding or scale is given for link '{0}', which the robot has not")]
     UnknownLink(String),
+    /// The volumes of a link are selected that the robot does not have.
+    #[error("volumes: the robot has no link '{link}'; its links with collision geometry are {known}")]
+    UnknownVolumeLink {
+        /// Name of the unknown link.
+        link: String,
+        /// Names of the links that have geometry.
+        known: String,
+    },
     /// A padding is negative or not finite.
     #[error("padding{of} is {value:?}, but must be a finite number of metres, zero or more")]
     BadPadding {

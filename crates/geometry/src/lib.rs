@@ -22,6 +22,7 @@ mod primitive_distance;
 mod shape;
 mod solid_mesh;
 mod triangle;
+mod volume_kind;
 mod voxels;
 mod welded_mesh;
 
@@ -38,5 +39,6 @@ pub use solid_mesh::{ClosedSurface, InsideGrid, InsideWork, SolidMesh, SolidRema
 pub use triangle::{
     PointPair, Triangle, nearest_on_segment, nearest_on_segments, nearest_pair, separated_across,
 };
+pub use volume_kind::{UnknownVolumeKind, VolumeKind};
 pub use voxels::{Cube, Voxels, VoxelsError};
 pub use welded_mesh::WeldedMesh;

@@ -13,6 +13,9 @@
 //!
 //! Bodies are made of triangles, convex primitives, planes, points with a radius and cubes, in any mixture.
 //!
+//! A body has hierarchies of oriented boxes. [`CollisionBody::with_volumes_of`] adds those of another kind, with which its pairs are then
+//! searched; results are the same.
+//!
 //! Bodies touch when their distance is at most [`CONTACT_DISTANCE`](clearance_geometry::constants::CONTACT_DISTANCE). A mesh is a
 //! surface; a body built by [`CollisionBody::with_solid_meshes`] also includes the inside of its closed meshes. `pose_ab` is the pose of
 //! body b in the frame of body a; witness points are in the frame of a, first on a. For valid input (finite poses) queries never fail: no
@@ -35,7 +38,7 @@ mod queries;
 mod search;
 mod witnesses;
 
-pub use body::{BodyPair, BodyVolume, BoundingSphere, CollisionBody, Piece, PieceVolume};
+pub use body::{BodyPair, BodyVolume, BoundingSphere, CollisionBody, Piece, PieceVolume, VolumeShape};
 pub use contacts::{ContactPoint, ContactPoints, ContactQuery, DeepestContact, contact_points};
 pub use elements::{Element, ElementPair};
 pub use front::{Front, FrontLimits};

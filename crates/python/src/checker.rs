@@ -36,7 +36,7 @@ use crate::world_state::SceneState;
 /// Checks states and motions of a robot in a world. Immutable: any number of threads may share it.
 ///
 /// `Checker(robot, world=None, *, group=None, fixed=None, padding=0.0, link_padding={}, link_scale={}, object_padding={}, object_scale={},
-/// pad_self=False, check_self=True, check_world=True, mesh_model="surface", allowed_collisions=[], checked_collisions=[])`
+/// pad_self=False, check_self=True, check_world=True, mesh_model="surface", volumes="obb", allowed_collisions=[], checked_collisions=[])`
 ///
 /// States `q` have all positions of the robot, in the order of `Robot.joint_names`, or with `group` those of a group of the SRDF, in the
 /// order of `joint_names` of this class. Joints outside of the group have the values of `fixed` (a dict by name; rad, m), or their
@@ -45,6 +45,8 @@ use crate::world_state::SceneState;
 /// - `padding` (m): safety distance of all links against obstacles, with `pad_self` also between links; `link_padding` by link.
 /// - `link_scale`, `object_scale`: factors by name. `object_padding` (m): by obstacle, in addition to that of the links.
 /// - `mesh_model`: "surface", or "solid", where a closed mesh includes its inside.
+/// - `volumes`: kind of bounding volumes, "obb", "rss", "lss", "pss", "aabb", "kdop18" or "kios", also of links, as "obb,hand=rss".
+///   Results are the same.
 /// - `allowed_collisions`: pairs of names that may touch, besides those that the world's file or else the SRDF allows;
 ///   `checked_collisions`: pairs that are checked all the same.
 ///

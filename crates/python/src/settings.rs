@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use clearance::robot::RobotModel;
-use clearance::scene::{AllowedCollisionMatrix, MeshModel, Scene, Settings};
+use clearance::scene::{AllowedCollisionMatrix, MeshModel, Scene, Settings, VolumeSelection};
 use clearance_bindings::PairSelection;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -12,7 +12,7 @@ use pyo3::types::PyDict;
 use crate::error::error;
 
 const KEYWORDS: &str = "padding, link_padding, link_scale, object_padding, object_scale, pad_self, check_self, check_world, mesh_model, \
-                        allowed_collisions, checked_collisions";
+                        volumes, allowed_collisions, checked_collisions";
 
 /// Settings of the library, and changes of the pairs that are checked.
 #[derive(Clone, Debug, Default)]
@@ -54,6 +54,12 @@ impl CheckSettings {
                     }
                 }
             }
+            "volumes" => {
+                let text = read::<String>(keyword, value, "a text such as 'rss' or 'obb,hand=kios'")?;
+                let volumes = text.parse::<VolumeSelection>();
+                settings.volumes =
+                    volumes.map_err(|error| PyValueError::new_err(format!("volumes: {error}")))?;
+            }
             "allowed_collisions" => self.pairs.allowed = read(keyword, value, "a list of pairs of names")?,
             "checked_collisions" => self.pairs.checked = read(keyword, value, "a list of pairs of names")?,
             _ => {
@@ -77,6 +83,7 @@ impl CheckSettings {
             check_self,
             check_world,
             mesh_model,
+            volumes,
         } = &self.settings;
         let mesh_model = if *mesh_model == MeshModel::Solid { "solid" } else { "surface" };
         keywords.set_item("padding", padding)?;
@@ -94,6 +101,7 @@ impl CheckSettings {
             keywords.set_item(name, value)?;
         }
         keywords.set_item("mesh_model", mesh_model)?;
+        keywords.set_item("volumes", volumes.to_string())?;
         keywords.set_item("allowed_collisions", &self.pairs.allowed)?;
         keywords.set_item("checked_collisions", &self.pairs.checked)?;
         Ok(keywords)

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::Scene;
+use super::{Scene, VolumeSelection};
 use clearance_geometry::math::Extremes;
 
 /// Settings for every check of one collision checker.
@@ -26,6 +26,8 @@ pub struct Settings {
     pub check_world: bool,
     /// Model of a mesh: surface or solid.
     pub mesh_model: MeshModel,
+    /// Kinds of bounding volumes; no result depends on them.
+    pub volumes: VolumeSelection,
 }
 
 impl Settings {
@@ -64,6 +66,7 @@ impl Default for Settings {
             check_self: true,
             check_world: true,
             mesh_model: MeshModel::Surface,
+            volumes: VolumeSelection::default(),
         }
     }
 }

@@ -56,6 +56,7 @@ mod tests;
 mod timestamp;
 mod transform;
 mod transform_tree;
+mod volume_selection;
 mod whole_scene_changes;
 mod world;
 
@@ -88,4 +89,5 @@ pub use scene_update::{
 pub use timestamp::Time;
 pub use transform::Transform;
 pub use transform_tree::TransformTree;
+pub use volume_selection::{VolumeSelection, VolumeSelectionError};
 pub use world::{World, WorldError};

@@ -1,4 +1,5 @@
-//! `clearance bench`: measures the time of a check with this robot, world and machine, and compares broad phase structures.
+//! `clearance bench`: measures the time of a check with this robot, world and machine, and compares broad phase structures or kinds of
+//! bounding volumes.
 
 mod hash_grid;
 mod k_d_tree;
@@ -6,6 +7,7 @@ mod loose_octree;
 mod scatter;
 mod structures;
 mod sweep_and_prune;
+mod volume_costs;
 
 use std::hint::black_box;
 
@@ -26,6 +28,7 @@ use k_d_tree::KdTree;
 use loose_octree::LooseOctree;
 use structures::{BroadPhase, Tree, overlap};
 use sweep_and_prune::SweepAndPrune;
+use volume_costs::{Comparison, Subject, VolumeCosts};
 
 /// Joint space distance (rad or m) of successive states: an arm at 2 rad/s, a state every millisecond.
 const STEP: f64 = 0.002;
@@ -46,6 +49,10 @@ pub struct BenchArgs {
         value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     obstacles: Vec<u32>,
 
+    /// Compare the kinds of bounding volumes instead: numbers of tests and their times, with the world if there is one
+    #[arg(long, conflicts_with_all = ["volumes", "obstacles"])]
+    compare_volumes: bool,
+
     /// Number of random states of the robot
     #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     states: u32,
@@ -65,6 +72,16 @@ struct BenchOutput {
     robot: String,
     states: usize,
     worlds: Vec<WorldResult>,
+}
+
+/// Output of `--compare-volumes` in JSON format.
+#[derive(Serialize)]
+struct VolumesOutput {
+    robot: String,
+    states: usize,
+    /// Time of kinematics and capsules (µs per state).
+    level_0_us: f64,
+    costs: Vec<VolumeCosts>,
 }
 
 #[derive(Serialize)]
@@ -106,6 +123,10 @@ pub fn run(args: &BenchArgs) -> Result<ExitStatus, Failure> {
     let alone = model_args::checker(robot, &without_world, args.model.settings())?;
     let mut random = fastrand::Rng::with_seed(args.seed);
     let states: Vec<_> = (0..args.states).map(|_| alone.robot().random_configuration(&mut random)).collect();
+    if args.compare_volumes {
+        let subject = Subject { checker: &alone, world: &scene.world, matrix: scene.matrix.as_ref() };
+        return compare_volumes(&subject, &states, args.format);
+    }
     let worlds = if scene.world.is_empty() {
         let region = region(&alone, &states);
         let worlds = args.obstacles.iter().map(|&count| scatter::boxes(count, &region, &mut random));
@@ -125,6 +146,24 @@ pub fn run(args: &BenchArgs) -> Result<ExitStatus, Failure> {
     match args.format {
         Format::Json => print_line(&serde_json::to_string(&output).map_err(internal)?)?,
         Format::Text => print_text(&output)?,
+    }
+    Ok(ExitStatus::SUCCESS)
+}
+
+fn compare_volumes(
+    subject: &Subject,
+    states: &[Configuration],
+    format: Format,
+) -> Result<ExitStatus, Failure> {
+    let robot = subject.checker.robot().name();
+    let comparison = volume_costs::compare(subject, states)?;
+    match format {
+        Format::Text => volume_costs::print_text(robot, states.len(), &comparison)?,
+        Format::Json => {
+            let Comparison { level_0_us, costs } = comparison;
+            let output = VolumesOutput { robot: robot.to_owned(), states: states.len(), level_0_us, costs };
+            print_line(&serde_json::to_string(&output).map_err(internal)?)?;
+        }
     }
     Ok(ExitStatus::SUCCESS)
 }

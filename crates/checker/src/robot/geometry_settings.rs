@@ -1,7 +1,7 @@
-//! Paddings and scale factors of links and objects, validated.
+//! Paddings, scale factors and kinds of volumes of links and objects, validated.
 
 use clearance_robot::RobotModel;
-use clearance_scene::Settings;
+use clearance_scene::{Settings, VolumeSelection};
 
 use crate::settings_error::SettingsError;
 
@@ -18,6 +18,16 @@ pub fn link_padding(robot: &RobotModel, settings: &Settings) -> Result<Vec<f64>,
         known(name)?;
     }
     Ok(padding)
+}
+
+/// Rejects kinds of volumes of links that the robot does not have.
+pub fn check_volumes(robot: &RobotModel, volumes: &VolumeSelection) -> Result<(), SettingsError> {
+    let Some(link) = volumes.links.keys().find(|name| robot.link_by_name(name).is_none()) else {
+        return Ok(());
+    };
+    let known = robot.links().iter().filter(|link| !link.collisions.is_empty());
+    let known = known.map(|link| link.name.as_str()).collect::<Vec<_>>().join(", ");
+    Err(SettingsError::UnknownVolumeLink { link: link.clone(), known })
 }
 
 /// The padding (m) of an object.

@@ -6,7 +6,7 @@
 //! | collision geometry of scaled shapes | `scaled_body` |
 //! | link or attached object with geometry | `robot_body` |
 //! | kinematic chain with its bodies, and bounds on their motion | `robot_geometry` |
-//! | boxes around the robot's parts, and its extent | `link_volumes` |
+//! | volumes around the robot's parts, and its extent | `link_volumes` |
 //! | sums along kinematic paths | `path_sums` |
 //! | points that decide whether a body is inside an obstacle | `decisive_points` |
 //! | constants of a pair; candidate pairs | `pair_info` |
@@ -31,5 +31,5 @@ pub use pair_info::{CandidatePair, PairInfo};
 pub use pair_priority::PairPriority;
 pub use robot_body::{RobotBody, SceneOfRobot};
 pub use robot_geometry::RobotGeometry;
-pub use scaled_body::{LazySolidBody, ScaledBody};
+pub use scaled_body::{BodyBuild, LazySolidBody, ScaledBody};
 pub use self_pairs::{PlacedSegments, SelfPairs, set_bits};

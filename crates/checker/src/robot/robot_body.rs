@@ -8,11 +8,13 @@ use clearance_geometry::math::{Extremes, MatrixPose, Pose};
 use clearance_geometry::{ScaleError, Shape};
 use clearance_proximity::{CollisionBody, SolidBody};
 use clearance_robot::{Chain, Frame, LinkId, LinkInBody, Reach, RobotModel};
-use clearance_scene::{AttachedObject, BodyId, MeshModel, ObstacleShape, PairList, Settings, World};
+use clearance_scene::{AttachedObject, BodyId, ObstacleShape, PairList, Settings, World};
 use rayon::prelude::*;
 
-use super::geometry_settings::{checked_scale, link_padding, link_scale, object_padding, object_scale};
-use super::scaled_body::{LazySolidBody, ScaledBody};
+use super::geometry_settings::{
+    check_volumes, checked_scale, link_padding, link_scale, object_padding, object_scale,
+};
+use super::scaled_body::{BodyBuild, LazySolidBody, ScaledBody};
 use crate::capsules::{LinkCapsule, RootCapsule};
 use crate::settings_error::SettingsError;
 
@@ -32,8 +34,7 @@ pub struct RobotBody {
 #[derive(Clone, Debug)]
 struct BuiltFrom {
     link_in_body: LinkInBody,
-    mesh_model: MeshModel,
-    scale: f64,
+    build: BodyBuild,
     attached: Option<(Pose, Arc<[ObstacleShape]>)>,
 }
 
@@ -46,10 +47,7 @@ impl BuiltFrom {
             }
             _ => false,
         };
-        same_object
-            && self.link_in_body == other.link_in_body
-            && self.mesh_model == other.mesh_model
-            && self.scale.to_bits() == other.scale.to_bits()
+        same_object && self.link_in_body == other.link_in_body && self.build == other.build
     }
 }
 
@@ -62,6 +60,7 @@ pub fn robot_bodies(
 ) -> Result<Vec<RobotBody>, SettingsError> {
     let SceneOfRobot { world, pairs, settings } = scene;
     let padding = link_padding(robot, settings)?;
+    check_volumes(robot, &settings.volumes)?;
     let bodies: Vec<BodyId> = pairs.parts().collect();
     let known: HashMap<BodyId, &RobotBody> =
         known.iter().map(|robot_body| (robot_body.id, robot_body)).collect();
@@ -79,8 +78,12 @@ pub fn robot_bodies(
             let of_object = object.map_or(Ok(1.0), |object| object_scale(settings, &object.name))?;
             let built_from = BuiltFrom {
                 link_in_body,
-                mesh_model: settings.mesh_model,
-                scale: checked_scale(name, of_link * of_object)?,
+                build: BodyBuild::new(
+                    checked_scale(name, of_link * of_object)?,
+                    settings.mesh_model,
+                    &settings.volumes,
+                    Some(&robot.link(link).name),
+                ),
                 attached: object.map(|object| (object.pose_lo, Arc::clone(&object.shapes))),
             };
             let padding =
@@ -138,8 +141,7 @@ impl RobotBody {
         padding: f64,
         built_from: BuiltFrom,
     ) -> Result<Self, ScaleError> {
-        let ScaledBody { body, capsule, solids } =
-            ScaledBody::new(shapes, built_from.scale, built_from.mesh_model)?;
+        let ScaledBody { body, capsule, solids } = ScaledBody::new(shapes, &built_from.build)?;
         Ok(Self { id, link, padding, solid: body, capsule, solids, built_from })
     }
 

@@ -3,9 +3,9 @@
 use std::sync::{Arc, OnceLock};
 
 use clearance_geometry::math::Pose;
-use clearance_geometry::{ScaleError, Shape};
+use clearance_geometry::{ScaleError, Shape, VolumeKind};
 use clearance_proximity::{CollisionBody, SolidBody};
-use clearance_scene::MeshModel;
+use clearance_scene::{MeshModel, VolumeSelection};
 
 use crate::capsules::{LinkCapsule, capsule_around};
 
@@ -28,10 +28,30 @@ pub struct LazySolidBody {
     solids: OnceLock<SolidBody>,
 }
 
+/// How a body is built from its shapes; equal builds of equal shapes give equal bodies.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BodyBuild {
+    pub scale: f64,
+    pub mesh_model: MeshModel,
+    /// Kind of its bounding volumes.
+    pub volumes: VolumeKind,
+    /// All kinds that occur, with which bodies of other kinds may have to be searched.
+    pub all_volumes: Vec<VolumeKind>,
+}
+
+impl BodyBuild {
+    /// The build of a link and what it carries, or of obstacles if `link` is none.
+    pub fn new(scale: f64, mesh_model: MeshModel, volumes: &VolumeSelection, link: Option<&str>) -> Self {
+        let kind = link.map_or(volumes.all, |link| volumes.of_link(link));
+        Self { scale, mesh_model, volumes: kind, all_volumes: volumes.kinds() }
+    }
+}
+
 impl ScaledBody {
     /// # Panics
     /// When there are no shapes.
-    pub fn new(shapes: &[(Pose, &Shape)], scale: f64, mesh_model: MeshModel) -> Result<Self, ScaleError> {
+    pub fn new(shapes: &[(Pose, &Shape)], build: &BodyBuild) -> Result<Self, ScaleError> {
+        let BodyBuild { scale, mesh_model, volumes, ref all_volumes } = *build;
         let scaled = |shape: &Shape| if scale == 1.0 { Ok(shape.clone()) } else { shape.scaled(scale) };
         let shapes = shapes.iter().map(|(pose, shape)| Ok((*pose, scaled(shape)?)));
         let shapes: Vec<(Pose, Shape)> = shapes.collect::<Result<_, ScaleError>>()?;
@@ -40,7 +60,8 @@ impl ScaledBody {
             MeshModel::Surface => CollisionBody::new(placed()),
             MeshModel::Solid => CollisionBody::with_solid_meshes(placed()),
         };
-        let body = Arc::new(body.expect("there are shapes"));
+        let body = body.expect("there are shapes").with_volumes_of(volumes, all_volumes);
+        let body = Arc::new(body);
         let capsule = capsule_around(&shapes).expect("there are shapes");
         let solids = LazySolidBody { shapes, body: Arc::clone(&body), solids: OnceLock::new() };
         Ok(Self { body, capsule, solids: Arc::new(solids) })

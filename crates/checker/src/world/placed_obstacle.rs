@@ -8,11 +8,11 @@ use clearance_geometry::math::{MatrixPose, Point, Pose};
 use clearance_proximity::bvh::AxisBox;
 use clearance_proximity::{CollisionBody, Piece, PieceVolume, SolidBody};
 use clearance_robot::Reach;
-use clearance_scene::{MeshModel, Obstacle, Settings};
+use clearance_scene::{Obstacle, Settings};
 
 use super::piece_trees::PieceVolumes;
 use crate::capsules::{LinkCapsule, RootCapsule, RootVolume, corners};
-use crate::robot::{LazySolidBody, ScaledBody, object_padding, object_scale};
+use crate::robot::{BodyBuild, LazySolidBody, ScaledBody, object_padding, object_scale};
 use crate::settings_error::SettingsError;
 
 /// Approximate maximum number of pieces that a large obstacle is split into.
@@ -34,8 +34,7 @@ pub struct PlacedObstacle {
     reach: Reach,
     /// Safety distance (m).
     padding: f64,
-    scale: f64,
-    mesh_model: MeshModel,
+    build: BodyBuild,
 }
 
 impl PlacedObstacle {
@@ -47,12 +46,9 @@ impl PlacedObstacle {
     ) -> Result<Arc<Self>, SettingsError> {
         let (scale, padding) =
             (object_scale(settings, &source.name)?, object_padding(settings, &source.name)?);
-        let mesh_model = settings.mesh_model;
-        let same = known.filter(|known| {
-            Arc::ptr_eq(&known.source.shapes, &source.shapes)
-                && known.scale.to_bits() == scale.to_bits()
-                && known.mesh_model == mesh_model
-        });
+        let build = BodyBuild::new(scale, settings.mesh_model, &settings.volumes, None);
+        let same =
+            known.filter(|known| Arc::ptr_eq(&known.source.shapes, &source.shapes) && known.build == build);
         let (geometry, pieces) = match same {
             Some(same)
                 if Arc::ptr_eq(&same.source, source) && same.padding.to_bits() == padding.to_bits() =>
@@ -62,7 +58,7 @@ impl PlacedObstacle {
             Some(same) => (same.geometry(), Arc::clone(&same.pieces)),
             None => {
                 let shapes = source.shapes.iter().map(|s| (s.pose_os, &s.shape));
-                let geometry = ScaledBody::new(&shapes.collect::<Vec<_>>(), scale, mesh_model)
+                let geometry = ScaledBody::new(&shapes.collect::<Vec<_>>(), &build)
                     .map_err(|why| SettingsError::CannotScale { of: source.name.clone(), why })?;
                 let pieces = geometry.body.pieces(MOST_PIECES).into();
                 (geometry, pieces)
@@ -81,8 +77,7 @@ impl PlacedObstacle {
             pose_ro,
             reach,
             padding,
-            scale,
-            mesh_model,
+            build,
         }))
     }
 
@@ -102,7 +97,7 @@ impl PlacedObstacle {
 
     /// A box around it, in the root frame.
     fn bounds(&self) -> AxisBox {
-        if self.scale != 1.0 {
+        if self.build.scale != 1.0 {
             return AxisBox::around(self.reach.ends.map(Point::from), self.reach.radius);
         }
         let of_shapes = self.source.placed_shapes().map(|(pose_rs, shape)| bounds_of(&pose_rs, shape));

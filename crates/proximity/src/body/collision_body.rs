@@ -3,15 +3,15 @@
 use std::sync::Arc;
 
 use clearance_geometry::math::{Extremes, MatrixPose, Point, Pose};
-use clearance_geometry::{InsideGrid, Plane, Shape};
+use clearance_geometry::{InsideGrid, Plane, Shape, VolumeKind};
 
+use super::body_volume::BodyVolume;
 use super::bounding_sphere::BoundingSphere;
 use super::cube_set::CubeSet;
 use super::interior::Interior;
 use super::piece::{Piece, PieceVolume, cube_pieces, solid_pieces, surface_pieces};
-use super::solid::{Solid, SolidLeaf};
+use super::solid::{Solid, SolidLeaf, set_volumes_of_solids};
 use super::surface::Surface;
-use super::volume_box::BodyVolume;
 use crate::bounding_volume::{BoundingVolume, Obb};
 use crate::bvh::Tree;
 use crate::elements::{ElementId, RoundedShape};
@@ -52,6 +52,26 @@ impl CollisionBody {
         let mut body = Self::new(shapes.clone())?;
         body.interior = Some(Interior::new(shapes));
         Some(body)
+    }
+
+    /// The same body, whose pairs are searched with volumes of another kind; results are the same. The boxes stay, for pieces, clouds of
+    /// points, voxels and streams.
+    ///
+    /// Two bodies of different kinds are searched with the greater one, if both have it: `kinds` are those of the bodies that this one will
+    /// meet. Otherwise they are searched with boxes.
+    #[must_use]
+    #[inline]
+    pub fn with_volumes_of(mut self, kind: VolumeKind, kinds: &[VolumeKind]) -> Self {
+        if kinds.iter().chain([&kind]).all(|kind| *kind == VolumeKind::Obb) {
+            return self;
+        }
+        if let Some(surface) = &mut self.surface {
+            Arc::make_mut(surface).set_volumes(kind, kinds);
+        }
+        if let Some(solids) = &mut self.solids {
+            set_volumes_of_solids(solids, kind, kinds);
+        }
+        self
     }
 
     /// Points (frame of the body) that decide whether the body is inside another one, if their surfaces are apart and closed meshes are solids:
@@ -97,8 +117,8 @@ impl CollisionBody {
         closed_meshes.filter_map(|mesh| Some((mesh.pose_bm(), mesh.inside_grid()?)))
     }
 
-    /// The boxes at a given depth below the roots of the hierarchies, and the boxes of leaves nearer to the root: together they contain
-    /// the body except its planes.
+    /// The volumes at a given depth below the roots of the hierarchies, and those of leaves nearer to the root, of the kind that pairs are
+    /// searched with: together they contain the body except its planes.
     #[must_use]
     #[inline]
     pub fn volumes(&self, level: usize) -> Vec<BodyVolume> {
@@ -286,14 +306,21 @@ fn next_index<B: BoundingVolume>(sets: &[CubeSet<B>]) -> u32 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::body_volume::VolumeShape;
     use super::*;
+    use clearance_geometry::math::Vector;
     use clearance_geometry::testing::Random;
     use clearance_geometry::{PointCloud, Primitive, TriangleMesh};
+
+    fn half_extents(volume: &BodyVolume) -> Vector {
+        let VolumeShape::Box { half_extents } = &volume.shape else { panic!("{volume:?} is no box") };
+        *half_extents
+    }
 
     fn is_held(point: &Point, volumes: &[BodyVolume]) -> bool {
         volumes.iter().any(|volume| {
             let own = volume.pose_bv.inverse_transform_point(point).coords.abs();
-            (own - volume.half_extents).max() <= 1e-5
+            (own - half_extents(volume)).max() <= 1e-5
         })
     }
 
@@ -319,10 +346,41 @@ mod tests {
                 assert!(is_held(&(there * outermost), &volumes), "level {level}");
             }
             assert!(is_held(&(there * Point::new(0.2999, 0.0, 0.0)), &volumes));
-            let size = volumes.iter().map(|v| v.half_extents.product()).fold(0.0, f64::max);
+            let size = volumes.iter().map(|v| half_extents(v).product()).fold(0.0, f64::max);
             assert!(size <= before);
             before = size;
         }
         assert_eq!(body.volumes(20), body.volumes(30));
+    }
+
+    /// Volumes of other kinds are drawn as they are: those of triangles are convex surfaces around everything, up to their coarseness.
+    #[test]
+    fn volumes_of_other_kinds_are_drawn() {
+        let mut random = Random::new(4);
+        let vertices: Vec<Point> = (0..60).map(|_| random.vector(0.5).into()).collect();
+        let triangles = (0..20).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        let mesh = Shape::Mesh(Arc::new(TriangleMesh::new(vertices, triangles).unwrap()));
+        let pose = random.pose(2.0);
+        let body = CollisionBody::new([(&pose, &mesh)]).unwrap();
+        for kind in VolumeKind::ALL {
+            let volumes = body.clone().with_volumes_of(kind, &[]).volumes(0);
+            let [volume] = &volumes[..] else { panic!("{kind}: {} volumes", volumes.len()) };
+            match (kind, &volume.shape) {
+                (VolumeKind::Obb | VolumeKind::Aabb, VolumeShape::Box { .. })
+                | (VolumeKind::Pss, VolumeShape::Ball { .. }) => {}
+                (_, VolumeShape::Triangles(triangles)) => {
+                    assert_eq!(triangles.len(), 72);
+                    let points = triangles.iter().flatten();
+                    let middle = points.clone().fold(Vector::zeros(), |sum, p| sum + p.coords / 216.0);
+                    let sixfold = |[a, b, c]: &[Point; 3]| (b - a).cross(&(c - a)).dot(&(a.coords - middle));
+                    assert!(triangles.iter().all(|t| sixfold(t) >= -1e-9), "{kind}: a face looks inward");
+                    let volume = triangles.iter().map(sixfold).sum::<f64>() / 6.0;
+                    assert!((0.2..4.0).contains(&volume), "{kind}: {volume}");
+                    let size = points.map(|p| (p.coords - middle).norm()).fold(0.0, f64::max);
+                    assert!((0.3..2.0).contains(&size), "{kind}: {size}");
+                }
+                (_, shape) => panic!("{kind} is drawn as {shape:?}"),
+            }
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! Collision geometry of a rigid body: its elements by kind, and the hierarchies over them.
 
 mod body_pair;
+mod body_volume;
 mod bounding_sphere;
 mod collision_body;
 mod cube_set;
@@ -9,13 +10,12 @@ mod piece;
 mod solid;
 mod surface;
 mod surface_samples;
-mod volume_box;
 
 pub use body_pair::BodyPair;
+pub use body_volume::{BodyVolume, VolumeShape};
 pub use bounding_sphere::BoundingSphere;
 pub use collision_body::CollisionBody;
 pub use piece::{Piece, PieceVolume};
-pub use volume_box::BodyVolume;
 
 pub(crate) use cube_set::CubeSet;
 pub(crate) use interior::{Interior, MeshTest};

@@ -1,10 +1,11 @@
 //! Tree leaves that hold one solid primitive.
 
-use clearance_geometry::Primitive;
-use clearance_geometry::math::{Point, Pose, RotationMatrix};
+use clearance_geometry::constants::VOLUME_SLACK;
+use clearance_geometry::math::{Point, Pose, RotationMatrix, Vector};
+use clearance_geometry::{Primitive, VolumeKind};
 
-use crate::bounding_volume::Axes;
-use crate::bvh::Content;
+use crate::bounding_volume::{Axes, Obb};
+use crate::bvh::{Content, Leaf, Tree};
 use crate::elements::{Element, RoundedShape};
 
 /// A primitive placed in the frame of its body.
@@ -25,6 +26,24 @@ pub(crate) struct SolidLeaf {
     /// The centre, relative to the anchor of the tree.
     pub centre: [f32; 3],
     pub hull: Hull,
+}
+
+/// Adds volumes of another kind to a tree of solids: around the boxes of the solids.
+pub(super) fn set_volumes_of_solids(tree: &mut Tree<Obb, SolidLeaf>, kind: VolumeKind, kinds: &[VolumeKind]) {
+    let anchor = *tree.anchor();
+    // axes are rounded, so they are neither exactly orthogonal nor exactly of length one
+    let slack = VOLUME_SLACK * tree.reach();
+    tree.set_volumes(kind, kinds, |leaf: &Leaf<Obb, SolidLeaf>, points| {
+        let (centre, half) = (leaf.volume.centre.map(f64::from), leaf.volume.half_extents.map(f64::from));
+        let axes = leaf.axes.columns();
+        for corner in 0..8_u8 {
+            let side = |i: usize| {
+                let extent = half[i] + slack;
+                centre[i] + if corner >> i & 1 == 0 { -extent } else { extent }
+            };
+            points.push(anchor + axes * Vector::new(side(0), side(1), side(2)));
+        }
+    });
 }
 
 /// Bounding volume of a solid, in f32, rounded outward: a box, swept by a disc normal to its z axis, swept by a ball.

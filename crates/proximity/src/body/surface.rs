@@ -1,10 +1,10 @@
 //! The triangles of a body, in f64, and the tree over them.
 
-use clearance_geometry::Triangle;
 use clearance_geometry::math::{MatrixPose, Point};
+use clearance_geometry::{Triangle, VolumeKind};
 
 use super::surface_samples::SurfaceSamples;
-use crate::bounding_volume::BoundingVolume;
+use crate::bounding_volume::{BoundingVolume, Obb};
 use crate::bvh::{Tree, TriangleLeaf};
 use crate::elements::{CoreShape, RoundedShape};
 
@@ -82,5 +82,16 @@ impl<B: BoundingVolume> Surface<B> {
         let own =
             self.vertices.capacity() * size_of::<Point>() + self.faces.capacity() * size_of::<[u32; 3]>();
         own + self.tree.bytes() + self.samples.bytes()
+    }
+}
+
+impl Surface<Obb> {
+    /// Adds volumes of another kind to the tree.
+    pub fn set_volumes(&mut self, kind: VolumeKind, kinds: &[VolumeKind]) {
+        let Self { tree, vertices, faces, .. } = self;
+        tree.set_volumes(kind, kinds, |leaf, points| {
+            let (first, count) = (leaf.content.first as usize, leaf.content.count as usize);
+            points.extend(faces[first..first + count].iter().flatten().map(|v| vertices[*v as usize]));
+        });
     }
 }

@@ -4,6 +4,7 @@ use clearance_geometry::math::{RotationMatrix, Vector};
 use clearance_geometry::simd::{Simd, f32x8};
 
 use super::obb::{FacingObbs, Obb, ObbPack, SeenObbs};
+use super::outline::Outline;
 use super::relative::Relative;
 use super::volume_trait::BoundingVolume;
 
@@ -24,6 +25,10 @@ impl BoundingVolume for Aabb {
 
     fn fit(points: &[Vector]) -> Self {
         Self(Obb::fit(points))
+    }
+
+    fn outline(&self) -> Outline {
+        self.0.outline()
     }
 
     fn pack(volumes: &[Self]) -> ObbPack {

@@ -4,6 +4,7 @@ use clearance_geometry::math::{Extremes, RotationMatrix, Vector};
 use clearance_geometry::simd::prelude::*;
 use clearance_geometry::simd::{LANES, Simd, Vectors, f32x8};
 
+use super::outline::{Outline, convex_outline};
 use super::principal_axes::principal_axes;
 use super::relative::Relative;
 use super::rounding::{lanes, round, round_up};
@@ -75,6 +76,15 @@ impl BoundingVolume for Capsule {
         let [p, q] = ends.map(|end: [f32; 3]| Vector::from(end.map(f64::from)));
         let radius = points.iter().map(|x| distance_from_segment(x, &p, &q)).fold(0.0, f64::greater);
         Self { ends, radius: round_up(radius) }
+    }
+
+    fn outline(&self) -> Outline {
+        let [p, q] = self.ends.map(|end| Vector::from(end.map(f64::from)));
+        let farthest = |direction: &Vector| {
+            let end = if (q - p).dot(direction) > 0.0 { q } else { p };
+            end + direction * f64::from(self.radius)
+        };
+        Outline::Triangles(convex_outline(farthest))
     }
 
     fn pack(volumes: &[Self]) -> CapsulePack {

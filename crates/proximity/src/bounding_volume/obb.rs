@@ -1,10 +1,11 @@
 //! Oriented bounding boxes: boxes along the axes of their frame, tested by separating axes (Gottschalk, Lin & Manocha
 //! 1996, *OBBTree*, section 5).
 
-use clearance_geometry::math::{Extremes, RotationMatrix, Vector};
+use clearance_geometry::math::{Extremes, Point, RotationMatrix, Vector};
 use clearance_geometry::simd::prelude::*;
 use clearance_geometry::simd::{LANES, Simd, Vectors, f32x8};
 
+use super::outline::Outline;
 use super::principal_axes::principal_axes;
 use super::relative::Relative;
 use super::rounding::{lanes, round, round_up};
@@ -32,20 +33,20 @@ pub struct ObbPack {
 #[repr(align(32))]
 pub struct SeenObbs {
     /// Centres along the axes of b.
-    centre: [[f32; LANES]; 3],
+    pub(super) centre: [[f32; LANES]; 3],
     /// Half the extents along the axes of b.
     shadow: [[f32; LANES]; 3],
     /// Centres along the boxes' own axes, from the anchor of b.
-    centre_along_own: [[f32; LANES]; 3],
-    half_extents: [[f32; LANES]; 3],
+    pub(super) centre_along_own: [[f32; LANES]; 3],
+    pub(super) half_extents: [[f32; LANES]; 3],
 }
 
 /// Eight boxes of b, and the same along the axes of a.
 #[derive(Clone, Copy, Debug)]
 pub struct FacingObbs<S: Simd> {
-    centre: Vectors<S>,
-    half_extents: Vectors<S>,
-    centre_along_a: Vectors<S>,
+    pub(super) centre: Vectors<S>,
+    pub(super) half_extents: Vectors<S>,
+    pub(super) centre_along_a: Vectors<S>,
     shadow: Vectors<S>,
 }
 
@@ -73,6 +74,11 @@ impl BoundingVolume for Obb {
         let centre: [f32; 3] = std::array::from_fn(|i| round(0.5 * (lo[i] + hi[i])));
         let half = |i: usize| (hi[i] - f64::from(centre[i])).greater(f64::from(centre[i]) - lo[i]);
         Self { centre, half_extents: std::array::from_fn(|i| round_up(half(i))) }
+    }
+
+    fn outline(&self) -> Outline {
+        let centre = Point::from(self.centre.map(f64::from));
+        Outline::Box { centre, half_extents: Vector::from(self.half_extents.map(f64::from)) }
     }
 
     fn pack(volumes: &[Self]) -> ObbPack {
@@ -231,6 +237,6 @@ fn magnitudes(r: &[[f32; 3]; 3]) -> [[f32; 3]; 3] {
 }
 
 #[inline(always)]
-fn taken(components: &[[f32; LANES]; 3], lane: usize) -> [f32; 3] {
+pub(super) fn taken(components: &[[f32; LANES]; 3], lane: usize) -> [f32; 3] {
     [components[0][lane & 7], components[1][lane & 7], components[2][lane & 7]]
 }

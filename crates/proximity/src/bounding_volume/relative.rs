@@ -20,6 +20,13 @@ impl Axes {
         Self(std::array::from_fn(|k| std::array::from_fn(|i| round(axes[(i, k)]))))
     }
 
+    /// The axes as columns.
+    #[must_use]
+    #[inline]
+    pub fn columns(&self) -> RotationMatrix {
+        RotationMatrix::from_fn(|i, k| f64::from(self.0[k][i]))
+    }
+
     /// Coordinates of a point along exactly these axes, with the rounding that they have.
     #[must_use]
     #[inline]

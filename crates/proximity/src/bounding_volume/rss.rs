@@ -1,14 +1,16 @@
 //! Rectangle swept spheres: all points within a radius of a rectangle (Larsen, Gottschalk, Lin & Manocha 1999).
 //!
-//! Rectangles are tested as boxes of zero thickness, by separating axes: the lower bound is exact, except for corners and edges that face
-//! each other at an angle.
+//! The distance of two rectangles is exact (`rectangle_distance`); where only a separation is sought, separating axes of boxes of zero
+//! thickness come first.
 
 use clearance_geometry::math::{Extremes, RotationMatrix, Vector};
 use clearance_geometry::simd::prelude::*;
 use clearance_geometry::simd::{LANES, Simd, f32x8};
 
 use super::obb::{FacingObbs, Obb, ObbPack, SeenObbs};
+use super::outline::{Outline, convex_outline};
 use super::principal_axes::principal_axes;
+use super::rectangle_distance::rectangle_bounds;
 use super::relative::Relative;
 use super::rounding::{lanes, round, round_up};
 use super::volume_trait::BoundingVolume;
@@ -71,6 +73,15 @@ impl BoundingVolume for Rss {
         Self { rectangle, radius: round_up(radius) }
     }
 
+    fn outline(&self) -> Outline {
+        let centre = Vector::from(self.rectangle.centre.map(f64::from));
+        let half = Vector::from(self.rectangle.half_extents.map(f64::from));
+        let farthest = |direction: &Vector| {
+            centre + half.zip_map(direction, f64::copysign) + direction * f64::from(self.radius)
+        };
+        Outline::Triangles(convex_outline(farthest))
+    }
+
     fn pack(volumes: &[Self]) -> RssPack {
         let rectangles: Vec<Obb> = volumes.iter().map(|v| v.rectangle).collect();
         RssPack { rectangles: Obb::pack(&rectangles), radius: lanes(volumes, |v| v.radius) }
@@ -93,6 +104,13 @@ impl BoundingVolume for Rss {
     }
 
     #[inline(always)]
+    fn extents<S: Simd>(simd: S, pack: &RssPack, direction: &[f32; 3]) -> [f32x8<S>; 2] {
+        let [low, high] = Obb::extents(simd, &pack.rectangles, direction);
+        let radius = f32x8::from_slice(simd, &pack.radius);
+        [low - radius, high + radius]
+    }
+
+    #[inline(always)]
     fn coarse_bounds<S: Simd>(simd: S, seen: &SeenRss, other: &Self, relative: &Relative) -> f32x8<S> {
         let gap = Obb::coarse_bounds(simd, &seen.rectangles, &other.rectangle, relative);
         gap - f32x8::from_slice(simd, &seen.radius) - other.radius
@@ -106,15 +124,15 @@ impl BoundingVolume for Rss {
         lane: usize,
         relative: &Relative,
     ) -> f32x8<S> {
-        // a round edge is nearest in a direction diagonal to both edges, so the distance of the rectangles must be tight here, too
         let (faces, rectangles) = (&facing.rectangles, &seen.rectangles);
-        let bound = Obb::bounds::<S, false>(simd, faces, rectangles, lane, relative);
-        let bound = if SEPARATE {
-            bound.max(Obb::bounds::<S, true>(simd, faces, rectangles, lane, relative))
-        } else {
-            bound
-        };
-        bound - facing.radius - seen.radius[lane]
+        let radii = facing.radius + seen.radius[lane];
+        if SEPARATE {
+            let bound = Obb::bounds::<S, false>(simd, faces, rectangles, lane, relative) - radii;
+            if bound.simd_gt(relative.slack).all_true() {
+                return bound;
+            }
+        }
+        rectangle_bounds(simd, faces, rectangles, lane, relative) - radii
     }
 }
 

@@ -1,9 +1,10 @@
 //! Bounding spheres, or point swept spheres (Ritter 1990, *An efficient bounding sphere*).
 
-use clearance_geometry::math::{Extremes, RotationMatrix, Vector};
+use clearance_geometry::math::{Extremes, Point, RotationMatrix, Vector};
 use clearance_geometry::simd::prelude::*;
 use clearance_geometry::simd::{LANES, Simd, Vectors, f32x8};
 
+use super::outline::Outline;
 use super::relative::Relative;
 use super::rounding::{lanes, round, round_up};
 use super::volume_trait::BoundingVolume;
@@ -57,6 +58,10 @@ impl BoundingVolume for Sphere {
         let rounded = Vector::from(centre.map(f64::from));
         let radius = points.iter().map(|p| (p - rounded).norm()).fold(0.0, f64::greater);
         Self { centre, radius: round_up(radius) }
+    }
+
+    fn outline(&self) -> Outline {
+        Outline::Ball { centre: Point::from(self.centre.map(f64::from)), radius: f64::from(self.radius) }
     }
 
     fn pack(volumes: &[Self]) -> SpherePack {

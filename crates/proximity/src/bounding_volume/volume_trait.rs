@@ -6,6 +6,7 @@ use clearance_geometry::math::{RotationMatrix, Vector};
 use clearance_geometry::simd::prelude::*;
 use clearance_geometry::simd::{Simd, f32x8};
 
+use super::outline::Outline;
 use super::relative::Relative;
 
 /// A bounding volume: cheap to test, and contains everything it was fitted to.
@@ -27,6 +28,9 @@ pub trait BoundingVolume: Copy + Debug + Send + Sync + 'static {
 
     /// A volume that contains the convex hull of `points`, in the frame of their coordinates.
     fn fit(points: &[Vector]) -> Self;
+
+    /// Its shape, in the frame of the coordinates, for visualisation only.
+    fn outline(&self) -> Outline;
 
     /// Packs volumes; unused lanes repeat the last one.
     fn pack(volumes: &[Self]) -> Self::Pack;

@@ -2,6 +2,7 @@
 //!
 //! Every node has its own frame, a rotation about the tree's anchor, in which the volumes of its children are packed. One traversal
 //! (`traversal`) serves all volumes and all queries of two trees, another (`plane_traversal`) serves queries of a tree and a plane.
+//! Volumes of other kinds around the same nodes, which users may select, are in `volume_trees`.
 //! Items that are added and removed often are in a tree of another type ([`DynamicTree`]).
 
 mod axis_box;
@@ -14,6 +15,7 @@ mod surface_area_heuristic;
 mod traversal;
 mod tree;
 mod triangle_leaf;
+mod volume_trees;
 
 pub use axis_box::{AxisBox, EightBoxes};
 pub use dynamic_tree::{Child, DynamicTree, SelectedBoxes};
@@ -24,3 +26,4 @@ pub(crate) use plane_traversal::{PlaneVisitor, TreePlane, traverse_to_plane};
 pub(crate) use traversal::{Entry, TreePair, Visitor, traverse};
 pub(crate) use tree::{Content, Leaf, Tree};
 pub(crate) use triangle_leaf::TriangleLeaf;
+pub(crate) use volume_trees::VolumeTreePair;

@@ -33,7 +33,24 @@ pub trait Visitor<LA, LB> {
     fn leaves<S: Simd>(&mut self, simd: S, a: &LA, b: &LB);
 
     /// True if the search is to stop although subtrees are left.
-    fn interrupted(&mut self) -> bool;
+    fn interrupted(&mut self) -> bool {
+        false
+    }
+}
+
+/// Volumes that the steps of a traversal test: those of the trees themselves, or others.
+pub trait StepVolumes<LA, LB>: Copy {
+    /// Lower bound (m) on the distance between the first tree and a subtree of the second.
+    fn start_bound<S: Simd, V: Visitor<LA, LB>>(self, simd: S, start: NodeRef, visitor: &V) -> f32;
+
+    /// Opens two subtrees that are not both leaves: pushes the near pairs of their children.
+    fn open<S: Simd, V: Visitor<LA, LB>>(
+        self,
+        simd: S,
+        entry: Entry,
+        stack: &mut Vec<Entry>,
+        visitor: &mut V,
+    );
 }
 
 /// Two trees, the frame of the first placed in the frame of the second.
@@ -54,14 +71,14 @@ impl<B: BoundingVolume, LA, LB> Clone for TreePair<'_, B, LA, LB> {
 
 impl<B: BoundingVolume, LA, LB> Copy for TreePair<'_, B, LA, LB> {}
 
-/// Passes all relevant pairs of leaves of the first tree and of the subtrees of some nodes of the second tree to the visitor. `stack` is
-/// scratch memory.
+/// Passes all relevant pairs of leaves of the first tree and of the subtrees of some nodes of the second tree to the visitor. `volumes` are
+/// the trees themselves, or other volumes of the same nodes; `stack` is scratch memory.
 ///
 /// An interrupted traversal leaves the remaining subtrees on the stack.
 #[inline(always)]
 pub fn traverse<S, B, LA, LB, V>(
     simd: S,
-    trees: TreePair<B, LA, LB>,
+    (trees, volumes): (TreePair<B, LA, LB>, impl StepVolumes<LA, LB>),
     starts: &[NodeRef],
     stack: &mut Vec<Entry>,
     visitor: &mut V,
@@ -70,10 +87,10 @@ pub fn traverse<S, B, LA, LB, V>(
     B: BoundingVolume,
     V: Visitor<LA, LB>,
 {
-    let TreePair { a, b, relative } = trees;
+    let TreePair { a, b, .. } = trees;
     stack.clear();
     for &start in starts {
-        let lower = start_bound::<S, B, LA, LB, V>(simd, trees, start);
+        let lower = volumes.start_bound(simd, start, visitor);
         stack.push(Entry { lower, a: a.root(), b: start });
         visitor.volume_tests(1);
     }
@@ -92,9 +109,36 @@ pub fn traverse<S, B, LA, LB, V>(
             continue;
         }
         let base = stack.len();
+        if entry.a.is_leaf() && entry.b.is_leaf() {
+            visitor.leaves(simd, &a.leaf(entry.a).content, &b.leaf(entry.b).content);
+        } else {
+            volumes.open(simd, entry, stack, visitor);
+        }
+        if V::SEPARATE {
+            nearest_to_top(&mut stack[base..]);
+        } else {
+            sort(&mut stack[base..]);
+        }
+    }
+}
+
+impl<B: BoundingVolume, LA, LB> StepVolumes<LA, LB> for TreePair<'_, B, LA, LB> {
+    #[inline(always)]
+    fn start_bound<S: Simd, V: Visitor<LA, LB>>(self, simd: S, start: NodeRef, _: &V) -> f32 {
+        start_bound::<S, B, LA, LB, V>(simd, self, start)
+    }
+
+    #[inline(always)]
+    fn open<S: Simd, V: Visitor<LA, LB>>(
+        self,
+        simd: S,
+        entry: Entry,
+        stack: &mut Vec<Entry>,
+        visitor: &mut V,
+    ) {
+        let Self { a, b, relative } = self;
         match (entry.a.is_leaf(), entry.b.is_leaf()) {
-            (true, true) => visitor.leaves(simd, &a.leaf(entry.a).content, &b.leaf(entry.b).content),
-            (false, false) => open_both(simd, trees, entry, stack, visitor),
+            (false, false) => open_both(simd, self, entry, stack, visitor),
             (true, false) => {
                 let ((volume, axes), node) = (a.volume(entry.a), b.node(entry.b));
                 let relative = &relative.of_nodes(axes, &node.axes);
@@ -111,11 +155,7 @@ pub fn traverse<S, B, LA, LB, V>(
                     stack.push(Entry { lower: bound - relative.slack, a: node.children[j], b: entry.b });
                 });
             }
-        }
-        if V::SEPARATE {
-            nearest_to_top(&mut stack[base..]);
-        } else {
-            sort(&mut stack[base..]);
+            (true, true) => {}
         }
     }
 }

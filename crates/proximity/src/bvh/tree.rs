@@ -1,9 +1,11 @@
 //! Data structure of a tree: nodes and leaves.
 
+use clearance_geometry::VolumeKind;
 use clearance_geometry::math::{MatrixPose, Point, RotationMatrix};
 use clearance_geometry::simd::LANES;
 
-use crate::bounding_volume::{AnchoredReach, Axes, BoundingVolume, Relative};
+use super::volume_trees::{OtherVolumes, TreeForm};
+use crate::bounding_volume::{AnchoredReach, Axes, BoundingVolume, Obb, Relative};
 
 /// A tree of volumes `B` over leaves that hold `L`.
 #[derive(Clone, Debug)]
@@ -15,6 +17,7 @@ pub struct Tree<B: BoundingVolume, L> {
     root: NodeRef,
     nodes: Vec<Node<B>>,
     leaves: Vec<Leaf<B, L>>,
+    other_volumes: OtherVolumes,
 }
 
 /// Content of leaves: a few items that are tested together.
@@ -96,7 +99,7 @@ impl<B: BoundingVolume, L> Tree<B, L> {
         nodes: Vec<Node<B>>,
         leaves: Vec<Leaf<B, L>>,
     ) -> Self {
-        Self { anchor, reach, root, nodes, leaves }
+        Self { anchor, reach, root, nodes, leaves, other_volumes: OtherVolumes::default() }
     }
 
     #[must_use]
@@ -131,6 +134,17 @@ impl<B: BoundingVolume, L> Tree<B, L> {
     #[must_use]
     pub fn leaf(&self, leaf: NodeRef) -> &Leaf<B, L> {
         &self.leaves[leaf.index()]
+    }
+
+    #[inline]
+    pub(super) fn nodes(&self) -> &[Node<B>] {
+        &self.nodes
+    }
+
+    /// Volumes of other kinds around the same nodes.
+    #[inline]
+    pub fn other_volumes(&self) -> &OtherVolumes {
+        &self.other_volumes
     }
 
     #[must_use]
@@ -186,6 +200,21 @@ impl<B: BoundingVolume, L> Tree<B, L> {
     #[must_use]
     #[inline]
     pub fn bytes(&self) -> usize {
-        self.nodes.capacity() * size_of::<Node<B>>() + self.leaves.capacity() * size_of::<Leaf<B, L>>()
+        self.nodes.capacity() * size_of::<Node<B>>()
+            + self.leaves.capacity() * size_of::<Leaf<B, L>>()
+            + self.other_volumes.bytes()
+    }
+}
+
+impl<L> Tree<Obb, L> {
+    /// Adds volumes of another kind, with which the tree is then searched, and of those of `kinds` that it can meet. `points_of` appends points
+    /// whose convex hull contains the items of a leaf, in the frame of the body.
+    pub fn set_volumes(
+        &mut self,
+        kind: VolumeKind,
+        kinds: &[VolumeKind],
+        points_of: impl Fn(&Leaf<Obb, L>, &mut Vec<Point>),
+    ) {
+        self.other_volumes = OtherVolumes::new(kind, kinds, &TreeForm::new(self, points_of));
     }
 }

@@ -67,6 +67,11 @@ pub(crate) fn search_pieces<B: BoundingVolume, const SEPARATE: bool>(
         let searched = SearchedElements { bodies, pieces, postpones: goal.postpones };
         search_elements::<B, SEPARATE>(searched, &mut best_so_far, traversal, candidates);
     }
+    if traversal.uses_other_volumes() && best_so_far.is_settled() {
+        let (best, elements, unseen) = (best_so_far.separation(), best_so_far.elements(), traversal.unseen());
+        let found = SearchResult { best, elements, unseen };
+        return repeated_with_boxes::<B, SEPARATE>(bodies, pieces, goal, scratch, found);
+    }
     if !best_so_far.touches() {
         match contained_point(bodies, pieces, &mut best_so_far, traversal) {
             Ok(Some(point)) => best_so_far.touch_at(point),
@@ -77,6 +82,22 @@ pub(crate) fn search_pieces<B: BoundingVolume, const SEPARATE: bool>(
     }
     let (best, elements) = (best_so_far.separation(), best_so_far.elements());
     SearchResult { best, elements, unseen: traversal.unseen() }
+}
+
+/// Repeats a search that ended early, at something near enough that other volumes than boxes led to: the pair of points that is found first
+/// depends on the volumes, and shall not. If the deadline passes meanwhile, `found` remains.
+#[cold]
+fn repeated_with_boxes<B: BoundingVolume, const SEPARATE: bool>(
+    bodies: BodyPair<B>,
+    pieces: SearchedPieces,
+    goal: Goal,
+    scratch: &mut Scratch,
+    found: SearchResult,
+) -> SearchResult {
+    scratch.set_boxes_only(true);
+    let repeated = search_pieces::<B, SEPARATE>(bodies, pieces, goal, scratch);
+    scratch.set_boxes_only(false);
+    if repeated.best.is_some() { repeated } else { found }
 }
 
 /// Elements that are searched: all of a, and some pieces of b.

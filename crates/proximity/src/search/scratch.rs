@@ -61,6 +61,12 @@ impl Scratch {
         ScratchParts { work, traversal, candidates, ties }
     }
 
+    /// Whether searches use only the boxes of trees, whatever other volumes they have.
+    #[inline]
+    pub(crate) fn set_boxes_only(&mut self, boxes_only: bool) {
+        self.traversal.set_boxes_only(boxes_only);
+    }
+
     /// The pairs of elements that the last search found as near as the nearest.
     #[inline]
     pub(crate) fn ties(&mut self) -> &mut Ties {

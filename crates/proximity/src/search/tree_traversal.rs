@@ -5,7 +5,8 @@ use clearance_geometry::simd::{Level, dispatch};
 
 use crate::bounding_volume::BoundingVolume;
 use crate::bvh::{
-    Entry, NodeRef, PlaneVisitor, Tree, TreePair, TreePlane, Visitor, traverse, traverse_to_plane,
+    Entry, NodeRef, PlaneVisitor, Tree, TreePair, TreePlane, Visitor, VolumeTreePair, traverse,
+    traverse_to_plane,
 };
 
 /// Traverses trees at the SIMD level of the caller, and keeps a lower bound on everything that interrupted traversals left.
@@ -16,12 +17,23 @@ pub(crate) struct TreeTraversal {
     /// Start nodes in the second tree.
     starts: Vec<NodeRef>,
     unseen: f64,
+    /// True while trees are searched with their boxes, whatever other volumes they have.
+    boxes_only: bool,
+    /// True if trees were searched with other volumes.
+    uses_other_volumes: bool,
 }
 
 impl TreeTraversal {
     #[inline]
     pub fn new(level: Level) -> Self {
-        Self { level, stack: Vec::new(), starts: Vec::new(), unseen: f64::INFINITY }
+        Self {
+            level,
+            stack: Vec::new(),
+            starts: Vec::new(),
+            unseen: f64::INFINITY,
+            boxes_only: false,
+            uses_other_volumes: false,
+        }
     }
 
     #[inline]
@@ -33,6 +45,19 @@ impl TreeTraversal {
     #[inline]
     pub fn begin(&mut self) {
         self.unseen = f64::INFINITY;
+        self.uses_other_volumes = false;
+    }
+
+    /// Whether the next searches use only the boxes of the trees, whatever other volumes they have.
+    #[inline]
+    pub fn set_boxes_only(&mut self, boxes_only: bool) {
+        self.boxes_only = boxes_only;
+    }
+
+    /// True if this search has used other volumes than the boxes of the trees.
+    #[inline]
+    pub fn uses_other_volumes(&self) -> bool {
+        self.uses_other_volumes
     }
 
     /// Lower bound (m) on the distances of everything not searched; infinite if everything was searched.
@@ -80,8 +105,14 @@ impl TreeTraversal {
         if visitor.threshold() == f32::NEG_INFINITY || self.starts.is_empty() {
             return;
         }
+        let volumes = if self.boxes_only { None } else { VolumeTreePair::new(trees, self.level) };
         let (stack, starts) = (&mut self.stack, &*self.starts);
-        dispatch!(self.level, simd => traverse(simd, trees, starts, stack, visitor));
+        if let Some(volumes) = volumes {
+            self.uses_other_volumes = true;
+            dispatch!(self.level, simd => traverse(simd, (trees, volumes), starts, stack, visitor));
+        } else {
+            dispatch!(self.level, simd => traverse(simd, (trees, trees), starts, stack, visitor));
+        }
         self.note_unseen(radius);
     }
 

@@ -36,6 +36,7 @@ class _Settings(TypedDict, total=False):
     check_self: bool
     check_world: bool
     mesh_model: Literal["surface", "solid"]
+    volumes: str
     allowed_collisions: _Pairs
     checked_collisions: _Pairs
 

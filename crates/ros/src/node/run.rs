@@ -340,6 +340,7 @@ fn on_change(
 fn what_is_built(parameters: &Parameters) -> impl PartialEq + use<> {
     (
         (parameters.padding, parameters.pad_self, parameters.stale_source_policy),
+        parameters.volumes.clone(),
         (parameters.joint_prefix.clone(), parameters.link_prefix.clone()),
         (parameters.point_cloud_ttl, parameters.octomap_ttl, parameters.point_cloud_topics.clone()),
         (parameters.require_planning_scene, parameters.planning_scene_service.clone()),

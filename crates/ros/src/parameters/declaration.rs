@@ -1,6 +1,7 @@
 //! Declaration of one parameter: its name, unit, meaning and range.
 
 use std::collections::BTreeSet;
+use clearance_scene::VolumeSelection;
 
 use crate::names::fault_of_topic;
 use crate::parameters::obstacle_limit::obstacle_limit;
@@ -41,6 +42,8 @@ pub enum Range {
     Service,
     /// Prefix of names.
     Prefix,
+    /// Kinds of bounding volumes: `KIND`, `LINK=KIND`, or both, separated by commas.
+    Volumes,
     /// List of names; the text says what they are names of.
     Names(&'static str),
     /// List of limits of obstacles, `NAME SPEED ACCELERATION`.
@@ -160,6 +163,10 @@ impl Declaration {
         }
         if let Some(why) = fault_of_topic(text).filter(|_| self.range == Range::Service && !text.is_empty()) {
             return Err(format!("{}: '{}' is no name of a service: {why}", self.name, text.escape_debug()));
+        }
+        if self.range == Range::Volumes {
+            let checked = text.parse::<VolumeSelection>();
+            return checked.map(|volumes| volumes.to_string()).map_err(|why| format!("{}: {why}", self.name));
         }
         Ok(text.clone())
     }

@@ -149,7 +149,7 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             "link_volume_level",
             (-1, 20),
             |p| &mut p.link_volume_level,
-            "Level of the bounding volume hierarchies whose boxes ~/link_volumes shows; -1 shows none.",
+            "Level of the bounding volume hierarchies whose volumes ~/link_volumes shows; -1 shows none.",
         ),
         double(
             "look_ahead_acceleration",
@@ -404,6 +404,15 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             |p| &mut p.use_sim_time,
             "Whether time is read from /clock instead of the system clock.",
         ),
+        Declaration {
+            range: Range::Volumes,
+            access: Access::Text(|p| &mut p.volumes),
+            ..described(
+                "volumes",
+                "",
+                "Kind of bounding volumes of all bodies, and of individual links as LINK=KIND, separated by commas: obb, rss, lss, pss, aabb, kdop18 or kios. No result depends on them.",
+            )
+        },
     ]
 });
 

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use crate::parameters::obstacle_limit::obstacle_limit;
 use crate::parameters::recording_settings::RecordingSettings;
+use clearance_geometry::VolumeKind;
 use clearance_monitor::{MonitorSettings, SpeedDistances, SpeedSettings};
 use clearance_motion::{ContinuousDirection, ObstacleLimits, SpeedLimit};
 
@@ -67,6 +68,7 @@ pub struct Parameters {
     pub memory_limit: f64,
     pub use_realtime_priority: bool,
     pub use_sim_time: bool,
+    pub volumes: String,
 }
 
 pub(super) const STALE_SOURCE_POLICIES: &[&str] = &["unknown", "drop"];
@@ -135,6 +137,7 @@ impl Default for Parameters {
             memory_limit: 0.0,
             use_realtime_priority: false,
             use_sim_time: false,
+            volumes: VolumeKind::default().name().to_owned(),
         }
     }
 }

@@ -3,7 +3,7 @@
 use clearance_checker::{CollisionChecker, SolidMeshRemark, solid_mesh_remarks};
 use clearance_robot::RobotModel;
 use clearance_scene::Scene;
-use clearance_scene::{MeshModel, Settings};
+use clearance_scene::{MeshModel, Settings, VolumeSelectionError};
 use std::sync::Arc;
 
 use crate::parameters::parameter_set::Parameters;
@@ -17,7 +17,10 @@ pub fn checker_of(
     known: Option<&CollisionChecker>,
 ) -> Result<CollisionChecker, String> {
     let (padding, pad_self) = (parameters.padding, parameters.pad_self);
-    let settings = Settings { padding, pad_self, mesh_model, ..Settings::default() }.with_scene(scene);
+    let volumes =
+        parameters.volumes.parse().map_err(|error: VolumeSelectionError| format!("volumes: {error}"))?;
+    let settings =
+        Settings { padding, pad_self, mesh_model, volumes, ..Settings::default() }.with_scene(scene);
     let matrix = scene.matrix.as_ref();
     let built = match known.filter(|known| Arc::ptr_eq(known.robot(), robot)) {
         Some(known) => known.with_world(&scene.world, settings, matrix),

@@ -5,6 +5,7 @@
 
 use std::sync::Arc;
 
+use clearance_geometry::VolumeKind;
 use futures_lite::future;
 use ros2_client::builtin_interfaces::Time as StampMessage;
 use ros2_client::parameters::raw;
@@ -220,6 +221,7 @@ fn descriptor(declaration: &Declaration) -> raw::ParameterDescriptor {
         | Range::Text
         | Range::Service
         | Range::Prefix
+        | Range::Volumes
         | Range::Names(_)
         | Range::ObstacleLimits
         | Range::Point => Vec::new(),
@@ -242,6 +244,10 @@ fn descriptor(declaration: &Declaration) -> raw::ParameterDescriptor {
         additional_constraints: match declaration.range {
             Range::Word(words) => words.join(" or "),
             Range::Point => "three numbers, or none".to_owned(),
+            Range::Volumes => {
+                let kinds = VolumeKind::ALL.map(VolumeKind::name).join(" or ");
+                format!("{kinds}, and LINK=KIND, separated by commas")
+            }
             Range::Bool
             | Range::Double { .. }
             | Range::Integer { .. }

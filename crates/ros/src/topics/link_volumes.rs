@@ -1,6 +1,8 @@
-//! `~/link_volumes`: boxes of the robot's bounding volume hierarchies at a selected level, for `RViz`.
+//! `~/link_volumes`: volumes of the robot's hierarchies at a selected level, for `RViz`.
 
 use clearance_checker::{CollisionChecker, LinkVolume};
+use clearance_geometry::math::Vector;
+use clearance_proximity::VolumeShape;
 use ros2_interfaces_jazzy_serde::std_msgs::msg::{ColorRGBA, Header};
 use ros2_interfaces_jazzy_serde::visualization_msgs::msg::{Marker, MarkerArray};
 
@@ -9,16 +11,20 @@ use crate::dds::middleware_error::MiddlewareError;
 use crate::dds::publisher::Publisher;
 use crate::dds::quality::Quality;
 use crate::dds::type_name::TypeName;
-use crate::messages::time_and_geometry::{pose_message, vector_message};
+use crate::messages::time_and_geometry::{point_message, pose_message, vector_message};
 use crate::names::Names;
 use crate::topics::swept_volume_markers::no_markers;
 
-/// Maximum number of boxes in one message (about 350 bytes each): `RustDDS` loses messages of more than about 250 kB.
-const BOXES_SHOWN: usize = 500;
+/// Maximum size of a message, in bytes: `RustDDS` loses messages of more than about 250 kB.
+const LARGEST_MESSAGE: usize = 175_000;
+/// Approximate size of a marker without points, in bytes.
+const MARKER_BYTES: usize = 350;
+/// Size of a point, in bytes.
+const POINT_BYTES: usize = 24;
 
 const BLUE: [f32; 4] = [0.2, 0.5, 0.9, 0.3];
 
-/// Publishes the boxes when they change. Each box is given in the frame of its link, which `RViz` moves by tf.
+/// Publishes the volumes when they change. Each is given in the frame of its link, which `RViz` moves by tf.
 pub struct LinkVolumes {
     publisher: Publisher<MarkerArray>,
     last: MarkerArray,
@@ -32,11 +38,11 @@ impl LinkVolumes {
         Ok(Self { publisher, last: MarkerArray::default() })
     }
 
-    /// Shows the boxes of a level; with `None`, removes all boxes.
+    /// Shows the volumes of a level; with `None`, removes all.
     pub fn show(&mut self, checker: &CollisionChecker, level: Option<usize>) {
         let message = match level {
             Some(level) => link_volume_markers(checker, level),
-            // no boxes were published: there is nothing to remove
+            // none were published: there is nothing to remove
             None if self.last.markers.is_empty() => return,
             None => no_markers(),
         };
@@ -46,13 +52,13 @@ impl LinkVolumes {
     }
 }
 
-/// Boxes of the requested level, or of the deepest level above it that is small enough for one message.
+/// Volumes of the requested level, or of the deepest level above it that is small enough for one message.
 fn link_volume_markers(checker: &CollisionChecker, level: usize) -> MarkerArray {
     let volumes = |level| checker.link_volumes(level).collect::<Vec<LinkVolume>>();
     let mut shown = volumes(0);
     for level in 1..=level {
         let deeper = volumes(level);
-        if deeper.len() > BOXES_SHOWN {
+        if deeper.iter().map(size_in_bytes).sum::<usize>() > LARGEST_MESSAGE {
             log::info!(
                 "level {level} has {} link volumes: those of level {} are shown",
                 deeper.len(),
@@ -70,18 +76,35 @@ fn link_volume_markers(checker: &CollisionChecker, level: usize) -> MarkerArray 
     array
 }
 
+/// Approximate size of a volume in a message.
+fn size_in_bytes(volume: &LinkVolume) -> usize {
+    match &volume.shape {
+        VolumeShape::Triangles(triangles) => MARKER_BYTES + 3 * POINT_BYTES * triangles.len(),
+        VolumeShape::Box { .. } | VolumeShape::Ball { .. } => MARKER_BYTES,
+    }
+}
+
 fn marker(checker: &CollisionChecker, id: i32, volume: &LinkVolume) -> Marker {
     let [r, g, b, a] = BLUE;
+    let (kind, scale, points) = match &volume.shape {
+        VolumeShape::Box { half_extents } => (Marker::CUBE, 2.0 * half_extents, Vec::new()),
+        VolumeShape::Ball { radius } => (Marker::SPHERE, Vector::repeat(2.0 * radius), Vec::new()),
+        VolumeShape::Triangles(triangles) => {
+            let points = triangles.iter().flatten().map(point_message).collect();
+            (Marker::TRIANGLE_LIST, Vector::repeat(1.0), points)
+        }
+    };
     Marker {
         header: Header { frame_id: checker.robot().link(volume.link).name.clone(), ..Header::default() },
         ns: checker.body_name(volume.body).to_owned(),
         id,
-        type_: Marker::CUBE,
+        type_: kind,
         action: Marker::ADD,
         pose: pose_message(&volume.pose_lv),
-        scale: vector_message(&(2.0 * volume.half_extents)),
+        scale: vector_message(&scale),
+        points,
         color: ColorRGBA { r, g, b, a },
-        // the box follows the link's frame
+        // the volume follows the link's frame
         frame_locked: true,
         ..Marker::default()
     }
