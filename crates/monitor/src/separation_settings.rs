@@ -75,8 +75,8 @@ impl SeparationSettings {
         (allowed / commanded).lesser(1.0)
     }
 
-    /// Whether a pair moves apart so fast that commands cannot make it approach faster than allowed before a lower scale
-    /// takes effect.
+    /// Whether a pair moves apart so fast that commands cannot make it approach faster than allowed before a lower
+    /// scale takes effect.
     fn moves_away(&self, rate: f64, allowed: f64) -> bool {
         self.acceleration > 0.0 && rate < -REST && rate + self.acceleration * self.reaction_time <= allowed
     }

@@ -201,7 +201,8 @@ proptest! {
 
     #[test]
     fn nearer_and_faster_is_never_freer(
-        settings in settings(), distance in 0.0..4.0f64, nearer in 0.0..1.0f64, rate in -3.0..5.0f64, faster in 0.0..5.0f64,
+        settings in settings(), distance in 0.0..4.0f64, nearer in 0.0..1.0f64,
+        rate in -3.0..5.0f64, faster in 0.0..5.0f64,
     ) {
         let share = settings.share(distance, Some(rate));
         prop_assert!((0.0..=1.0).contains(&share));
