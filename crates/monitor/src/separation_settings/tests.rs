@@ -91,7 +91,7 @@ fn least_distance_of_stop(settings: &SeparationSettings, distance: f64, speed: f
     while speed > 0.0 {
         let braking = if time >= settings.reaction_time { settings.deceleration * STEP } else { 0.0 };
         let after = (speed - braking).greater(0.0);
-        distance -= (settings.human_speed + (speed + after) / 2.0) * STEP;
+        distance -= (settings.human_speed + f64::midpoint(speed, after)) * STEP;
         (speed, time) = (after, time + STEP);
     }
     distance
@@ -125,7 +125,7 @@ impl Encounter<'_> {
             let [slower, faster] = [settings.deceleration, settings.acceleration].map(|change| change * STEP);
             let after = wanted.clamp(speed - slower, speed + faster);
             let walked = walks[step / EACH % walks.len()] * settings.human_speed * STEP;
-            distance -= walked + (speed + after) / 2.0 * STEP;
+            distance -= walked + f64::midpoint(speed, after) * STEP;
             speed = after;
             if speed > 0.0 {
                 least = least.lesser(distance);
