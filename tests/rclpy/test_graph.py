@@ -15,6 +15,7 @@ PUBLISHED = {
     "~/self_distance": "std_msgs/msg/Float64",
     "~/world_distance": "std_msgs/msg/Float64",
     "~/speed_scale": "std_msgs/msg/Float64",
+    "~/separation": "clearance_msgs/msg/Separation",
     "~/time_to_contact": "std_msgs/msg/Float64",
     "~/retreat_direction": "sensor_msgs/msg/JointState",
     "~/certificates": "std_msgs/msg/String",

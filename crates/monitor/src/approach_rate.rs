@@ -29,8 +29,19 @@ pub(super) struct MovingState<'s> {
     pub obstacle_motions: &'s [ObstacleMotion],
 }
 
-/// Distance (m) up to which pairs may slow the robot down: moving bodies may be nearer once the reaction time is over.
+/// Distance (m) up to which pairs may slow the robot down.
 pub(super) fn slowdown_range(
+    checker: &CollisionChecker,
+    moving: &MovingState,
+    settings: &SpeedSettings,
+) -> f64 {
+    let by_distances = range_of_distances(checker, moving, settings);
+    settings.separation.as_ref().map_or(by_distances, |separation| by_distances.greater(separation.range()))
+}
+
+/// Distance (m) up to which pairs may slow the robot down by their distances: moving bodies may be nearer once the
+/// reaction time is over.
+fn range_of_distances(
     checker: &CollisionChecker,
     &MovingState { configuration, poses, rates, obstacle_motions }: &MovingState,
     settings: &SpeedSettings,
@@ -128,7 +139,7 @@ fn displacement(point_r: &Point, now: &Pose, then: &Pose) -> Vector {
 }
 
 /// The link that a body is attached to.
-fn carrier(checker: &CollisionChecker, body: BodyId) -> Option<LinkId> {
+pub(super) fn carrier(checker: &CollisionChecker, body: BodyId) -> Option<LinkId> {
     match body {
         BodyId::Link(link) => Some(link),
         BodyId::Attached(id) => checker.robot().link_by_name(&checker.world().attached_object(id).link),

@@ -10,7 +10,7 @@ use clearance_scene::AnchorFrames;
 
 use super::obstacle_motion::ObstacleMotion;
 use super::state_contacts::ContactsOfPair;
-use super::{Now, Reason, Status, Time, WorldSource};
+use super::{Now, Reason, Separation, Status, Time, WorldSource};
 
 /// A checker with its version numbers.
 #[derive(Debug)]
@@ -136,6 +136,9 @@ pub struct Evaluation {
     pub robot_state: Option<Arc<CheckedState>>,
     /// Allowed share of the robot's speed, in [0, 1]; 0 unless the status is FREE.
     pub speed_scale: f64,
+    /// Separation of the pair that requests the lowest speed; `None` unless separation is monitored and the status is
+    /// FREE.
+    pub separation: Option<Separation>,
     /// The part that was left out because of the deadline.
     pub left_out: LeftOut,
     /// Whether another robot model is being built, so that this one is no longer valid. Independent of the status.
@@ -192,6 +195,7 @@ impl Evaluation {
     fn invalidate(&mut self, why: Reason) {
         self.checked_state = None;
         self.speed_scale = 0.0;
+        self.separation = None;
         if self.status.reason().is_none() {
             self.status = Status::Unknown(why);
         }

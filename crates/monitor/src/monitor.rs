@@ -422,6 +422,7 @@ impl Monitor {
             is_swapping: self.is_swapping(),
             stale_world,
             speed_scale: self.speed_governor.share(),
+            separation: self.speed_governor.separation(),
             left_out: self.check_result.left_out,
             stamp,
             age: stamp.map(|stamp| now.ros.map_or(since_reception, |ros| ros.seconds_since(stamp))),

@@ -8,6 +8,10 @@
 //! number of states in a row, the trigger count, request less: to the largest of their requests. It rises once a number
 //! of states, the release count, request more: to the least of their requests. If the status is not FREE, it is 0 at
 //! once.
+//!
+//! With speed and separation monitoring, pairs with obstacles request the share of
+//! [`SeparationSettings`](crate::SeparationSettings) instead, unless the obstacle rests or the part of the robot
+//! cannot move.
 
 use clearance_checker::{CollisionChecker, PairDistance};
 use clearance_geometry::math::Extremes;
@@ -15,9 +19,10 @@ use clearance_scene::BodyId;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use super::approach_rate::{PosesAtOtherTime, approach_rate, poses_after_step};
+use super::approach_rate::{PosesAtOtherTime, approach_rate, carrier, poses_after_step};
+use super::separation_settings::SeparationSettings;
 use super::speed_settings::{SpeedDistances, SpeedSettings};
-use super::{CheckedState, Status, Time};
+use super::{CheckedState, Separation, Status, Time};
 
 /// Computes the speed scale from successive states.
 #[derive(Debug, Default)]
@@ -25,6 +30,7 @@ pub(super) struct SpeedGovernor {
     /// Shares that the last states requested, the newest at the end.
     requested: VecDeque<f64>,
     share: f64,
+    separation: Option<Separation>,
     /// The last state and its stamp.
     last: Option<(Time, Arc<CheckedState>)>,
 }
@@ -35,10 +41,17 @@ impl SpeedGovernor {
         self.share
     }
 
+    /// Separation of the pair that requests the lowest share in the last state, if it was FREE and separation is
+    /// monitored.
+    pub fn separation(&self) -> Option<Separation> {
+        self.separation
+    }
+
     /// Sets the share to 0: the status is not FREE.
     pub fn stop(&mut self) {
         self.requested.clear();
         self.share = 0.0;
+        self.separation = None;
     }
 
     /// Removes the last poses when the robot changes.
@@ -60,33 +73,9 @@ impl SpeedGovernor {
             self.last = stamp.zip(checked_state.cloned());
             return;
         };
-        let near = |pair: &&PairDistance| {
-            let reach = distances_of(pair, settings).reach();
-            reach > 0.0 && pair.distance <= reach.greater(checked_state.slowdown_range)
-                || pair.distance <= 0.0
-        };
-        let mut near = checked_state
-            .report
-            .pair_distances
-            .iter()
-            .chain(&checked_state.approaching_pairs)
-            .filter(near)
-            .peekable();
-        // without a near pair, no poses at another time are needed
-        let other = near
-            .peek()
-            .and_then(|_| poses_after_step(checker.robot(), checked_state).or_else(|| self.before(stamp)));
-        let (mut requested, mut are_known) = (1.0_f64, true);
-        for pair in near {
-            let rate = other.as_ref().and_then(|other| approach_rate(checker, pair, checked_state, other));
-            // a pair beyond that distance requests no reduction even if its rate is unknown
-            are_known &= rate.is_some() || pair.distance > distances_of(pair, settings).reach();
-            requested = requested.lesser(distances_of(pair, settings).share(
-                pair.distance,
-                rate,
-                settings.reaction_time,
-            ));
-        }
+        let Requests { share: requested, are_known, separation } =
+            self.requests(checker, checked_state, stamp, settings);
+        self.separation = separation;
         let is_new = stamp.zip(self.last.as_ref()).is_none_or(|(stamp, (last, _))| stamp != *last);
         // a state that is evaluated again, or with unknown approach rates, never raises the share; a first state has
         // distances only
@@ -97,6 +86,33 @@ impl SpeedGovernor {
         if is_new {
             self.last = stamp.map(|stamp| (stamp, Arc::clone(checked_state)));
         }
+    }
+
+    /// The requests of all near pairs of a state that is FREE.
+    fn requests(
+        &self,
+        checker: &CollisionChecker,
+        checked_state: &CheckedState,
+        stamp: Option<Time>,
+        settings: &SpeedSettings,
+    ) -> Requests {
+        let pairs = checked_state.report.pair_distances.iter().chain(&checked_state.approaching_pairs);
+        let rules = pairs.map(|pair| (pair, rule_of(pair, checker, checked_state, settings)));
+        let mut near = rules.filter(|(pair, rule)| rule.concerns(pair, checked_state)).peekable();
+        // without a near pair, no poses at another time are needed
+        let other = near
+            .peek()
+            .and_then(|_| poses_after_step(checker.robot(), checked_state).or_else(|| self.before(stamp)));
+        let mut requests = Requests::none(settings);
+        for (pair, rule) in near {
+            let rate = other.as_ref().and_then(|other| approach_rate(checker, pair, checked_state, other));
+            match rule {
+                Rule::Nothing => {}
+                Rule::Distances(distances) => requests.add(pair, rate, distances, settings),
+                Rule::Separation(separation) => requests.add_separation(pair, rate, separation),
+            }
+        }
+        requests
     }
 
     /// The link poses of the last state, if it is older than this one.
@@ -127,11 +143,86 @@ impl SpeedGovernor {
     }
 }
 
-fn distances_of(pair: &PairDistance, settings: &SpeedSettings) -> SpeedDistances {
-    match (pair.a, pair.b) {
-        (BodyId::Obstacle(_), _) | (_, BodyId::Obstacle(_)) => settings.world,
-        _ => settings.own,
+/// Least share that pairs of one state request.
+struct Requests {
+    share: f64,
+    /// Whether the approach rates that matter are known.
+    are_known: bool,
+    separation: Option<Separation>,
+}
+
+impl Requests {
+    /// No pair is near.
+    fn none(settings: &SpeedSettings) -> Self {
+        let separation = settings.separation.as_ref().map(Separation::out_of_range);
+        Self { share: 1.0, are_known: true, separation }
     }
+
+    /// Adds a pair whose share follows from slow-down and stop distance.
+    fn add(
+        &mut self,
+        pair: &PairDistance,
+        rate: Option<f64>,
+        distances: SpeedDistances,
+        settings: &SpeedSettings,
+    ) {
+        // a pair beyond that distance requests no reduction even if its rate is unknown
+        self.are_known &= rate.is_some() || pair.distance > distances.reach();
+        self.share = self.share.lesser(distances.share(pair.distance, rate, settings.reaction_time));
+    }
+
+    /// Adds a pair whose separation is monitored. An unknown rate counts as the largest one.
+    fn add_separation(&mut self, pair: &PairDistance, rate: Option<f64>, settings: &SeparationSettings) {
+        let separation = Separation::of_pair(settings, (pair.a, pair.b), pair.distance, rate);
+        self.share = self.share.lesser(separation.share);
+        self.separation = Some(self.separation.map_or(separation, |lowest| lowest.lower(separation)));
+    }
+}
+
+/// Rule for the share that one pair requests.
+enum Rule<'s> {
+    /// The pair requests no reduction.
+    Nothing,
+    Distances(SpeedDistances),
+    Separation(&'s SeparationSettings),
+}
+
+impl Rule<'_> {
+    /// Whether the pair may request a reduction.
+    fn concerns(&self, pair: &PairDistance, checked_state: &CheckedState) -> bool {
+        let reach = match self {
+            Self::Nothing => return false,
+            Self::Distances(distances) => distances.reach(),
+            Self::Separation(separation) => separation.range(),
+        };
+        reach > 0.0 && pair.distance <= reach.greater(checked_state.slowdown_range) || pair.distance <= 0.0
+    }
+}
+
+fn rule_of<'s>(
+    pair: &PairDistance,
+    checker: &CollisionChecker,
+    checked_state: &CheckedState,
+    settings: &'s SpeedSettings,
+) -> Rule<'s> {
+    let (body, obstacle) = match (pair.a, pair.b) {
+        (BodyId::Obstacle(_), body) => (body, pair.a),
+        (body, BodyId::Obstacle(_)) => (body, pair.b),
+        _ => return Rule::Distances(settings.own),
+    };
+    match &settings.separation {
+        None => Rule::Distances(settings.world),
+        Some(separation) if separation.rests(checker.body_name(obstacle)) => Rule::Distances(settings.world),
+        // where the root stays in place, a body that is fixed to it cannot approach
+        Some(_) if checked_state.obstacle_motions.is_empty() && is_fixed(checker, body) => Rule::Nothing,
+        Some(separation) => Rule::Separation(separation),
+    }
+}
+
+/// Whether no joint moves this body.
+fn is_fixed(checker: &CollisionChecker, body: BodyId) -> bool {
+    let robot = checker.robot();
+    carrier(checker, body).is_some_and(|link| robot.same_rigid_body(link, robot.root()))
 }
 
 #[cfg(test)]

@@ -2,6 +2,8 @@
 
 use clearance_geometry::math::Extremes;
 
+use super::separation_settings::SeparationSettings;
+
 /// Approach rates below this (m/s) count as at rest: velocities are noisy.
 pub(super) const REST: f64 = 1e-3;
 
@@ -15,7 +17,7 @@ pub struct SpeedDistances {
 }
 
 /// User settings of the speed scale.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct SpeedSettings {
     /// Distances between bodies of the robot.
     pub own: SpeedDistances,
@@ -27,6 +29,8 @@ pub struct SpeedSettings {
     pub trigger_count: u32,
     /// Number of states in a row after which it speeds up.
     pub release_count: u32,
+    /// Speed and separation monitoring of the obstacles, except for those that rest; `None`: off.
+    pub separation: Option<SeparationSettings>,
 }
 
 impl Default for SpeedSettings {
@@ -37,12 +41,13 @@ impl Default for SpeedSettings {
             reaction_time: 0.1,
             trigger_count: 1,
             release_count: 5,
+            separation: None,
         }
     }
 }
 
 impl SpeedSettings {
-    /// Distance (m) up to which pairs have to be known.
+    /// Distance (m) up to which pairs are reported: within it, pairs at rest may cause a reduction by their distance.
     #[must_use]
     pub(super) fn reach(&self) -> f64 {
         self.own.reach().greater(self.world.reach())

@@ -132,6 +132,7 @@ impl StateControl {
         let status = if checked.report.is_free() { Status::Free } else { Status::Colliding };
         let evaluation = Evaluation {
             speed_scale: if status.is_free() { 1.0 } else { 0.0 },
+            separation: None,
             status,
             stamp: None,
             age: None,

@@ -34,6 +34,7 @@ fn what_a_link_holds_is_slowed_down_for_and_looked_ahead_for_as_its_own_shapes()
             reaction_time: 0.1,
             trigger_count: 1,
             release_count: 1,
+            separation: None,
         };
         monitor.set_settings(MonitorSettings { speed, ..settings_of_lookout() });
         monitor.set_checker(folder(held));

@@ -13,6 +13,7 @@ mod models;
 mod publishers;
 mod root_location;
 mod self_and_world;
+mod separation;
 mod speed;
 mod transform_joints;
 mod unpositioned;

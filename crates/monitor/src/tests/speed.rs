@@ -10,6 +10,7 @@ const SPEED: SpeedSettings = SpeedSettings {
     reaction_time: 0.1,
     trigger_count: 1,
     release_count: 1,
+    separation: None,
 };
 
 /// A monitor with a speed scale; joint states are stale after half a second.

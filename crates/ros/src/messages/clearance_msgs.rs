@@ -43,6 +43,20 @@ pub struct Contact {
     pub reason: String,
 }
 
+/// Speed and separation monitoring of one joint state.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Separation {
+    pub header: Header,
+    pub pair_known: bool,
+    pub pair: BodyPair,
+    pub distance: f64,
+    pub protective_distance: f64,
+    pub approach_speed_known: bool,
+    pub approach_speed: f64,
+    pub allowed_speed: f64,
+    pub requested_scale: f64,
+}
+
 /// Numbers of pairs that were not checked, by reason.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SkippedPairs {
@@ -90,6 +104,7 @@ impl CollisionState {
 impl Message for BodyPair {}
 impl Message for PairDistance {}
 impl Message for Contact {}
+impl Message for Separation {}
 impl Message for SkippedPairs {}
 impl Message for CollisionState {}
 
@@ -109,6 +124,7 @@ mod tests {
         assert_eq!(fields_in_rust::<BodyPair>(), fields_in_text(msg!("BodyPair")));
         assert_eq!(fields_in_rust::<PairDistance>(), fields_in_text(msg!("PairDistance")));
         assert_eq!(fields_in_rust::<Contact>(), fields_in_text(msg!("Contact")));
+        assert_eq!(fields_in_rust::<Separation>(), fields_in_text(msg!("Separation")));
         assert_eq!(fields_in_rust::<SkippedPairs>(), fields_in_text(msg!("SkippedPairs")));
         assert_eq!(fields_in_rust::<CollisionState>(), fields_in_text(msg!("CollisionState")));
     }

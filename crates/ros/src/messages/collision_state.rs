@@ -191,6 +191,7 @@ mod tests {
             checked_state: None,
             robot_state: None,
             speed_scale: 0.0,
+            separation: None,
             left_out: LeftOut::Nothing,
             is_swapping: false,
             stale_world: None,

@@ -1,7 +1,7 @@
 //! Declaration of one parameter: its name, unit, meaning and range.
 
-use std::collections::BTreeSet;
 use clearance_scene::VolumeSelection;
+use std::collections::BTreeSet;
 
 use crate::names::fault_of_topic;
 use crate::parameters::obstacle_limit::obstacle_limit;

@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 
 use crate::parameters::declaration::{Access, Declaration, Range, TOPICS};
 use crate::parameters::parameter_set::{
-    CONTINUOUS_DIRECTIONS, Parameters, STALE_SOURCE_POLICIES, UNKNOWN_OR_WARN, UNKNOWN_SPACES,
+    CONTINUOUS_DIRECTIONS, Parameters, SPEED_MODES, STALE_SOURCE_POLICIES, UNKNOWN_OR_WARN, UNKNOWN_SPACES,
 };
 
 /// Declaration of the parameter with this name.
@@ -346,6 +346,80 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             (1, 1000),
             |p| &mut p.slowdown_trigger_count,
             "Number of successive states that must request less speed before ~/speed_scale falls.",
+        ),
+        Declaration {
+            range: Range::Word(SPEED_MODES),
+            access: Access::Word(|p| &mut p.speed_mode),
+            ..described(
+                "speed_mode",
+                "",
+                "Rule of ~/speed_scale for obstacles: slow-down and stop distance, or speed and separation monitoring (ISO/TS 15066).",
+            )
+        },
+        double(
+            "ssm_acceleration",
+            "m/s2",
+            (0.0, 1000.0),
+            |p| &mut p.ssm_acceleration,
+            "Largest acceleration of any point of the robot that commands may cause; 0: unknown, and motion away counts as rest.",
+        ),
+        double(
+            "ssm_deceleration",
+            "m/s2",
+            (0.0, 1000.0),
+            |p| &mut p.ssm_deceleration,
+            "Deceleration that every point of the robot reaches when it brakes; must be above 0 for speed_mode ssm.",
+        ),
+        double(
+            "ssm_human_speed",
+            "m/s",
+            (0.0, 10.0),
+            |p| &mut p.ssm_human_speed,
+            "Speed at which a person may approach the robot.",
+        ),
+        double(
+            "ssm_human_uncertainty",
+            "m",
+            (0.0, 10.0),
+            |p| &mut p.ssm_human_uncertainty,
+            "Position uncertainty of the person, Z_d.",
+        ),
+        double(
+            "ssm_intrusion_distance",
+            "m",
+            (0.0, 10.0),
+            |p| &mut p.ssm_intrusion_distance,
+            "Intrusion distance, C: how far a body part reaches into the sensing field before it is detected.",
+        ),
+        double(
+            "ssm_reaction_time",
+            "s",
+            (0.0, 10.0),
+            |p| &mut p.ssm_reaction_time,
+            "Time from a motion in the room until the robot begins to brake; must be above 0 for speed_mode ssm.",
+        ),
+        Declaration {
+            range: Range::Names("obstacles"),
+            access: Access::Texts(|p| &mut p.ssm_resting_obstacles),
+            ..described(
+                "ssm_resting_obstacles",
+                "",
+                "Obstacles that are no persons: slow-down and stop distance apply to them in speed_mode ssm. A * at the end stands for any text.",
+            )
+        },
+        double(
+            "ssm_robot_speed",
+            "m/s",
+            (0.0, 20.0),
+            |p| &mut p.ssm_robot_speed,
+            "Largest speed of any point of the robot that commands may request before they are scaled; must be above 0 for speed_mode ssm.",
+        ),
+        double(
+            "ssm_robot_uncertainty",
+            "m",
+            (0.0, 10.0),
+            |p| &mut p.ssm_robot_uncertainty,
+            "Position uncertainty of the robot, Z_r.",
         ),
         double(
             "stale_after",

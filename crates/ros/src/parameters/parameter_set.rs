@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::parameters::obstacle_limit::obstacle_limit;
 use crate::parameters::recording_settings::RecordingSettings;
 use clearance_geometry::VolumeKind;
-use clearance_monitor::{MonitorSettings, SpeedDistances, SpeedSettings};
+use clearance_monitor::{MonitorSettings, SeparationSettings, SpeedDistances, SpeedSettings};
 use clearance_motion::{ContinuousDirection, ObstacleLimits, SpeedLimit};
 
 /// All current parameters. One value of this type is a consistent set, and is replaced as a whole.
@@ -29,6 +29,16 @@ pub struct Parameters {
     pub slowdown_reaction_time: f64,
     pub slowdown_trigger_count: i64,
     pub slowdown_release_count: i64,
+    pub speed_mode: &'static str,
+    pub ssm_human_speed: f64,
+    pub ssm_robot_speed: f64,
+    pub ssm_reaction_time: f64,
+    pub ssm_deceleration: f64,
+    pub ssm_acceleration: f64,
+    pub ssm_intrusion_distance: f64,
+    pub ssm_human_uncertainty: f64,
+    pub ssm_robot_uncertainty: f64,
+    pub ssm_resting_obstacles: Vec<String>,
     pub look_ahead_horizon: f64,
     pub look_ahead_acceleration: f64,
     pub obstacle_speed: f64,
@@ -76,6 +86,10 @@ pub(super) const STALE_SOURCE_POLICIES: &[&str] = &["unknown", "drop"];
 pub const UNKNOWN_OR_WARN: &[&str] = &["unknown", "warn"];
 /// Direction in which continuous joints move from the current state.
 pub(super) const CONTINUOUS_DIRECTIONS: &[&str] = &["shortest", "as_given"];
+/// Rule of the speed scale for obstacles: by distances, or speed and separation monitoring.
+pub(super) const SPEED_MODES: &[&str] = &["distances", "ssm"];
+/// Largest distance (m) from which speed and separation monitoring may slow the robot down.
+const LARGEST_SEPARATION: f64 = 10.0;
 pub(super) const UNKNOWN_SPACES: &[&str] = &["free", "occupied"];
 
 impl Default for Parameters {
@@ -98,6 +112,16 @@ impl Default for Parameters {
             slowdown_reaction_time: monitor.speed.reaction_time,
             slowdown_trigger_count: monitor.speed.trigger_count.into(),
             slowdown_release_count: monitor.speed.release_count.into(),
+            speed_mode: SPEED_MODES[0],
+            ssm_human_speed: 1.6,
+            ssm_robot_speed: 0.0,
+            ssm_reaction_time: 0.0,
+            ssm_deceleration: 0.0,
+            ssm_acceleration: 0.0,
+            ssm_intrusion_distance: 0.0,
+            ssm_human_uncertainty: 0.0,
+            ssm_robot_uncertainty: 0.0,
+            ssm_resting_obstacles: Vec::new(),
             look_ahead_horizon: monitor.look_ahead_horizon,
             look_ahead_acceleration: monitor.look_ahead_acceleration,
             obstacle_speed: 0.0,
@@ -186,7 +210,51 @@ impl Parameters {
             reaction_time: self.slowdown_reaction_time,
             trigger_count: count(self.slowdown_trigger_count),
             release_count: count(self.slowdown_release_count),
+            separation: self.monitors_separation().then(|| self.separation_settings()),
         }
+    }
+
+    /// Whether the speed scale follows speed and separation monitoring.
+    #[must_use]
+    pub fn monitors_separation(&self) -> bool {
+        self.speed_mode == SPEED_MODES[1]
+    }
+
+    fn separation_settings(&self) -> SeparationSettings {
+        SeparationSettings {
+            human_speed: self.ssm_human_speed,
+            robot_speed: self.ssm_robot_speed,
+            reaction_time: self.ssm_reaction_time,
+            deceleration: self.ssm_deceleration,
+            acceleration: self.ssm_acceleration,
+            margin: self.ssm_intrusion_distance + self.ssm_human_uncertainty + self.ssm_robot_uncertainty,
+            resting_obstacles: self.ssm_resting_obstacles.clone(),
+        }
+    }
+
+    /// Checks the parameters of speed and separation monitoring, if it is on.
+    fn check_separation(&self) -> Result<(), String> {
+        if !self.monitors_separation() {
+            return Ok(());
+        }
+        for (name, unit, value) in [
+            ("ssm_robot_speed", "m/s", self.ssm_robot_speed),
+            ("ssm_reaction_time", "s", self.ssm_reaction_time),
+            ("ssm_deceleration", "m/s2", self.ssm_deceleration),
+        ] {
+            if value <= 0.0 {
+                return Err(format!(
+                    "speed_mode ssm needs {name} above 0 {unit}: set it before speed_mode, or together with it"
+                ));
+            }
+        }
+        let range = self.separation_settings().range();
+        if range > LARGEST_SEPARATION {
+            return Err(format!(
+                "with these ssm_ parameters, obstacles up to {range:.2} m away slow the robot down, and at most {LARGEST_SEPARATION} m are allowed: give a higher ssm_deceleration, or a lower ssm_robot_speed, ssm_human_speed or ssm_reaction_time"
+            ));
+        }
+        Ok(())
     }
 
     /// Whether data of stale sources is removed, instead of making the status UNKNOWN.
@@ -252,7 +320,7 @@ impl Parameters {
         if !self.cloud_crop_min.iter().zip(&self.cloud_crop_max).all(below) {
             return Err("every number of cloud_crop_min must be below that of cloud_crop_max".to_owned());
         }
-        Ok(())
+        self.check_separation()
     }
 }
 

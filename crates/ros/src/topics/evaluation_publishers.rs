@@ -13,8 +13,9 @@ use crate::dds::middleware_error::MiddlewareError;
 use crate::dds::publisher::Publisher;
 use crate::dds::quality::Quality;
 use crate::dds::type_name::TypeName;
-use crate::messages::clearance_msgs::CollisionState;
+use crate::messages::clearance_msgs::{CollisionState, Separation};
 use crate::messages::collision_state::collision_state;
+use crate::messages::separation::separation_message;
 use crate::names::Names;
 use crate::parameters::parameter_set::Parameters;
 use crate::topics::marker_topic::MarkerFeed;
@@ -28,6 +29,9 @@ pub struct Publishers {
     self_distance: Publisher<Float64>,
     world_distance: Publisher<Float64>,
     speed_scale: Publisher<Float64>,
+    separation: Publisher<Separation>,
+    /// Whether the last published separation may have a result.
+    monitored_separation: bool,
     time_to_contact: Publisher<Float64>,
     /// Whether the last published time to contact may be different from zero.
     looked_ahead: bool,
@@ -64,6 +68,7 @@ impl Publishers {
         let float64 = TypeName::new("std_msgs", "Float64");
         let diagnostic = TypeName::new("diagnostic_msgs", "DiagnosticArray");
         let state = TypeName::new("clearance_msgs", "CollisionState");
+        let separation = TypeName::new("clearance_msgs", "Separation");
         Ok(Self {
             state: publisher(middleware, names, "~/state", state)?,
             is_free: publisher(middleware, names, "~/is_free", TypeName::new("std_msgs", "Bool"))?,
@@ -71,6 +76,8 @@ impl Publishers {
             self_distance: publisher(middleware, names, "~/self_distance", float64)?,
             world_distance: publisher(middleware, names, "~/world_distance", float64)?,
             speed_scale: publisher(middleware, names, "~/speed_scale", float64)?,
+            separation: publisher(middleware, names, "~/separation", separation)?,
+            monitored_separation: false,
             time_to_contact: publisher(middleware, names, "~/time_to_contact", float64)?,
             looked_ahead: false,
             markers,
@@ -96,6 +103,12 @@ impl Publishers {
         note(self.distance.publish(Float64 { data: evaluation.distance() }));
         note(self.self_distance.publish(Float64 { data: evaluation.distance_of(PairKind::SelfPair) }));
         note(self.world_distance.publish(Float64 { data: evaluation.distance_of(PairKind::WorldPair) }));
+        let monitors_separation = parameters.monitors_separation();
+        // when the monitoring is turned off, an unknown separation is published once
+        if monitors_separation || self.monitored_separation {
+            note(self.separation.publish(separation_message(evaluation)));
+        }
+        self.monitored_separation = monitors_separation;
         let looks_ahead = parameters.look_ahead_horizon > 0.0;
         // when the look-ahead is turned off, zero is published once
         if looks_ahead || self.looked_ahead {

@@ -22,6 +22,7 @@ fn declaration_test_start(name: &str) -> Parameters {
     match name {
         "point_cloud_topics" => parameters.point_cloud_topics = vec!["/clouds".to_owned()],
         "obstacle_limits" => parameters.obstacle_limits = vec!["cart 1 2".to_owned()],
+        "ssm_resting_obstacles" => parameters.ssm_resting_obstacles = vec!["table".to_owned()],
         "transform_joints" => parameters.transform_joints = vec!["base".to_owned()],
         _ => {}
     }
@@ -114,6 +115,34 @@ fn a_rejected_value_is_named_with_its_reason_and_changes_nothing() {
     set(&mut parameters, "cloud_crop_max", &Value::EmptyList).unwrap();
     set(&mut parameters, "heartbeat_rate", &Value::Integer(20)).unwrap();
     assert_eq!(declaration_of("heartbeat_rate").unwrap().get(&parameters), Value::Double(20.0));
+}
+
+#[test]
+fn speed_and_separation_monitoring_needs_the_numbers_of_the_robot() {
+    let mut parameters = Parameters::default();
+    let ssm = ("speed_mode".to_owned(), Value::Text("ssm".to_owned()));
+    let number = |name: &str, value: f64| (name.to_owned(), Value::Double(value));
+    assert_eq!(parameters.monitor_settings().speed.separation, None);
+    let given = ["ssm_robot_speed", "ssm_reaction_time", "ssm_deceleration"];
+    for missing in given {
+        let others = given.iter().filter(|name| **name != missing).map(|name| number(name, 0.5));
+        let error = set_live(&mut parameters, &[ssm.clone()].into_iter().chain(others).collect::<Vec<_>>());
+        let error = error.unwrap_err();
+        assert!(error.contains(&format!("needs {missing} above 0")) && error.contains("together"), "{error}");
+    }
+    let all = [ssm, number(given[0], 1.0), number(given[1], 0.1), number(given[2], 2.0)];
+    set_live(&mut parameters, &all).unwrap();
+    set_live(&mut parameters, &[number("ssm_human_uncertainty", 0.1), number("ssm_intrusion_distance", 0.2)])
+        .unwrap();
+    let separation = parameters.monitor_settings().speed.separation.unwrap();
+    assert!((separation.margin - 0.3).abs() < 1e-12 && separation.human_speed > 1.5);
+    let before = parameters.clone();
+    let error = set_live(&mut parameters, &[number(given[2], 0.01)]).unwrap_err();
+    assert!(error.contains("up to 210") && error.contains("at most 10 m"), "{error}");
+    assert!(set_live(&mut parameters, &[number(given[0], 0.0)]).is_err());
+    let wrong = [("speed_mode".to_owned(), Value::Text("fast".to_owned()))];
+    assert!(set_live(&mut parameters, &wrong).unwrap_err().contains("distances or ssm, but 'fast'"));
+    assert_eq!(parameters, before);
 }
 
 /// Values that are set together are checked together.
