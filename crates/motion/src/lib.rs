@@ -7,6 +7,7 @@
 //! | the same over time, with constant velocity or through poses | [`ObstacleTrajectory`] |
 //! | consecutive segments with times | [`Trajectory`] |
 //! | direction of rotation of a continuous joint | [`ContinuousDirection`] |
+//! | deviation of a line or an arc of a link from its samples | [`sample_deviation`] |
 //! | a proof that a motion is free, as a document | [`Certificate`] |
 
 #![deny(missing_docs)]
@@ -23,6 +24,7 @@ mod moving_obstacle;
 mod obstacle_trajectory;
 mod obstacle_trajectory_yaml;
 mod part_hashes;
+mod sample_deviation;
 mod segment;
 mod segment_join;
 mod trajectory;
@@ -42,6 +44,7 @@ pub use moving_obstacle::MovingObstacle;
 pub use obstacle_trajectory::{ObstacleTrajectory, PosesError};
 pub use obstacle_trajectory_yaml::ObstacleTextError;
 pub use part_hashes::{certificate_parts, mesh_model_name};
+pub use sample_deviation::sample_deviation;
 pub use segment::floating;
 pub use segment::{MotionSegment, SegmentError, SegmentText};
 pub use segment_join::{Join, JoinError, join};
