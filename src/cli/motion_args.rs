@@ -33,7 +33,7 @@ pub struct MotionInputArgs {
 
     /// Largest deviation of the true motion from the straight motions between samples: one number (rad, m) for all joints, mimic joints
     /// included, or "j1=0.001 j2=0.002". For trajectories that sample a line or an arc of a link. It adds to --tube
-    #[arg(long, value_name = "D", allow_hyphen_values = true, requires = "trajectory")]
+    #[arg(long, value_name = "D", allow_hyphen_values = true)]
     deviation: Option<String>,
 
     /// Direction of rotation of continuous joints between two positions

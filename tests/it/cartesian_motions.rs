@@ -31,7 +31,7 @@ struct Arm {
 impl Arm {
     fn new(robot: RobotModel, link: &str, start: &[(String, f64)]) -> Self {
         let start = robot.configuration_from_names(start.iter().map(|(n, p)| (n.as_str(), *p))).unwrap();
-        Self { link: robot.link_id(link).unwrap(), robot: Arc::new(robot), start }
+        Self { link: robot.link_by_name(link).unwrap(), robot: Arc::new(robot), start }
     }
 
     fn demo() -> Self {

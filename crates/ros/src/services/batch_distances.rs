@@ -29,17 +29,21 @@ pub fn add_clearance(
     lists.clearance_reasons.push(reason_constant(found.unfinished));
 }
 
-/// Adds the first time of the next motion at which a pair is within the distance.
+/// Adds the first time of the next motion at which a pair is within the distance; `None` if the motion was not checked before
+/// the deadline.
 pub fn add_event(
     lists: &mut BatchEvents,
-    report: &MotionReport,
+    report: Option<&MotionReport>,
     checker: &CollisionChecker,
     bodies: &mut BodyList,
 ) {
-    let (result, t, pair, reason) = match report.verdict {
-        MotionVerdict::Free => (BatchEvents::FARTHER, [1.0; 2], None, None),
-        MotionVerdict::Contact { t, pair, .. } => (BatchEvents::REACHED, t, Some(pair), None),
-        MotionVerdict::Undecided { t, pair, reason, .. } => (BatchEvents::UNDECIDED, t, pair, Some(reason)),
+    let (result, t, pair, reason) = match report.map(|report| &report.verdict) {
+        Some(MotionVerdict::Free) => (BatchEvents::FARTHER, [1.0; 2], None, None),
+        Some(MotionVerdict::Contact { t, pair, .. }) => (BatchEvents::REACHED, *t, Some(*pair), None),
+        Some(MotionVerdict::Undecided { t, pair, reason, .. }) => {
+            (BatchEvents::UNDECIDED, *t, *pair, Some(*reason))
+        }
+        None => (BatchEvents::UNDECIDED, [0.0, 1.0], None, Some(UndecidedReason::Deadline)),
     };
     let mut index = |body| bodies.index(checker, body);
     let [a, b] = pair.map_or([NOBODY; 2], |(a, b)| [index(a), index(b)]);

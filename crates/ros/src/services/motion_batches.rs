@@ -206,14 +206,15 @@ fn check(
     let of_clearance = clearance_options(options);
     for segment in &batch.segments {
         // no check starts after the deadline
-        let is_over = options.deadline.is_some_and(|deadline| Instant::now() >= deadline);
-        response.add((!is_over).then(|| checker.check_motion_with(segment, options, workspace)).as_ref());
+        let is_over = || options.deadline.is_some_and(|deadline| Instant::now() >= deadline);
+        response.add((!is_over()).then(|| checker.check_motion_with(segment, options, workspace)).as_ref());
         if terms.with_clearance {
             response.add_clearance(&checker.clearance_along(segment, &of_clearance, workspace));
         }
         if terms.event_distance > 0.0 {
-            let report = checker.event_distance(segment, terms.event_distance, options, workspace);
-            response.add_event(&report);
+            let distance = terms.event_distance;
+            let report = (!is_over()).then(|| checker.event_distance(segment, distance, options, workspace));
+            response.add_event(report.as_ref());
         }
     }
     response.finish(batch)
@@ -276,7 +277,7 @@ impl<'a> BatchResponse<'a> {
         add_clearance(&mut self.response.clearances, found, self.checker, &mut self.bodies);
     }
 
-    fn add_event(&mut self, report: &MotionReport) {
+    fn add_event(&mut self, report: Option<&MotionReport>) {
         add_event(&mut self.response.events, report, self.checker, &mut self.bodies);
     }
 
