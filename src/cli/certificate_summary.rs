@@ -46,6 +46,9 @@ impl<'c> Summary<'c> {
             format!("tolerance   {tolerance}"),
             format!("settings    {}; {}", self.settings_text(), self.pairs_text(pairs)),
         ];
+        if let Some(margin) = self.certificate.margin {
+            lines.push(format!("margin      {margin:?} m: no pair is ever nearer, besides its padding"));
+        }
         lines.extend(self.obstacle_lines());
         lines.push(format!("hashes      robot {model}"));
         lines.push(format!("            world {world}"));
@@ -67,6 +70,7 @@ impl<'c> Summary<'c> {
                 "tube": tube, "moving_obstacles": obstacles,
             },
             "tolerance": tolerance,
+            "margin": self.certificate.kept_margin(),
             "settings": {
                 "padding": self.settings.padding, "link_padding": self.settings.link_padding,
                 "object_padding": self.settings.object_padding, "link_scale": self.settings.link_scale,

@@ -21,7 +21,7 @@ use super::model_args::{ModelArgs, WorldArgs};
 use super::motion_args::MotionInputArgs;
 use super::motion_clearance::ClearanceResult;
 use super::progress::Progress;
-use super::run_args::{Format, RunArgs, Stats, internal, positive, print_line};
+use super::run_args::{Format, RunArgs, Stats, internal, not_negative, positive, print_line};
 use super::summary::Summary;
 use super::timing::{self, Timing};
 
@@ -58,13 +58,7 @@ pub struct MotionArgs {
     clearance: bool,
 
     /// Distance in metres that pairs have to keep, besides their paddings: find the first time at which a pair is nearer
-    #[arg(
-        long,
-        value_name = "M",
-        default_value_t = 0.0,
-        allow_negative_numbers = true,
-        conflicts_with = "certificate"
-    )]
+    #[arg(long, value_name = "M", default_value_t = 0.0, allow_negative_numbers = true)]
     margin: f64,
 
     /// Report bounding volumes of the region that each link sweeps, in this many intervals (with --format json)
@@ -215,12 +209,7 @@ pub fn run(args: &MotionArgs) -> Result<ExitStatus, Failure> {
 impl MotionArgs {
     fn options(&self) -> Result<MotionOptions, Failure> {
         self.deadline.map(|s| positive("--deadline", s)).transpose()?;
-        if !(self.margin >= 0.0 && self.margin.is_finite()) {
-            let margin = self.margin;
-            return Err(Failure::Input(format!(
-                "--margin is {margin}, but must be a finite number of metres, zero or more"
-            )));
-        }
+        not_negative("--margin", self.margin)?;
         if self.swept_volumes.is_some() && self.run.format == Format::Text {
             return Err(Failure::Input("--swept-volumes needs --format json".to_owned()));
         }

@@ -31,6 +31,11 @@ pub struct MotionInputArgs {
     #[arg(long, value_name = "T", allow_hyphen_values = true)]
     tube: Option<String>,
 
+    /// Largest deviation of the true motion from the straight motions between samples: one number (rad, m) for all joints, mimic joints
+    /// included, or "j1=0.001 j2=0.002". For trajectories that sample a line or an arc of a link. It adds to --tube
+    #[arg(long, value_name = "D", allow_hyphen_values = true)]
+    deviation: Option<String>,
+
     /// Direction of rotation of continuous joints between two positions
     #[arg(long, value_enum, default_value_t = Continuous::AsGiven)]
     continuous: Continuous,
@@ -90,9 +95,15 @@ impl MotionInputArgs {
         self.continuous != Continuous::AsGiven
     }
 
-    /// Tolerance (rad, m) of each position, if one is given.
+    /// Tolerance (rad, m) of each position, if one is given: of the tracking, and of the motion between samples.
     pub fn tube(&self, robot: &RobotModel) -> Result<Option<Vec<f64>>, Failure> {
-        self.tube.as_ref().map(|text| states::tube_from_text(text, robot)).transpose()
+        let read = |name: &str, text: &Option<String>| {
+            text.as_ref().map(|text| states::tube_from_text(name, text, robot)).transpose()
+        };
+        Ok(match (read("--tube", &self.tube)?, read("--deviation", &self.deviation)?) {
+            (Some(tube), Some(deviation)) => Some(tube.iter().zip(&deviation).map(|(a, b)| a + b).collect()),
+            (tube, deviation) => tube.or(deviation),
+        })
     }
 
     /// The motions with the moving obstacles.

@@ -90,6 +90,14 @@ pub fn positive(name: &str, value: f64) -> Result<f64, Failure> {
         .ok_or_else(|| Failure::Input(format!("{name} must be a finite number above zero, not {value}")))
 }
 
+/// Checks that the value of an option is a finite number of metres, zero or more.
+pub fn not_negative(name: &str, value: f64) -> Result<f64, Failure> {
+    let sound = value.is_finite() && value >= 0.0;
+    sound.then_some(value).ok_or_else(|| {
+        Failure::Input(format!("{name} is {value}, but must be a finite number of metres, zero or more"))
+    })
+}
+
 /// Writes to stdout. A closed pipe is not an error.
 pub fn print_line(line: &str) -> Result<(), Failure> {
     use std::io::Write;

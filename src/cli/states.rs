@@ -104,17 +104,17 @@ pub fn from_text_over(
     robot.configuration_over(rest, named).map_err(|e| Failure::Input(format!("{argument}: {e}")))
 }
 
-/// Tolerance for each position: one number for all joints, or values by joint name and zero for the others. A tolerance of a mimic joint
+/// Tolerance for each position, from the value of an option: one number for all joints, or values by joint name and zero for the others. A tolerance of a mimic joint
 /// applies to its leader.
-pub fn tube_from_text(text: &str, robot: &RobotModel) -> Result<Vec<f64>, Failure> {
+pub fn tube_from_text(option: &str, text: &str, robot: &RobotModel) -> Result<Vec<f64>, Failure> {
     let tube = if let Ok(all) = text.trim().parse::<f64>() {
         robot.uniform_tolerances(all)
     } else {
-        let named = assignments::parse("--tube", text)?;
+        let named = assignments::parse(option, text)?;
         let (joints, values): (Vec<&str>, Vec<f64>) = named.into_iter().unzip();
         robot.named_joints(joints).and_then(|joints| joints.tolerances(&values))
     };
-    tube.map_err(|e| Failure::Input(format!("--tube: {e}")))
+    tube.map_err(|e| Failure::Input(format!("{option}: {e}")))
 }
 
 /// Reads edges of `robot` from a file: `{"joints": [...], "edges": [[[...], [...]], ...]}`.

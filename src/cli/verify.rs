@@ -17,7 +17,7 @@ use super::failure::Failure;
 use super::matrix_verification;
 use super::model_args::{ModelArgs, WorldArgs, warn_of_meshes};
 use super::motion_args::MotionInputArgs;
-use super::run_args::{Format, PairArgs, positive, print_line};
+use super::run_args::{Format, PairArgs, not_negative, positive, print_line};
 
 /// Verify a certificate that a motion is free, with code that is independent of the checker.
 ///
@@ -48,6 +48,10 @@ pub struct VerifyArgs {
     /// Expected tolerance (m) of the certificate
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     tolerance: Option<f64>,
+
+    /// Margin (m) that the certificate has to prove, at least: no pair is ever nearer than this, besides its padding
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    margin: Option<f64>,
 
     /// Accept any motion of obstacles that starts at their poses in the world; the moving obstacles are printed
     #[arg(long, conflicts_with = "moving")]
@@ -89,6 +93,7 @@ impl VerifyArgs {
     /// The expected motion, tube and tolerance.
     fn expected(&self, robot: &RobotModel, world: &World) -> Result<ExpectedMotion, Failure> {
         let tolerance = self.tolerance.map(|m| positive("--tolerance", m)).transpose()?;
+        let margin = self.margin.map(|m| not_negative("--margin", m)).transpose()?;
         if self.motion.moves_obstacles() && !self.motion.is_given() {
             let needed =
                 "--moving is about an expected motion: give --from and --to, --edges or --trajectory, too";
@@ -99,8 +104,13 @@ impl VerifyArgs {
             return Err(Failure::Input(needed.to_owned()));
         }
         let tube = self.motion.tube(robot)?;
-        let expected =
-            ExpectedMotion { motion: None, any_obstacle_motion: self.moving_obstacles, tube, tolerance };
+        let expected = ExpectedMotion {
+            motion: None,
+            any_obstacle_motion: self.moving_obstacles,
+            tube,
+            tolerance,
+            margin,
+        };
         if !self.motion.is_given() {
             return Ok(expected);
         }

@@ -169,6 +169,34 @@ static void check_motions(void) {
   options.budget = 1;
   CHECK_OK(clearance_checker_check_motion(checker, workspace, edge_of(NEAR, TABLE), &options, &report));
   CHECK(report.verdict == CLEARANCE_VERDICT_UNDECIDED && report.reason == CLEARANCE_REASON_BUDGET);
+  clearance_motion_distances along;
+  CHECK_OK(clearance_checker_clearance_along(checker, workspace, edge_of(NEAR, FAR), NULL, &along));
+  CHECK(along.reason == CLEARANCE_REASON_NONE && along.evaluations > 0);
+  const clearance_least_distance *both[2] = {&along.nearest_self, &along.nearest_world};
+  for (size_t i = 0; i < 2; ++i) {
+    CHECK(0.0 < both[i]->lower && both[i]->lower <= both[i]->upper && both[i]->upper - both[i]->lower <= 2e-3);
+    CHECK(both[i]->pair.a != NULL && both[i]->t >= 0.0 && both[i]->t <= 1.0 && isnan(both[i]->time));
+    double squared = 0.0;
+    for (size_t k = 0; k < 3; ++k) {
+      squared += pow(both[i]->points[0][k] - both[i]->points[1][k], 2.0);
+    }
+    CHECK_NEAR(sqrt(squared), both[i]->upper, 1e-9);
+  }
+  const double least = fmin(along.nearest_self.lower, along.nearest_world.lower);
+  const double upper = fmin(along.nearest_self.upper, along.nearest_world.upper);
+  options = clearance_motion_options_default();
+  CHECK(options.margin == 0.0);
+  options.margin = 0.9 * least;
+  CHECK_OK(clearance_checker_check_motion(checker, workspace, edge_of(NEAR, FAR), &options, &report));
+  CHECK(report.verdict == CLEARANCE_VERDICT_FREE);
+  options.margin = 1.1 * upper;
+  CHECK_OK(clearance_checker_check_motion(checker, workspace, edge_of(NEAR, FAR), &options, &report));
+  CHECK(report.verdict == CLEARANCE_VERDICT_CONTACT);
+  clearance_along_options limits = clearance_along_options_default();
+  CHECK(limits.absolute_tolerance == 1e-3 && limits.relative_tolerance == 0.01 && isinf(limits.max_distance));
+  limits.timeout = 0.0;
+  CHECK_OK(clearance_checker_clearance_along(checker, workspace, edge_of(NEAR, FAR), &limits, &along));
+  CHECK(along.reason == CLEARANCE_REASON_DEADLINE && along.nearest_self.lower == 0.0 && isinf(along.nearest_self.upper));
   options = clearance_motion_options_default();
   options.timeout = 0.0;
   CHECK_OK(clearance_checker_check_motion(checker, workspace, edge_of(NEAR, FAR), &options, &report));
@@ -191,6 +219,10 @@ static void check_trajectories(void) {
   clearance_motion_report report;
   CHECK_OK(clearance_checker_check_trajectory(checker, workspace, &trajectory, NULL, &report));
   CHECK(report.verdict == CLEARANCE_VERDICT_CONTACT && report.segment == 1);
+  clearance_motion_distances along;
+  CHECK_OK(clearance_checker_clearance_along_trajectory(checker, workspace, &trajectory, NULL, &along));
+  CHECK(along.nearest_world.lower == 0.0 && along.nearest_world.upper == 0.0 && along.nearest_world.segment == 1);
+  CHECK_NEAR(along.nearest_world.time, 1.0 + 2.0 * along.nearest_world.t, 1e-9);
   CHECK_NEAR(report.time[0], 1.0 + 2.0 * report.t[0], 1e-9);
   trajectory.count = 2;
   trajectory.times = NULL;

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 const UPDATE: &str = "CLEARANCE_UPDATE_HEADER";
 
 /// Files of the interface, in the order of the header.
-const FILES: [&str; 14] = [
+const FILES: [&str; 15] = [
     "status.rs",
     "structs.rs",
     "robot.rs",
@@ -18,6 +18,7 @@ const FILES: [&str; 14] = [
     "state_queries.rs",
     "motion_options.rs",
     "motion_queries.rs",
+    "motion_distances.rs",
     "certificate.rs",
     "planning.rs",
     "recovery.rs",

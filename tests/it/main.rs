@@ -2,6 +2,7 @@
 
 mod adversarial;
 mod bodies;
+mod cartesian_motions;
 mod cases;
 mod certificates;
 mod checker;

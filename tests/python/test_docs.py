@@ -8,7 +8,7 @@ import pytest
 
 from conftest import ROOT
 
-PAGES = ["docs/plan/python.md", "docs/plan/planner.md", "docs/plan/ompl.md"]
+PAGES = ["docs/plan/python.md", "docs/plan/motions.md", "docs/plan/planner.md", "docs/plan/ompl.md"]
 BLOCK = re.compile(r"^```python\n(.*?)^```\n(?:\n```text\n(.*?)^```)?", re.MULTILINE | re.DOTALL)
 SCRIPTS = [script for page in PAGES for script in BLOCK.findall((ROOT / page).read_text())]
 

@@ -173,8 +173,9 @@ def test_arguments_of_xacro_need_a_xacro_file(urdf):
     assert cl.Robot.from_urdf(urdf, xacro_args={}).name
 
 
-MOTION = {"tolerance": "above zero", "timeout": "zero or more seconds", "budget": "whole number", "any_contact": "True or False"}
+MOTION = {"tolerance": "above zero", "timeout": "zero or more seconds", "budget": "whole number", "any_contact": "True or False", "margin": "zero or more"}
 SEARCH = {"max_distance": "finite", "clearance": "finite", "timeout": "seconds", "max_checks": "whole number"}
+ALONG = {"absolute_tolerance": "finite", "relative_tolerance": "finite", "max_distance": "metres", "timeout": "seconds", "budget": "whole"}
 PLAN = {"range": "", "timeout": "seconds", "max_edges": "whole number", "shortcuts": "whole number", "seed": "whole number"}
 
 
@@ -184,6 +185,9 @@ def test_errors_of_options_name_option_and_value(arm, home, value, shown):
         "distance": ({"max_distance": "zero or more metres"}, lambda **o: arm.distance(home, **o)),
         "check": ({"max_distance": "zero or more metres", "max_contacts": "whole"}, lambda **o: arm.check(home, **o)),
         "check_motion": (MOTION, lambda **o: arm.check_motion(home, home, **o)),
+        "clearance_along": (ALONG, lambda **o: arm.clearance_along(home, home, **o)),
+        "clearance_along_trajectory": (ALONG, lambda **o: arm.clearance_along_trajectory(None, [home, home], **o)),
+        "event_distance": ({"distance": "finite"}, lambda **o: arm.event_distance(home, home, **o)),
         "check_edges": (MOTION, lambda **o: arm.check_edges(home, home, **o)),
         "are_edges_free": (MOTION, lambda **o: arm.are_edges_free(home, home, **o)),
         "find_free_state": (SEARCH, lambda **o: arm.find_free_state(home, **o)),

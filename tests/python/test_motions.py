@@ -150,3 +150,89 @@ def test_options(arm, home):
         arm.check_motion(home, home, tolerance=0.0)
     with pytest.raises(TypeError, match="no option 'tolerence'"):
         arm.are_edges_free(home, home, tolerence=1e-3)
+
+
+def least_at(arm, states):
+    found = [arm.distance(q, max_distance=np.inf) for q in states]
+    return min(near.self_distance for near in found), min(near.world_distance for near in found)
+
+
+def test_least_distances_along_motions(arm, edges):
+    """Against sampled distances: bounds hold, and the upper one is that of the named pair at its t."""
+    finite = 0
+    for q0, q1 in zip(edges[0][:12], edges[1][:12]):
+        found = arm.clearance_along(q0, q1)
+        assert isinstance(found, cl.MotionClearance) and found.reason is None and found.evaluations > 0
+        sampled = least_at(arm, q0 + np.linspace(0, 1, 101)[:, None] * (q1 - q0))
+        for least, at_samples, name in zip((found.nearest_self, found.nearest_world), sampled, ("self", "world")):
+            assert least.lower <= at_samples + 1e-9 and least.lower <= least.upper
+            assert least.upper - least.lower <= max(1e-3, 0.01 * least.upper) + 1e-12
+            assert least.upper <= at_samples + max(1e-3, 0.01 * least.upper)
+            there = arm.distance(q0 + least.t * (q1 - q0), max_distance=np.inf)
+            assert getattr(there, f"{name}_distance") <= least.upper + 1e-9
+            assert least.points.shape == (2, 3) and least.segment == 0 and least.time is None
+            if least.upper > 0:
+                assert np.linalg.norm(least.points[0] - least.points[1]) == pytest.approx(least.upper)
+        assert found.lower == min(found.nearest_self.lower, found.nearest_world.lower)
+        assert found.upper == min(found.nearest_self.upper, found.nearest_world.upper)
+        assert found.free == arm.are_edges_free(q0, q1)
+        finite += found.free
+    assert 0 < finite < 12
+
+
+def test_least_distances_along_trajectories(arm, home):
+    points = home + np.array([0, 0.05, 0.1])[:, None]
+    found = arm.clearance_along_trajectory([0.0, 1.0, 3.0], points)
+    nearest = found.nearest_world
+    assert nearest.segment in (0, 1) and nearest.time == pytest.approx(nearest.t if nearest.segment == 0 else 1 + 2 * nearest.t)
+    loose = arm.clearance_along_trajectory(None, points, deviation=0.01)
+    assert loose.lower < found.lower and loose.nearest_world.time is None and loose.reason == cl.Reason.TUBE
+    assert arm.clearance_along_trajectory(None, points, tube=0.004, deviation=np.full(7, 0.006)).lower == pytest.approx(loose.lower)
+    assert arm.clearance_along(home, points[2], timeout=0.0).reason == cl.Reason.DEADLINE
+    alone = cl.Checker(arm.robot, group="arm").clearance_along(home, points[2])
+    assert alone.nearest_world is None and alone.lower == alone.nearest_self.lower
+
+
+def test_the_first_time_within_a_distance(arm, home):
+    goal = home + 0.1
+    along = arm.clearance_along(home, goal)
+    assert arm.event_distance(home, goal, 0.9 * along.lower).free
+    found = arm.event_distance(home, goal, along.upper + 1e-3)
+    assert found.verdict == cl.Verdict.CONTACT and found.t[0] <= found.t[1]
+    near = arm.distance(home + found.t[1] * (goal - home), max_distance=1.0)
+    assert min(near.self_distance, near.world_distance) <= along.upper + 1e-3 + 1e-9
+    same = arm.check_motion(home, goal, margin=along.upper + 1e-3)
+    assert (same.verdict, same.t, same.pair) == (found.verdict, found.t, found.pair)
+    assert not arm.are_edges_free(home, goal, margin=along.upper + 1e-3) and arm.are_edges_free(home, goal)
+    assert arm.check_trajectory(None, [home, goal], margin=along.upper + 1e-3).verdict == cl.Verdict.CONTACT
+    with pytest.raises(TypeError, match="event_distance has no option 'margin'"):
+        arm.event_distance(home, goal, 0.1, margin=0.1)
+
+
+def test_certificates_prove_a_margin(robot, world, arm, home):
+    goal = home + 0.1
+    margin = 0.9 * arm.clearance_along(home, goal).lower
+    edge = tuple(arm.expand(q) for q in (home, goal))
+    certificate = arm.check_motion(home, goal, certificate=True, margin=margin).certificate
+    assert certificate.margin == margin
+    assert cl.verify(certificate, robot, world, edge=edge, margin=margin)
+    assert "margin" in cl.verify(certificate, robot, world, edge=edge, margin=1.01 * margin).reason
+    plain = arm.check_motion(home, goal, certificate=True).certificate
+    assert plain.margin == 0 and not cl.verify(plain, robot, world, edge=edge, margin=margin)
+    with pytest.raises(cl.Error, match="margin is -1"):
+        cl.verify(plain, robot, world, edge=edge, margin=-1)
+
+
+def test_a_deviation_between_samples_is_part_of_the_proof(robot, world, arm, home):
+    points = home + np.array([0, 0.05, 0.1])[:, None]
+    report = arm.check_trajectory(None, points, deviation=1e-3, certificate=True)
+    assert report.free
+    whole = (None, arm.expand(points))
+    # the tracking tolerance of the certificate is of all positions of the robot: those of the arm
+    deviation = np.array([1e-3 if name in arm.joint_names else 0.0 for name in robot.joint_names])
+    assert cl.verify(report.certificate, robot, world, trajectory=whole, tube=deviation)
+    assert not cl.verify(report.certificate, robot, world, trajectory=whole)
+    assert arm.check_trajectory(None, points, deviation=1.5).reason == cl.Reason.TUBE
+    for bad, words in ((-1.0, "deviation has -1"), (np.nan, "deviation has NaN"), ([1.0, 2.0], "deviation has shape")):
+        with pytest.raises(ValueError, match=words):
+            arm.check_trajectory(None, points, deviation=bad)

@@ -83,6 +83,45 @@ def test_every_motion_gets_the_answer_of_check_motion(cell, terms):
     assert_as_single(cell, motions, response, **terms)
 
 
+LISTS = ["lower", "upper", "t", "pair_a", "pair_b"]
+
+
+def test_distances_are_those_of_check_motion(cell):
+    motions, terms = random_motions(30), {"with_clearance": True, "event_distance": 0.3, "margin": 0.05}
+    response = cell.batches.check(motions, **terms)
+    assert_as_single(cell, motions, response, **terms)
+    assert {Response.EVENT_FARTHER, Response.EVENT_REACHED} <= set(response.event_results)
+
+    def names(a, b):
+        return [response.bodies[index] if index >= 0 else "" for index in (a, b)]
+
+    for i, (start, goal) in enumerate(motions):
+        single = cell.motions.check(start, goal, **terms)
+        for kind, least in (("self", single.self_clearance), ("world", single.world_clearance)):
+            lower, upper, t, a, b = (getattr(response, f"{kind}_{name}")[i] for name in LISTS)
+            assert (lower, upper) == (least.lower, least.upper)
+            assert t == least.t or (np.isnan(t) and np.isnan(least.t))
+            assert names(a, b) == [least.nearest.pair.body_a, least.nearest.pair.body_b]
+        assert response.clearance_reasons[i] == REASONS[single.clearance_reason_code]
+        event = single.event
+        assert response.event_results[i] == event.result and response.event_reasons[i] == REASONS[event.reason_code]
+        assert (response.event_t_farther[i], response.event_t_reached[i]) == (event.t_farther, event.t_reached)
+        assert names(response.event_pair_a[i], response.event_pair_b[i]) == [event.pair.body_a, event.pair.body_b]
+
+    without = cell.batches.check(motions)
+    lists = [f"{kind}_{name}" for kind in ("self", "world") for name in LISTS] + ["clearance_reasons", "event_results"]
+    lists += ["event_reasons", "event_t_farther", "event_t_reached", "event_pair_a", "event_pair_b"]
+    assert [len(getattr(without, name)) for name in lists] == [0] * len(lists)
+
+
+def test_distances_that_the_timeout_left_out_claim_nothing(cell):
+    response = cell.batches.check([((0, 0), (1, 1))] * 3, timeout=1e-9, with_clearance=True, event_distance=0.1)
+    assert response.reason_code == "deadline"
+    assert list(response.self_lower) == [0] * 3 and list(response.self_upper) == [inf] * 3
+    assert list(response.clearance_reasons) == list(response.event_reasons) == [Response.REASON_DEADLINE] * 3
+    assert list(response.event_results) == [Response.EVENT_UNDECIDED] * 3
+
+
 def test_a_group_names_the_joints(cell):
     response = cell.batches.check([((0,), (1,)), ((0,), (pi,))], joints=[], group="wrist")
     assert list(response.joint_names) == ["joint2"]
@@ -114,6 +153,8 @@ def test_other_joints_stand_where_they_are_given(cell):
         ([((0, 0), (1, 1))] * (MOST + 1), {}, "10001 motions"),
         ([((0, 0), (1, 1))], {"timeout": -1.0}, "timeout is -1"),
         ([((0, 0), (1, 1))], {"tolerance": nan}, "tolerance is NaN"),
+        ([((0, 0), (1, 1))], {"margin": nan}, "margin is NaN"),
+        ([((0, 0), (1, 1))], {"event_distance": inf}, "event_distance is inf"),
         ([((0, 0), (1, 1))], {"joint_tolerances": [0.1]}, "joint_tolerances has 1"),
         ([((0, 0), (1, 1))], {"continuous_joint_direction": 9}, "continuous_joint_direction is 9"),
         ([((0, 0), (1, 1))], {"other_joints": ["joint1"], "other_positions": [0.0]}, "'joint1' is given twice"),

@@ -2,16 +2,18 @@
 
 import json
 import re
-from math import cos, inf, isnan, nan, pi, sin
+from math import asin, cos, inf, isnan, nan, pi, sin
 
 import pytest
-from clearance_msgs.msg import CollisionState
+from clearance_msgs.msg import BodyPair, CollisionState, DistanceEvent
 from clearance_msgs.srv import CheckMotion, CheckTrajectory
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 import two_link
 from cell import STALE_AFTER, Cell
 from motions import Motions
+from scene import ball, diff
+from scene_client import SceneClient
 from swept_volumes import capsules, colours, room
 
 NEAR = (0, 5 * pi / 6)  # folded, still free
@@ -215,6 +217,10 @@ def test_a_world_that_is_not_known_is_an_error(start):
         ({"timeout": -1.0}, "timeout is -1"),
         ({"timeout": nan}, "timeout is NaN"),
         ({"goal": [0.0] * 500_000}, "goal has 500000"),
+        ({"margin": -0.1}, "margin is -0.1"),
+        ({"margin": inf}, "margin is inf"),
+        ({"event_distance": -0.1}, "event_distance is -0.1"),
+        ({"event_distance": nan}, "event_distance is NaN"),
         ({"joint_tolerances": [0.1]}, "joint_tolerances has 1"),
         ({"joint_tolerances": [0.1, nan]}, "'joint2' is NaN"),
         ({"joints": ["x" * 1_000_000, "joint2"]}, "the name 'xxx"),
@@ -271,6 +277,101 @@ def test_velocities_bend_the_way(cell):
     t = response.t_contact
     joint2 = 2 + 6 * t + (3 * 0.5 - 2 * 6 + 6) * t**2 + (6 - 6 - 2 * 0.5) * t**3
     assert cell.evaluate(joint1=0, joint2=joint2).status == CollisionState.COLLIDING
+
+
+def assert_claims_nothing(least):
+    assert (least.lower, least.upper, least.segment) == (0, inf, 0) and isnan(least.t) and isnan(least.time)
+    assert (least.nearest.pair.body_a, least.nearest.distance) == ("", 0)
+
+
+def test_distances_that_are_not_requested_claim_nothing(cell):
+    for response in (cell.motions.check((0, 0), NEAR), cell.motions.follow(STRAIGHT), cell.motions.check((0, 0), (nan, 0))):
+        for least in (response.self_clearance, response.world_clearance):
+            assert_claims_nothing(least)
+        assert response.clearance_reason_code == ""
+        event = response.event
+        assert (event.result, event.reason_code, event.pair.body_a) == (DistanceEvent.NOT_CHECKED, "", "")
+        assert (event.segment, event.t_farther, event.t_reached) == (0, 0, 0)
+        assert isnan(event.time_farther) and isnan(event.time_reached)
+
+
+# The ball's centre is sin(joint2) above the middle of the cube of half side 0.2, where it is above the cube.
+LEAST = 0.5 - 0.2 - 0.1
+WITHIN = 0.25
+REACHED = (pi - asin(WITHIN + 0.3)) / NEAR[1]
+
+
+def assert_nearest(least, lowest):
+    assert lowest - 3e-3 < least.lower <= lowest + 1e-9 and lowest - 1e-9 < least.upper < lowest + 3e-3
+    nearest = least.nearest
+    assert nearest.distance == least.upper
+    assert {nearest.pair.body_a, nearest.pair.body_b} == {"base", "tip"}
+    assert nearest.pair.type_a == nearest.pair.type_b == BodyPair.LINK
+    ys = {nearest.pair.body_a: nearest.witness_points[0].y, nearest.pair.body_b: nearest.witness_points[1].y}
+    assert ys["base"] == pytest.approx(0.2, abs=1e-3) and ys["tip"] == pytest.approx(0.4, abs=3e-3)
+
+
+def test_the_least_distances_along_a_motion(cell):
+    response = cell.motions.check((0, 0), NEAR, with_clearance=True)
+    assert response.verdict == CheckMotion.Response.FREE
+    assert_nearest(response.self_clearance, LEAST)
+    assert response.self_clearance.t > 0.99 and isnan(response.self_clearance.time)
+    # no obstacles
+    assert (response.world_clearance.lower, response.world_clearance.upper) == (inf, inf)
+    assert response.clearance_reason_code == "" and response.event.result == DistanceEvent.NOT_CHECKED
+
+    collides = cell.motions.check(NEAR, BEYOND, with_clearance=True)
+    assert (collides.self_clearance.lower, collides.self_clearance.upper) == (0, 0)
+    late = cell.motions.check((0, 0), NEAR, with_clearance=True, timeout=1e-9)
+    assert (late.self_clearance.lower, late.clearance_reason_code) == (0, "deadline")
+    loose = cell.motions.check((0, 0), (0, 1), with_clearance=True, joint_tolerances=[0.0, 0.2])
+    assert loose.clearance_reason_code == "tube" and 0 < loose.self_clearance.lower < loose.self_clearance.upper
+
+
+def test_the_least_distances_along_a_trajectory(cell):
+    response = cell.motions.follow(trajectory(((0, 0), 0), ((0, 1), 2), (NEAR, 4)), with_clearance=True)
+    assert_nearest(response.self_clearance, LEAST)
+    assert response.self_clearance.segment == 1
+    assert response.self_clearance.time == pytest.approx(2 + 2 * response.self_clearance.t)
+
+
+def test_when_a_pair_first_comes_within_a_distance(cell):
+    event = cell.motions.check((0, 0), NEAR, event_distance=WITHIN).event
+    assert (event.result, event.reason_code, event.segment) == (DistanceEvent.REACHED, "", 0)
+    assert event.t_farther <= REACHED <= event.t_reached < event.t_farther + 2e-3
+    assert {event.pair.body_a, event.pair.body_b} == {"base", "tip"}
+    assert isnan(event.time_farther) and isnan(event.time_reached)
+    event = cell.motions.follow(trajectory(((0, 0), 1), (NEAR, 3)), event_distance=WITHIN).event
+    assert event.time_farther <= 1 + 2 * REACHED <= event.time_reached
+
+    event = cell.motions.check((0, 0), NEAR, event_distance=0.19).event
+    assert (event.result, event.t_farther, event.t_reached) == (DistanceEvent.FARTHER, 1, 1)
+    event = cell.motions.check((0, 0), NEAR, event_distance=0.19, timeout=1e-9).event
+    assert (event.result, event.reason_code) == (DistanceEvent.UNDECIDED, "deadline")
+
+
+def test_a_pair_within_the_margin_counts_as_touching(cell):
+    assert cell.motions.check((0, 0), NEAR, margin=0.19).verdict == CheckMotion.Response.FREE
+    for response in (
+        cell.motions.check((0, 0), NEAR, margin=WITHIN),
+        cell.motions.follow(trajectory(((0, 0), 0), (NEAR, 1)), margin=WITHIN),
+    ):
+        assert (response.verdict, response.distance_upper) == (CheckMotion.Response.CONTACT, WITHIN)
+        assert response.t_free <= REACHED <= response.t_contact
+
+
+def test_the_least_distance_to_the_world(peer, start):
+    cell = start()
+    cell.evaluate(joint1=0, joint2=0)
+    assert SceneClient(cell).apply(diff(ball("lamp", 0, 2.5, radius=0.2)))
+    # at joint1 = 90 degrees the stretched arm ends at (0, 2), with a ball of radius 0.1
+    response = Motions(peer, cell.node).check((0, 0), (pi / 2, 0), with_clearance=True)
+    world = response.world_clearance
+    assert 0.2 - 3e-3 < world.lower <= 0.2 + 1e-9 and 0.2 - 1e-9 < world.upper < 0.2 + 3e-3 and world.t > 0.95
+    assert (world.nearest.pair.body_a, world.nearest.pair.body_b) == ("tip", "lamp")
+    assert (world.nearest.pair.type_a, world.nearest.pair.type_b) == (BodyPair.LINK, BodyPair.OBSTACLE)
+    # elbow and edge of the cube, at 45 degrees
+    assert response.self_clearance.upper == pytest.approx(0.9 - 2**0.5 / 5, abs=1e-2)
 
 
 def test_a_trajectory_without_times_has_no_times_in_its_answer(cell):

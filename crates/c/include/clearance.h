@@ -340,6 +340,9 @@ typedef struct {
   int certificate;
   // Threads of `clearance_checker_are_motions_free`: 0 for all cores, 1 for the calling thread. Default 0.
   size_t threads;
+  // Distance (m) that pairs have to keep, besides their paddings: a pair that is not farther apart counts as touching. The first t
+  // of a contact is then the time until which all pairs keep it. Default 0.
+  double margin;
 } clearance_motion_options;
 
 // A straight motion in joint space between two states of `n` positions (rad, m).
@@ -429,6 +432,8 @@ typedef struct {
   size_t tube_count;
   // Tolerance (m) of the check; 0 for any.
   double tolerance;
+  // Distance (m) that the proof has to keep at least, besides paddings; 0 for any.
+  double margin;
 } clearance_expectation;
 
 // Result of a verification.

@@ -533,10 +533,33 @@ struct MotionOptions {
   bool certificate = false;
   // Threads of are_motions_free; 0 for all cores.
   std::size_t threads = 0;
+  // Distance (m) that pairs have to keep, besides their paddings: a pair that is not farther apart counts as touching.
+  double margin = 0.0;
 
   // As C reads them; refers to this object.
   clearance_motion_options c_options() const {
-    return {tolerance, timeout, budget, tube.data(), tube.size(), any_contact ? 1 : 0, certificate ? 1 : 0, threads};
+    return {tolerance, timeout, budget, tube.data(), tube.size(), any_contact ? 1 : 0, certificate ? 1 : 0, threads,
+            margin};
+  }
+};
+
+// Options of searches for the least distances along a motion.
+struct AlongOptions {
+  // The search ends when lower and upper bound differ by at most this (m), or by this fraction of the upper bound.
+  double absolute_tolerance = clearance_along_options_default().absolute_tolerance;
+  double relative_tolerance = clearance_along_options_default().relative_tolerance;
+  // Larger distances (m) do not matter.
+  double max_distance = clearance_along_options_default().max_distance;
+  // Time (s) after which a search ends with its results so far.
+  double timeout = clearance_along_options_default().timeout;
+  // Number of evaluations of a pair after which a search ends.
+  std::uint64_t budget = clearance_along_options_default().budget;
+  // Tracking tolerance (rad, m): one for each position, or one for all, or none.
+  std::vector<double> tube;
+
+  // As C reads them; refers to this object.
+  clearance_along_options c_options() const {
+    return {absolute_tolerance, relative_tolerance, max_distance, timeout, budget, tube.data(), tube.size()};
   }
 };
 
@@ -592,6 +615,8 @@ struct Expectation {
   std::vector<double> tube;
   // Tolerance (m) of the check; 0 for any.
   double tolerance = 0.0;
+  // Distance (m) that the proof has to keep at least, besides paddings; 0 for any.
+  double margin = 0.0;
 };
 
 // A proof that a motion is free, for one robot in one world.
@@ -622,6 +647,7 @@ class Certificate {
       expectation.motion = &motion;
     }
     expectation.options = options.get();
+    expectation.margin = expected.margin;
     expectation.tube = expected.tube.data();
     expectation.tube_count = expected.tube.size();
     expectation.tolerance = expected.tolerance;
@@ -726,6 +752,35 @@ struct MotionReport {
   std::optional<Certificate> certificate;
 
   bool is_free() const noexcept { return verdict == Verdict::free; }
+};
+
+// Proven bounds on the least distance of the pairs of one kind along a motion (m, padding subtracted).
+struct LeastDistance {
+  // No pair is nearer at any time; 0 if some pair touches or nothing is proven. Infinite if no such pairs are checked.
+  double lower = 0.0;
+  // Distance of the pair at t: the least distance is not larger. Infinite if there is no pair.
+  double upper = 0.0;
+  std::optional<Pair> pair;
+  // Nearest points of the pair (m, root frame), without padding.
+  std::array<std::array<double, 3>, 2> points{};
+  // Where `upper` is attained: fraction of the motion or segment, segment, time (s) of a trajectory with times.
+  double t = 0.0;
+  std::size_t segment = 0;
+  double time = 0.0;
+};
+
+// The least distances along a motion.
+struct MotionDistances {
+  LeastDistance nearest_self;
+  LeastDistance nearest_world;
+  // Why the bounds differ by more than the tolerance, or none.
+  clearance_reason reason = CLEARANCE_REASON_NONE;
+  std::uint64_t evaluations = 0;
+
+  // No pair is nearer than this (m) at any time.
+  double lower() const noexcept {
+    return nearest_self.lower < nearest_world.lower ? nearest_self.lower : nearest_world.lower;
+  }
 };
 
 // Limits of a search for a path.
@@ -963,6 +1018,35 @@ class Checker {
     return motion_report(found);
   }
 
+  // Proven bounds on the least distances along the straight motion.
+  MotionDistances clearance_along(Positions from, Positions to, Workspace &workspace,
+                                  const AlongOptions &options = {}) const {
+    const clearance_along_options c_options = options.c_options();
+    clearance_motion_distances found;
+    detail::check(
+        clearance_checker_clearance_along(handle(), workspace.handle(), edge(from, to), &c_options, &found));
+    return motion_distances(found);
+  }
+  // Proven bounds on the least distances along a trajectory.
+  MotionDistances clearance_along(const Trajectory &trajectory, Workspace &workspace,
+                                  const AlongOptions &options = {}) const {
+    const clearance_along_options c_options = options.c_options();
+    const clearance_trajectory c_trajectory = trajectory.c_trajectory();
+    clearance_motion_distances found;
+    detail::check(clearance_checker_clearance_along_trajectory(handle(), workspace.handle(), &c_trajectory, &c_options,
+                                                               &found));
+    return motion_distances(found);
+  }
+  // The first time at which a pair is not farther apart than the distance (m), besides its padding, which takes the place of the
+  // margin: a report as of check_motion. A trajectory: check_trajectory with a margin.
+  MotionReport event_distance(Positions from, Positions to, double distance, Workspace &workspace,
+                              MotionOptions options = {}) const {
+    options.margin = distance;
+    options.any_contact = false;
+    options.certificate = false;
+    return check_motion(from, to, workspace, options);
+  }
+
   // Searches for a path of straight edges that are proven free, within the joint limits.
   Plan plan(Positions start, Positions goal, Workspace &workspace, const PlanOptions &options = {}) const {
     const clearance_plan_options c_options = {options.seed,  options.timeout,   options.max_edges,
@@ -1048,6 +1132,20 @@ class Checker {
 
   static std::optional<Certificate> certificate(clearance_certificate *handle) {
     return handle == nullptr ? std::nullopt : std::optional<Certificate>(Certificate(handle));
+  }
+
+  static LeastDistance least_distance(const clearance_least_distance &found) {
+    return {found.lower,
+            found.upper,
+            detail::pair(found.pair),
+            {detail::xyz(found.points[0]), detail::xyz(found.points[1])},
+            found.t,
+            found.segment,
+            found.time};
+  }
+
+  static MotionDistances motion_distances(const clearance_motion_distances &found) {
+    return {least_distance(found.nearest_self), least_distance(found.nearest_world), found.reason, found.evaluations};
   }
 
   static MotionReport motion_report(const clearance_motion_report &found) {

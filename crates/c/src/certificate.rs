@@ -90,11 +90,20 @@ pub struct clearance_expectation {
     pub tube_count: usize,
     /// Tolerance (m) of the check; 0 for any.
     pub tolerance: f64,
+    /// Distance (m) that the proof has to keep at least, besides paddings; 0 for any.
+    pub margin: f64,
 }
 
 impl Default for clearance_expectation {
     fn default() -> Self {
-        Self { options: ptr::null(), motion: ptr::null(), tube: ptr::null(), tube_count: 0, tolerance: 0.0 }
+        Self {
+            options: ptr::null(),
+            motion: ptr::null(),
+            tube: ptr::null(),
+            tube_count: 0,
+            tolerance: 0.0,
+            margin: 0.0,
+        }
     }
 }
 
@@ -171,8 +180,16 @@ impl clearance_expectation {
                 self.tolerance
             )));
         }
+        let is_margin = self.margin >= 0.0 && self.margin.is_finite();
+        if !is_margin {
+            return Err(Failure::rejected(format!(
+                "expectation.margin is {}, but must be finite and zero or more metres",
+                self.margin
+            )));
+        }
+        let margin = Some(self.margin);
         let tolerance = (self.tolerance != 0.0).then_some(self.tolerance);
-        Ok(ExpectedMotion { motion, any_obstacle_motion: false, tube, tolerance })
+        Ok(ExpectedMotion { motion, any_obstacle_motion: false, tube, tolerance, margin })
     }
 }
 

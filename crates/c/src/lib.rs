@@ -11,6 +11,7 @@
 //! | checkers and their options; rows of positions | `checker`, `checker_options`; `rows` |
 //! | memory of a thread's queries | `workspace` |
 //! | queries on states, motions, paths, ways out of a collision | `state_queries`, `motion_queries`, `planning`, `recovery` |
+//! | least distances along motions | `motion_distances` |
 //! | options and verdicts of motion checks | `motion_options` |
 //! | certificates and their verification | `certificate` |
 //! | threads of batches | `thread_pools` |
@@ -26,6 +27,7 @@ pub mod arguments;
 pub mod certificate;
 pub mod checker;
 pub mod checker_options;
+pub mod motion_distances;
 pub mod motion_options;
 pub mod motion_queries;
 pub mod planning;

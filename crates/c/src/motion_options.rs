@@ -32,6 +32,9 @@ pub struct clearance_motion_options {
     pub certificate: c_int,
     /// Threads of `clearance_checker_are_motions_free`: 0 for all cores, 1 for the calling thread. Default 0.
     pub threads: usize,
+    /// Distance (m) that pairs have to keep, besides their paddings: a pair that is not farther apart counts as touching. The first t
+    /// of a contact is then the time until which all pairs keep it. Default 0.
+    pub margin: f64,
 }
 
 impl Default for clearance_motion_options {
@@ -46,6 +49,7 @@ impl Default for clearance_motion_options {
             any_contact: 0,
             certificate: 0,
             threads: 0,
+            margin: 0.0,
         }
     }
 }
@@ -77,16 +81,22 @@ impl ReadOptions {
         space: &JointSpace,
     ) -> Outcome<Self> {
         let given = arguments.object_or_none(options, "options")?.copied().unwrap_or_default();
-        let clearance_motion_options { tolerance, timeout, budget, tube, tube_count, .. } = given;
+        let clearance_motion_options { tolerance, timeout, budget, tube, tube_count, margin, .. } = given;
         if !(tolerance > 0.0 && tolerance.is_finite()) {
             return Err(Failure::rejected(format!(
                 "tolerance is {tolerance}, but must be finite and more than zero metres"
             )));
         }
+        let is_margin = margin >= 0.0 && margin.is_finite();
+        if !is_margin {
+            return Err(Failure::rejected(format!(
+                "margin is {margin}, but must be finite and zero or more metres"
+            )));
+        }
         let order = if given.any_contact == 0 { MotionOrder::Earliest } else { MotionOrder::Any };
         let deadline = deadline(timeout)?;
         Ok(Self {
-            options: MotionOptions { tolerance, order, deadline, budget, ..MotionOptions::default() },
+            options: MotionOptions { tolerance, margin, order, deadline, budget, ..MotionOptions::default() },
             tube: tube_of(arguments, tube, tube_count, space)?,
             certificate: given.certificate != 0,
             threads: given.threads,
@@ -172,7 +182,8 @@ pub enum clearance_reason {
 }
 
 impl clearance_reason {
-    fn new(reason: UndecidedReason) -> Self {
+    /// The reason as C has it.
+    pub fn new(reason: UndecidedReason) -> Self {
         match reason {
             UndecidedReason::Tolerance => Self::Tolerance,
             UndecidedReason::Tube => Self::Tube,

@@ -390,10 +390,7 @@ impl CollisionChecker {
         workspace: &mut Workspace,
     ) -> (MotionReport, Option<Certificate>) {
         let (report, proofs) = motion::prove_motion(&mut self.motion_check(options, workspace), segment);
-        (
-            report,
-            proofs.map(|proofs| self.certificates.certificate(self.subject(), proofs, options.tolerance)),
-        )
+        (report, proofs.map(|proofs| self.certificates.certificate(self.subject(), proofs, options)))
     }
 
     /// As [`Self::check_trajectory`], with the certificate if the trajectory is free.
@@ -406,10 +403,7 @@ impl CollisionChecker {
     ) -> (TrajectoryReport, Option<Certificate>) {
         let (report, proofs) =
             motion::prove_trajectory(&mut self.motion_check(options, workspace), trajectory);
-        (
-            report,
-            proofs.map(|proofs| self.certificates.certificate(self.subject(), proofs, options.tolerance)),
-        )
+        (report, proofs.map(|proofs| self.certificates.certificate(self.subject(), proofs, options)))
     }
 
     pub(crate) fn motion_check<'a>(

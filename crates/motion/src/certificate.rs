@@ -37,6 +37,9 @@ pub struct Certificate {
     /// Tolerance (m) of the check: pairs farther apart than this had to be decided. Proofs do not depend on it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tolerance: Option<f64>,
+    /// Distance (m) that every pair is proven to keep, besides its padding; without it 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub margin: Option<f64>,
     /// Hashes of the parts of robot and world. They name the differences if `model` or `world` does not match.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub parts: Option<CertificateParts>,
@@ -60,6 +63,8 @@ struct Unsigned<'c> {
     motion: &'c str,
     #[serde(skip_serializing_if = "Option::is_none")]
     tolerance: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    margin: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     parts: Option<&'c CertificateParts>,
     joints: &'c [String],
@@ -119,6 +124,7 @@ impl Certificate {
             world,
             motion,
             tolerance: None,
+            margin: None,
             parts: None,
             joints,
             pairs,
@@ -138,12 +144,26 @@ impl Certificate {
         self
     }
 
+    /// The same certificate about a check with this margin (m), at least 0.
+    #[must_use]
+    pub fn with_margin(mut self, margin: f64) -> Self {
+        self.margin = (margin > 0.0).then_some(margin);
+        self.digest = self.content_hash();
+        self
+    }
+
+    /// Distance (m) that every pair is claimed to keep, besides its padding.
+    #[must_use]
+    pub fn kept_margin(&self) -> f64 {
+        self.margin.unwrap_or(0.0)
+    }
+
     /// True if it has exactly the fields of its format.
     #[must_use]
     pub fn has_known_format(&self) -> bool {
         match self.format.as_str() {
             FORMAT => self.parts.is_some() && self.tolerance.is_some(),
-            FORMAT_1 => self.parts.is_none() && self.tolerance.is_none(),
+            FORMAT_1 => self.parts.is_none() && self.tolerance.is_none() && self.margin.is_none(),
             _ => false,
         }
     }
@@ -183,13 +203,14 @@ impl Certificate {
             world,
             motion,
             tolerance,
+            margin,
             parts,
             joints,
             pairs,
             segments,
             digest: _,
         } = self;
-        let (tolerance, parts) = (*tolerance, parts.as_ref());
+        let (tolerance, margin, parts) = (*tolerance, *margin, parts.as_ref());
         sha256(&Unsigned {
             format,
             robot,
@@ -197,6 +218,7 @@ impl Certificate {
             world,
             motion,
             tolerance,
+            margin,
             parts,
             joints,
             pairs,
@@ -288,7 +310,8 @@ mod tests {
             check_self: true,
             check_world: true,
         };
-        for certificate in [old.clone(), old.with_parts(parts, 5e-4)] {
+        let new = old.clone().with_parts(parts, 5e-4);
+        for certificate in [old, new.clone(), new.with_margin(0.02)] {
             let text = certificate.to_json().replace(&certificate.digest, "");
             let mut print = Fingerprint::default();
             print.bytes(text.as_bytes());

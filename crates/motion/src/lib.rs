@@ -8,6 +8,7 @@
 //! | speed and acceleration limits of obstacles whose path is not known | [`ObstacleLimits`] |
 //! | consecutive segments with times | [`Trajectory`] |
 //! | direction of rotation of a continuous joint | [`ContinuousDirection`] |
+//! | deviation of a line or an arc of a link from its samples | [`sample_deviation`] |
 //! | a proof that a motion is free, as a document | [`Certificate`] |
 
 #![deny(missing_docs)]
@@ -25,6 +26,7 @@ mod obstacle_trajectory;
 mod obstacle_trajectory_yaml;
 mod obstacle_uncertainty;
 mod part_hashes;
+mod sample_deviation;
 mod segment;
 mod segment_join;
 mod trajectory;
@@ -47,6 +49,7 @@ pub use obstacle_uncertainty::{
     LimitError, ObstacleLimits, ObstacleUncertainty, SpeedLimit, UncertaintyText,
 };
 pub use part_hashes::{certificate_parts, mesh_model_name};
+pub use sample_deviation::sample_deviation;
 pub use segment::floating;
 pub use segment::{MotionSegment, SegmentError, SegmentText};
 pub use segment_join::{Join, JoinError, join};

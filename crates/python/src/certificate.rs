@@ -67,6 +67,12 @@ impl Certificate {
         self.inner.segments.len()
     }
 
+    /// Distance (m) that every pair is proven to keep, besides its padding.
+    #[getter]
+    fn margin(&self) -> f64 {
+        self.inner.kept_margin()
+    }
+
     /// Tolerance (m) of the check; None for the first version of the format.
     #[getter]
     fn tolerance(&self) -> Option<f64> {

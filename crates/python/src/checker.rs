@@ -9,6 +9,7 @@ use clearance::scene::{AttachedObject, BodyId, Scene};
 use clearance::{CollisionChecker, SettingsError};
 use clearance_bindings::JointSpace;
 use numpy::{PyArray1, PyArrayDyn};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
@@ -18,8 +19,7 @@ use crate::checker_core::CheckerCore;
 use crate::edge_queries::{self, EdgeArguments};
 use crate::error::{error, warn};
 use crate::memory::collected;
-use crate::motion_options::MotionSettings;
-use crate::motion_queries;
+use crate::motion_options::{ClearanceSettings, MotionSettings};
 use crate::options;
 use crate::pickles;
 use crate::planning::{self, PlanArguments};
@@ -32,6 +32,7 @@ use crate::trajectory_arrays::TrajectoryArrays;
 use crate::view::View;
 use crate::world::World;
 use crate::world_state::SceneState;
+use crate::{motion_distances, motion_queries};
 
 /// Checks states and motions of a robot in a world. Immutable: any number of threads may share it.
 ///
@@ -378,7 +379,8 @@ impl Checker {
     ///
     /// `certificate=True` adds the proof as a document. `tube` (rad, m; a number or (n,)) is a tracking tolerance: the robot may be anywhere
     /// within it. Options: `tolerance=5e-4` (m), pairs that stay farther apart are always decided; `timeout=None` (s), infinity for none;
-    /// `budget=10_000_000` evaluations of a pair; `any_contact=False`, True to end at any contact, not the earliest.
+    /// `budget=10_000_000` evaluations of a pair; `any_contact=False`, True to end at any contact, not the earliest; `margin=0` (m), a pair
+    /// that is not farther apart than this, besides its padding, counts as touching.
     #[pyo3(
         signature = (q0, q1, *, certificate=false, tube=None, **options),
         text_signature = "($self, q0, q1, *, certificate=False, tube=None, **options)"
@@ -400,11 +402,12 @@ impl Checker {
     /// `velocities` and `accelerations` have shape (N, n).
     ///
     /// Between two points the motion is linear, cubic if there are velocities, quintic if there are accelerations, too, as in
-    /// `trajectory_msgs/JointTrajectory`. With `shortest=True`, continuous joints go the shortest way. Other arguments and options are
-    /// those of `check_motion`.
+    /// `trajectory_msgs/JointTrajectory`. With `shortest=True`, continuous joints go the shortest way. `deviation` (rad, m; a number or
+    /// (n,)) is the largest deviation of the true motion from the motion between the points, for points that sample a line or an arc of
+    /// a link: the proof holds for the true motion. It adds to `tube`. Other arguments and options are those of `check_motion`.
     #[pyo3(
-        signature = (times, positions, velocities=None, accelerations=None, *, shortest=false, certificate=false, tube=None, **options),
-        text_signature = "($self, times, positions, velocities=None, accelerations=None, *, shortest=False, certificate=False, tube=None, **options)"
+        signature = (times, positions, velocities=None, accelerations=None, *, shortest=false, certificate=false, tube=None, deviation=None, **options),
+        text_signature = "($self, times, positions, velocities=None, accelerations=None, *, shortest=False, certificate=False, tube=None, deviation=None, **options)"
     )]
     #[allow(clippy::too_many_arguments)] // one for each keyword
     fn check_trajectory<'py>(
@@ -417,11 +420,87 @@ impl Checker {
         shortest: bool,
         certificate: bool,
         tube: Option<&Bound<'py, PyAny>>,
+        deviation: Option<&Bound<'py, PyAny>>,
         options: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let settings = MotionSettings::new(options)?;
         let points = TrajectoryArrays { times, positions, velocities, accelerations, shortest };
+        let tube = motion_queries::whole_tube(&self.core, tube, deviation)?;
         motion_queries::check_trajectory(py, &self.core, &points, (certificate, tube), &settings)
+    }
+
+    /// Proven bounds on the least distances along the straight motion from `q0` to `q1`, both of shape (n,): `MotionClearance`.
+    ///
+    /// `tube` is that of `check_motion`. Options: `absolute_tolerance=1e-3` (m) and `relative_tolerance=0.01`: the search ends when lower
+    /// and upper bound differ by no more than the larger of the two; `max_distance` (m, infinite): larger distances do not matter;
+    /// `timeout=None` (s); `budget=10_000_000` evaluations of a pair.
+    #[pyo3(
+        signature = (q0, q1, *, tube=None, **options),
+        text_signature = "($self, q0, q1, *, tube=None, **options)"
+    )]
+    fn clearance_along<'py>(
+        &self,
+        py: Python<'py>,
+        q0: &Bound<'py, PyAny>,
+        q1: &Bound<'py, PyAny>,
+        tube: Option<&Bound<'py, PyAny>>,
+        options: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let settings = ClearanceSettings::new(options)?;
+        motion_distances::along_motion(py, &self.core, [q0, q1], tube, &settings)
+    }
+
+    /// Proven bounds on the least distances along a trajectory: `MotionClearance`. The trajectory is given as for `check_trajectory`, the
+    /// options are those of `clearance_along`.
+    #[pyo3(
+        signature = (times, positions, velocities=None, accelerations=None, *, shortest=false, tube=None, deviation=None, **options),
+        text_signature = "($self, times, positions, velocities=None, accelerations=None, *, shortest=False, tube=None, deviation=None, **options)"
+    )]
+    #[allow(clippy::too_many_arguments)] // one for each keyword
+    fn clearance_along_trajectory<'py>(
+        &self,
+        py: Python<'py>,
+        times: Option<&Bound<'py, PyAny>>,
+        positions: &Bound<'py, PyAny>,
+        velocities: Option<&Bound<'py, PyAny>>,
+        accelerations: Option<&Bound<'py, PyAny>>,
+        shortest: bool,
+        tube: Option<&Bound<'py, PyAny>>,
+        deviation: Option<&Bound<'py, PyAny>>,
+        options: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let settings = ClearanceSettings::new(options)?;
+        let points = TrajectoryArrays { times, positions, velocities, accelerations, shortest };
+        let tube = motion_queries::whole_tube(&self.core, tube, deviation)?;
+        motion_distances::along_trajectory(py, &self.core, &points, tube, &settings)
+    }
+
+    /// The first time at which a pair of bodies is not farther apart than `distance` (m), besides its padding, on the straight motion from
+    /// `q0` to `q1`, both of shape (n,): `MotionReport`.
+    ///
+    /// FREE: all pairs are proven farther apart at all times. CONTACT: they are proven farther apart before the first t, and the pair is
+    /// not at the second. Arguments and options are those of `check_motion`; for a trajectory, give `check_trajectory` a `margin`.
+    #[pyo3(
+        signature = (q0, q1, distance, *, tube=None, **options),
+        text_signature = "($self, q0, q1, distance, *, tube=None, **options)"
+    )]
+    fn event_distance<'py>(
+        &self,
+        py: Python<'py>,
+        q0: &Bound<'py, PyAny>,
+        q1: &Bound<'py, PyAny>,
+        #[pyo3(from_py_with = options::event_distance)] distance: f64,
+        tube: Option<&Bound<'py, PyAny>>,
+        options: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let has_margin = options.map_or(Ok(false), |options| options.contains("margin"))?;
+        if has_margin {
+            return Err(PyTypeError::new_err(
+                "event_distance has no option 'margin': distance takes its place",
+            ));
+        }
+        let settings = MotionSettings::new(options)?;
+        motion_queries::event_distance(py, &self.core, [q0, q1], (distance, tube), &settings)
     }
 
     /// Searches a free state near `q`, of shape (n,): `FreeState`. Only the joints of the group move, without those in `locked`.

@@ -7,6 +7,7 @@
 //! | `Checker` and its settings | `checker`, `checker_core`, `settings` |
 //! | queries on states | `state_queries` |
 //! | batches of edges; single motions and trajectories | `edge_queries`; `motion_queries`, `motion_options`, `trajectory_arrays` |
+//! | least distances along motions | `motion_distances` |
 //! | ways out of a collision | `recovery` |
 //! | paths of the planner | `planning` |
 //! | pairs of links that can collide | `collision_matrix` |
@@ -34,6 +35,7 @@ mod command;
 mod edge_queries;
 mod error;
 mod memory;
+mod motion_distances;
 mod motion_options;
 mod motion_queries;
 mod options;

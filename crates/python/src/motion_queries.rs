@@ -5,7 +5,9 @@ use std::sync::Arc;
 use clearance::checker::Watch;
 use clearance::proximity::Work;
 use clearance::scene::BodyId;
-use clearance::{MotionOptions, MotionReport, MotionSegment, MotionVerdict, UndecidedReason, Workspace};
+use clearance::{
+    MotionOptions, MotionReport, MotionSegment, MotionVerdict, Trajectory, UndecidedReason, Workspace,
+};
 use clearance_bindings::JointSpace;
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -52,8 +54,7 @@ pub fn check_motion<'py>(
     (with_certificate, tube): (bool, Option<&Bound<'py, PyAny>>),
     settings: &MotionSettings,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let ends = [single(core, from, "q0")?, single(core, to, "q1")?];
-    let segment = with_tube(core, MotionSegment::straight(core.space.robot(), &ends[0], &ends[1]), tube)?;
+    let segment = straight(core, [from, to], tube)?;
     let (report, certificate) = prove(py, core, settings, |options, workspace| {
         if is_over(options.deadline) {
             return (not_begun(), None);
@@ -73,10 +74,10 @@ pub fn check_trajectory<'py>(
     py: Python<'py>,
     core: &CheckerCore,
     points: &TrajectoryArrays<'_, 'py>,
-    (with_certificate, tube): (bool, Option<&Bound<'py, PyAny>>),
+    (with_certificate, tube): (bool, Option<Vec<f64>>),
     settings: &MotionSettings,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let trajectory = points.trajectory(&core.space)?.map(|segment| with_tube(core, segment, tube))?;
+    let trajectory = loosened(core, points.trajectory(&core.space)?, tube.as_deref())?;
     let (report, certificate) = prove(py, core, settings, |options, workspace| {
         if with_certificate {
             return core.checker.certify_trajectory(&trajectory, options, workspace);
@@ -88,6 +89,64 @@ pub fn check_trajectory<'py>(
     fields.set_item("segment", report.segment)?;
     fields.set_item("time", report.time.map(|[from, to]| (from, to)))?;
     crate::results::make(py, "TrajectoryReport", &fields)
+}
+
+/// The first time at which a pair of bodies is not farther apart than `distance` (m) on a straight motion.
+pub fn event_distance<'py>(
+    py: Python<'py>,
+    core: &CheckerCore,
+    ends: [&Bound<'py, PyAny>; 2],
+    (distance, tube): (f64, Option<&Bound<'py, PyAny>>),
+    settings: &MotionSettings,
+) -> PyResult<Bound<'py, PyAny>> {
+    let segment = straight(core, ends, tube)?;
+    let report = prove(py, core, settings, |options, workspace| {
+        if is_over(options.deadline) {
+            return not_begun();
+        }
+        core.checker.event_distance(&segment, distance, options, workspace)
+    })?;
+    let fields = report_fields(py, core, &report.verdict, None)?;
+    fields.set_item("evaluations", report.evaluations)?;
+    crate::results::make(py, "MotionReport", &fields)
+}
+
+/// The straight motion between two states.
+pub fn straight(
+    core: &CheckerCore,
+    [from, to]: [&Bound<'_, PyAny>; 2],
+    tube: Option<&Bound<'_, PyAny>>,
+) -> PyResult<MotionSegment> {
+    let ends = [single(core, from, "q0")?, single(core, to, "q1")?];
+    with_tube(core, MotionSegment::straight(core.space.robot(), &ends[0], &ends[1]), tube)
+}
+
+/// A trajectory with a tolerance (rad, m) for each position of the whole robot.
+pub fn loosened(core: &CheckerCore, trajectory: Trajectory, tube: Option<&[f64]>) -> PyResult<Trajectory> {
+    let Some(tube) = tube else { return Ok(trajectory) };
+    trajectory.map(|segment| {
+        segment.with_tube(core.space.robot(), tube.to_vec()).map_err(|why| error(format!("tube: {why}")))
+    })
+}
+
+/// Tolerance (rad, m) of each position of the whole robot: of the tracking, and of the motion between samples.
+pub fn whole_tube(
+    core: &CheckerCore,
+    tube: Option<&Bound<'_, PyAny>>,
+    deviation: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Option<Vec<f64>>> {
+    let read = |given: Option<&Bound<'_, PyAny>>, name: &'static str| -> PyResult<Option<Vec<f64>>> {
+        let Some(given) = given else { return Ok(None) };
+        let values = tolerances_of(&core.space, given, name)?;
+        match values.iter().find(|value| !(value.is_finite() && **value >= 0.0)) {
+            Some(value) => Err(error(format!("{name} has {value}, but must be finite and zero or more"))),
+            None => Ok(Some(values)),
+        }
+    };
+    Ok(match (read(tube, "tube")?, read(deviation, "deviation")?) {
+        (Some(tube), Some(deviation)) => Some(tube.iter().zip(&deviation).map(|(a, b)| a + b).collect()),
+        (tube, deviation) => tube.or(deviation),
+    })
 }
 
 /// Runs a check: on this thread if it is short, else on one of the pool, so that Ctrl-C ends it.
@@ -169,11 +228,16 @@ fn with_tube(
 
 /// A tracking tolerance (rad, m) for each position of the whole robot.
 pub fn tube_of(space: &JointSpace, tube: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
-    let numbers = Numbers::new(tube, "tube")?;
+    tolerances_of(space, tube, "tube")
+}
+
+/// A number for all positions of a state, or one for each, as numbers for each position of the whole robot.
+fn tolerances_of(space: &JointSpace, given: &Bound<'_, PyAny>, name: &'static str) -> PyResult<Vec<f64>> {
+    let numbers = Numbers::new(given, name)?;
     let count = space.names().len();
     match (numbers.shape(), numbers.values()) {
         ([] | [1], [tolerance]) => Ok(space.expand(&vec![*tolerance; count])),
         ([length], values) if *length == count => Ok(space.expand(values)),
-        (shape, _) => Err(wrong_shape("tube", shape, &format!("must be a number or ({count},)"))),
+        (shape, _) => Err(wrong_shape(name, shape, &format!("must be a number or ({count},)"))),
     }
 }

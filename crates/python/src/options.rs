@@ -25,12 +25,16 @@ macro_rules! options {
 }
 
 options! {
+    absolute_tolerance: f64 = length;
     any_contact: bool = flag;
     budget: u64 = count;
     clearance: f64 = length;
     edge: f64 = number;
     influence_distance: f64 = real;
+    event_distance: f64 = |_, value| length("distance", value);
     length_of_shape: f64 = |_, value| number("length", value);
+    margin: f64 = length;
+    margin_if_any: Option<f64> = |_, value| optional("margin", value, length);
     max_boxes: Option<u64> = |name, value| optional(name, value, count);
     max_checks: u64 = count;
     max_contacts: usize = size_of;
@@ -41,6 +45,7 @@ options! {
     point_radius: Option<f64> = |name, value| optional(name, value, number);
     radius: f64 = number;
     range: f64 = number;
+    relative_tolerance: f64 = length;
     search_distance: f64 = |_, value| length("max_distance", value);
     seed: u64 = count;
     shortcuts: u32 = |name, value| whole(name, value, u64::from(u32::MAX));

@@ -27,13 +27,14 @@ use crate::world::World;
 /// `trajectory=(times, positions[, velocities[, accelerations]])`, both with all positions of the robot, in the order of
 /// `Robot.joint_names`, of shapes (n,) and (N, n). A certificate of another motion is rejected. Without them, only the proof is checked:
 /// compare the motion in the certificate with yours. `tube` is the tracking tolerance (rad, m) that is expected, a number or (n,);
-/// `tolerance` (m) that of the check. The settings are those of `Checker`, and must be the same as for the check.
+/// `tolerance` (m) that of the check; `margin` (m) is the least distance that the proof has to keep, besides paddings. The settings are
+/// those of `Checker`, and must be the same as for the check.
 ///
 /// Returns a `Verification`, which is true only if the proof holds; otherwise its `reason` says why not.
 #[pyfunction]
 #[pyo3(
-    signature = (certificate, robot, world=None, *, edge=None, trajectory=None, tube=None, tolerance=None, **settings),
-    text_signature = "(certificate, robot, world=None, *, edge=None, trajectory=None, tube=None, tolerance=None, **settings)"
+    signature = (certificate, robot, world=None, *, edge=None, trajectory=None, tube=None, tolerance=None, margin=None, **settings),
+    text_signature = "(certificate, robot, world=None, *, edge=None, trajectory=None, tube=None, tolerance=None, margin=None, **settings)"
 )]
 #[allow(clippy::too_many_arguments)] // one for each keyword
 pub fn verify<'py>(
@@ -45,6 +46,7 @@ pub fn verify<'py>(
     trajectory: Option<Bound<'py, PyTuple>>,
     tube: Option<Bound<'py, PyAny>>,
     #[pyo3(from_py_with = options::tolerance_if_any)] tolerance: Option<f64>,
+    #[pyo3(from_py_with = options::margin_if_any)] margin: Option<f64>,
     settings: Option<&Bound<'py, PyDict>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let model = &robot.get().model;
@@ -66,7 +68,8 @@ pub fn verify<'py>(
         None => Ok(segment),
     };
     let motion = motion.map(|motion| motion.map(expected_tube)).transpose()?;
-    let expected = ExpectedMotion { motion, any_obstacle_motion: false, tube: tube.clone(), tolerance };
+    let expected =
+        ExpectedMotion { motion, any_obstacle_motion: false, tube: tube.clone(), tolerance, margin };
     let certificate = Arc::clone(&certificate.get().inner);
     let verified = py.detach(|| {
         let verifier = Verifier::new(model, &scene.world, &settings, matrix.as_ref())?;

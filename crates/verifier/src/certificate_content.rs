@@ -39,6 +39,9 @@ pub(super) fn check(
     if let Some(tolerance) = certificate.tolerance.filter(|t| !(t.is_finite() && *t > 0.0)) {
         return Err(Rejection::Tolerance(tolerance));
     }
+    if let Some(margin) = certificate.margin.filter(|m| !(m.is_finite() && *m >= 0.0)) {
+        return Err(Rejection::BadMargin(margin));
+    }
     if certificate.motion != certificate.motion_hash() {
         return Err(Rejection::MotionHash);
     }

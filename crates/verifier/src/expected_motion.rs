@@ -26,6 +26,8 @@ pub struct ExpectedMotion {
     pub tube: Option<Vec<f64>>,
     /// The tolerance (m) with which it was made.
     pub tolerance: Option<f64>,
+    /// Distance (m) that every pair has to be proven to keep, besides its padding; a certificate may prove more.
+    pub margin: Option<f64>,
 }
 
 impl ExpectedMotion {
@@ -44,6 +46,7 @@ impl ExpectedMotion {
     ) -> Result<Option<Vec<MotionSegment>>, Rejection> {
         let mut found = CertificateDifferences::default();
         self.compare_tolerance(certificate, &mut found);
+        self.compare_margin(certificate, &mut found);
         let segments = self.motion.as_ref().map(|motion| self.segments(motion, given));
         match segments.as_ref().map(|segments| segments.as_ref().map_err(|error| *error)) {
             Some(Ok(segments)) => {
@@ -95,6 +98,13 @@ impl ExpectedMotion {
         };
         for (segment, given) in given.iter().enumerate().filter(|(segment, _)| !is_compared(*segment)) {
             SegmentComparison { segment, names, found }.tubes(given.tube(), tube);
+        }
+    }
+
+    fn compare_margin(&self, certificate: &Certificate, found: &mut CertificateDifferences) {
+        let (expected, given) = (self.margin.unwrap_or(0.0), certificate.kept_margin());
+        if given < expected {
+            found.add(|| format!("it proves a margin of {given:?} m, expected at least {expected:?} m"));
         }
     }
 

@@ -6,10 +6,15 @@ use clearance_motion::Proof;
 use super::Rejection;
 use super::body_pair::BodyPair;
 
-/// Rejects malformed proofs, and pairs for which some part of the segment has no proof. Comparisons are exact.
-pub(super) fn check(segment: usize, proofs: &[Proof], pairs: &[BodyPair]) -> Result<(), Rejection> {
+/// Rejects malformed proofs, also those that leave no margin (m), and pairs for which some part of the segment has no proof. Comparisons are exact.
+pub(super) fn check(
+    segment: usize,
+    margin: f64,
+    proofs: &[Proof],
+    pairs: &[BodyPair],
+) -> Result<(), Rejection> {
     for (proof, p) in proofs.iter().enumerate() {
-        well_formed(segment, proof, p, pairs)?;
+        well_formed((segment, margin), proof, p, pairs)?;
     }
     let mut order: Vec<&Proof> = proofs.iter().collect();
     // mostly in this order already
@@ -31,7 +36,12 @@ pub(super) fn check(segment: usize, proofs: &[Proof], pairs: &[BodyPair]) -> Res
     Ok(())
 }
 
-fn well_formed(segment: usize, proof: usize, p: &Proof, pairs: &[BodyPair]) -> Result<(), Rejection> {
+fn well_formed(
+    (segment, margin): (usize, f64),
+    proof: usize,
+    p: &Proof,
+    pairs: &[BodyPair],
+) -> Result<(), Rejection> {
     let Proof(pair, from, to, lower, bound) = *p;
     let Some(of) = pairs.get(pair) else {
         return Err(Rejection::PairNumber { segment, proof, pair });
@@ -43,7 +53,7 @@ fn well_formed(segment: usize, proof: usize, p: &Proof, pairs: &[BodyPair]) -> R
     if !(lower.is_finite() && bound.is_finite() && bound >= 0.0) {
         return Err(Rejection::Lengths { segment, proof, lower, bound });
     }
-    let padding = of.padding;
+    let padding = of.padding + margin;
     if lower > bound + padding {
         Ok(())
     } else {

@@ -36,6 +36,8 @@ pub enum Rejection {
     OtherMotion(CertificateDifferences),
     #[error("its tolerance is {0}, but must be a finite number of metres, more than zero")]
     Tolerance(f64),
+    #[error("its margin is {0}, but must be a finite number of metres, zero or more")]
+    BadMargin(f64),
     #[error("the hash of the motion does not fit the motion")]
     MotionHash,
     #[error("its positions are those of other joints: number {place} is '{given}', but must be '{expected}'")]
@@ -79,7 +81,7 @@ pub enum Rejection {
     #[error("segment {segment}: nothing is proven of '{}' – '{}' between {from} and {to}", pair[0], pair[1])]
     Gap { segment: usize, pair: [String; 2], from: f64, to: f64 },
     #[error(
-        "segment {segment}, proof {proof}: lower {lower} is not more than bound {bound} and padding {padding}"
+        "segment {segment}, proof {proof}: lower {lower} is not more than bound {bound}, padding and margin {padding}"
     )]
     Short { segment: usize, proof: usize, lower: f64, bound: f64, padding: f64 },
     #[error(
@@ -88,7 +90,7 @@ pub enum Rejection {
     Bound { segment: usize, proof: usize, bound: f64, found: f64 },
     #[error(
         "segment {segment}, proof {proof}: the pair may come nearer by {found}, which lower {lower} does not leave with padding \
-         {padding}"
+         and margin {padding}"
     )]
     Margin { segment: usize, proof: usize, lower: f64, found: f64, padding: f64 },
     #[error("segment {segment}, proof {proof}: '{}' – '{}' were not found {lower} apart at {at}", pair[0], pair[1])]

@@ -14,10 +14,10 @@ use super::verifier_model::VerifierModel;
 /// A gap is proven in one piece, or in parts halved up to this number of times.
 const MOST_HALVINGS: u32 = 6;
 
-/// Rejects a segment that does not continue the last one.
+/// Rejects a segment that does not continue the last one. In between, pairs have to keep the margin (m).
 pub(super) fn check(
     model: &VerifierModel,
-    segment: usize,
+    (segment, margin): (usize, f64),
     last: &MotionSegment,
     kinematics: &SegmentKinematics,
 ) -> Result<(), Rejection> {
@@ -25,7 +25,7 @@ pub(super) fn check(
         return Err(Rejection::ObstacleLimits { segment });
     }
     let joined = join(last, &kinematics.motion).map_err(|error| join_rejection(model, segment, error))?;
-    prove(model, segment, joined)
+    prove(model, (segment, margin), joined)
 }
 
 /// True if nothing is known about obstacles in the second segment that was not known at the end of the first.
@@ -38,7 +38,11 @@ fn continues(last: Option<&ObstacleUncertainty>, next: Option<&ObstacleUncertain
 }
 
 /// Rejects a first segment whose obstacles do not start where the world has them.
-pub(super) fn check_start(model: &VerifierModel, kinematics: &SegmentKinematics) -> Result<(), Rejection> {
+pub(super) fn check_start(
+    model: &VerifierModel,
+    margin: f64,
+    kinematics: &SegmentKinematics,
+) -> Result<(), Rejection> {
     let standing = kinematics.motion.standing_at_start();
     let joined = join(&standing, &kinematics.motion).map_err(|error| match error {
         JoinError::Obstacle { name, by } => {
@@ -46,7 +50,7 @@ pub(super) fn check_start(model: &VerifierModel, kinematics: &SegmentKinematics)
         }
         other => join_rejection(model, 0, other),
     })?;
-    prove(model, 0, joined)
+    prove(model, (0, margin), joined)
 }
 
 fn join_rejection(model: &VerifierModel, segment: usize, error: JoinError) -> Rejection {
@@ -60,10 +64,10 @@ fn join_rejection(model: &VerifierModel, segment: usize, error: JoinError) -> Re
     }
 }
 
-fn prove(model: &VerifierModel, segment: usize, joined: Join) -> Result<(), Rejection> {
+fn prove(model: &VerifierModel, (segment, margin): (usize, f64), joined: Join) -> Result<(), Rejection> {
     let Join::Gap(gap) = joined else { return Ok(()) };
     let kinematics = SegmentKinematics::new(model.robot, model.world, segment, *gap)?;
-    let mut verifier = SegmentVerifier::new(model, segment, &kinematics);
+    let mut verifier = SegmentVerifier::new(model, segment, margin, &kinematics);
     for (number, pair) in model.required.pairs.iter().enumerate() {
         if !stays_apart(&mut verifier, number, [0.0, 1.0], MOST_HALVINGS) {
             return Err(Rejection::OpenJoin { segment, pair: pair.names.clone() });

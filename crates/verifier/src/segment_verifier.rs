@@ -31,6 +31,8 @@ fn keeping_apart(found: f64) -> f64 {
 pub(super) struct SegmentVerifier<'p, 'r> {
     model: &'p VerifierModel<'r>,
     segment: usize,
+    /// Distance (m) that pairs have to keep, besides their paddings.
+    margin: f64,
     kinematics: &'p SegmentKinematics,
     midpoint: IntervalMidpoint,
     /// By step, for the interval at hand.
@@ -39,11 +41,17 @@ pub(super) struct SegmentVerifier<'p, 'r> {
 }
 
 impl<'p, 'r> SegmentVerifier<'p, 'r> {
-    pub fn new(model: &'p VerifierModel<'r>, segment: usize, kinematics: &'p SegmentKinematics) -> Self {
+    pub fn new(
+        model: &'p VerifierModel<'r>,
+        segment: usize,
+        margin: f64,
+        kinematics: &'p SegmentKinematics,
+    ) -> Self {
         let midpoint = IntervalMidpoint::new(model.robot, model.bodies.len());
         Self {
             model,
             segment,
+            margin,
             kinematics,
             midpoint,
             rates: Vec::new(),
@@ -110,7 +118,7 @@ impl<'p, 'r> SegmentVerifier<'p, 'r> {
     fn check_proof(&mut self, proof: usize, claim: &Proof, interval: ProofInterval) -> Result<(), Rejection> {
         let Proof(pair, _, _, lower, bound) = *claim;
         let required = &self.model.required.pairs[pair];
-        let (segment, padding) = (self.segment, required.padding);
+        let (segment, padding) = (self.segment, required.padding + self.margin);
         let keeps = |found: f64| found <= bound * (1.0 + BOUND_SLACK) + BOUND_SLACK;
         let leaves = |found: f64| keeping_apart(found) + padding < lower;
         let mut found = self.bound(pair, interval, false);
@@ -137,7 +145,7 @@ impl<'p, 'r> SegmentVerifier<'p, 'r> {
         self.go_to(interval);
         self.place(pair);
         let required = &self.model.required.pairs[pair];
-        let (padding, rounding) = (required.padding, self.midpoint.rounding(required.bodies));
+        let (padding, rounding) = (required.padding + self.margin, self.midpoint.rounding(required.bodies));
         let proves = |found: f64, verifier: &mut Self| {
             let needed = keeping_apart(found) + padding + rounding;
             needed.is_finite() && verifier.is_apart(pair, needed)

@@ -88,18 +88,21 @@ impl<'r> Verifier<'r> {
         let pairs = self.model.required.pairs.len();
         let mut verified =
             VerificationStatistics { segments: segments.len(), pairs, ..VerificationStatistics::default() };
+        let margin = certificate.kept_margin();
         let mut last: Option<SegmentKinematics> = None;
         for ((segment, motion), proof) in segments.into_iter().enumerate().zip(&certificate.segments) {
             let kinematics = SegmentKinematics::new(self.model.robot, self.model.world, segment, motion)?;
             certificate_content::check_ends(segment, &kinematics, self.model.robot)?;
             match &last {
-                Some(last) => segment_continuity::check(&self.model, segment, &last.motion, &kinematics)?,
+                Some(last) => {
+                    segment_continuity::check(&self.model, (segment, margin), &last.motion, &kinematics)?;
+                }
                 None if expected.determines_obstacle_starts() => {}
-                None => segment_continuity::check_start(&self.model, &kinematics)?,
+                None => segment_continuity::check_start(&self.model, margin, &kinematics)?,
             }
-            interval_coverage::check(segment, &proof.proofs, &self.model.required.pairs)?;
-            let statistics =
-                SegmentVerifier::new(&self.model, segment, &kinematics).check_proofs(&proof.proofs)?;
+            interval_coverage::check(segment, margin, &proof.proofs, &self.model.required.pairs)?;
+            let statistics = SegmentVerifier::new(&self.model, segment, margin, &kinematics)
+                .check_proofs(&proof.proofs)?;
             verified.add(&statistics);
             last = Some(kinematics);
         }

@@ -4,6 +4,7 @@ mod bases;
 mod brute_force;
 mod command_line;
 mod joins;
+mod margins;
 mod mutations;
 
 use clearance::checker::{CollisionChecker, MotionOptions};

@@ -10,7 +10,7 @@ use clearance_motion::{
 use clearance_scene::{AllowedCollisionMatrix, BodyId, Settings};
 
 use super::motion_check::MotionCheck;
-use super::motion_report::MotionReport;
+use super::motion_report::{MotionOptions, MotionReport};
 use super::trajectory_check::{Stretch, TrajectoryReport, check_stretches};
 use crate::pairs::CheckedPairs;
 
@@ -60,12 +60,12 @@ pub struct CertificateSubject<'c> {
 }
 
 impl CertificateConstants {
-    /// The certificate of free segments, for a check with this tolerance (m).
+    /// The certificate of free segments, for a check with these options.
     pub fn certificate(
         &self,
         subject: CertificateSubject,
         segments: Vec<SegmentProof>,
-        tolerance: f64,
+        options: &MotionOptions,
     ) -> Certificate {
         let CertificateSubject { pairs, settings, matrix } = subject;
         let (robot, world) = (pairs.robot().model(), pairs.world().world());
@@ -76,6 +76,7 @@ impl CertificateConstants {
             .fingerprints
             .get_or_init(|| [model_fingerprint(robot, settings, matrix), world_fingerprint(world)]);
         Certificate::new(robot, fingerprints.clone(), names.collect(), segments)
-            .with_parts(parts.clone(), tolerance.greater(f64::MIN_POSITIVE).lesser(f64::MAX))
+            .with_parts(parts.clone(), options.tolerance.greater(f64::MIN_POSITIVE).lesser(f64::MAX))
+            .with_margin(options.kept_margin().lesser(f64::MAX))
     }
 }

@@ -98,6 +98,9 @@ impl ClearanceSearch<'_, '_, '_> {
         self.workspace.motion.level_zero.resize(self.motion.segment.position_count());
         self.workspace.motion.queue.clear();
         let first = self.measure_middle();
+        if self.progress.stopped {
+            return;
+        }
         for index in first.into_iter().flatten() {
             self.push(0.0, PairInterval { pair: index, from: 0.0, to: 1.0 });
         }

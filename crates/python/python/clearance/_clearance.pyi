@@ -15,6 +15,7 @@ from ._results import (
     EdgeReports,
     FreeState,
     LinkPair,
+    MotionClearance,
     MotionReport,
     Plan,
     TrajectoryReport,
@@ -52,6 +53,14 @@ class _MotionOptions(TypedDict, total=False):
     timeout: float | None
     budget: int
     any_contact: bool
+    margin: float
+
+class _ClearanceOptions(TypedDict, total=False):
+    absolute_tolerance: float
+    relative_tolerance: float
+    max_distance: float
+    timeout: float | None
+    budget: int
 
 __all__: list[str]
 __version__: str
@@ -242,8 +251,38 @@ class Checker:
         shortest: bool = False,
         certificate: bool = False,
         tube: ArrayLike | None = None,
+        deviation: ArrayLike | None = None,
         **options: Unpack[_MotionOptions],
     ) -> TrajectoryReport: ...
+    def clearance_along(
+        self,
+        q0: ArrayLike,
+        q1: ArrayLike,
+        *,
+        tube: ArrayLike | None = None,
+        **options: Unpack[_ClearanceOptions],
+    ) -> MotionClearance: ...
+    def clearance_along_trajectory(
+        self,
+        times: ArrayLike | None,
+        positions: ArrayLike,
+        velocities: ArrayLike | None = None,
+        accelerations: ArrayLike | None = None,
+        *,
+        shortest: bool = False,
+        tube: ArrayLike | None = None,
+        deviation: ArrayLike | None = None,
+        **options: Unpack[_ClearanceOptions],
+    ) -> MotionClearance: ...
+    def event_distance(
+        self,
+        q0: ArrayLike,
+        q1: ArrayLike,
+        distance: float,
+        *,
+        tube: ArrayLike | None = None,
+        **options: Unpack[_MotionOptions],
+    ) -> MotionReport: ...
     def find_free_state(
         self,
         q: ArrayLike,
@@ -297,6 +336,8 @@ class Certificate:
     @property
     def segments(self) -> int: ...
     @property
+    def margin(self) -> float: ...
+    @property
     def tolerance(self) -> float | None: ...
     def __eq__(self, other: object, /) -> bool: ...
 
@@ -309,6 +350,7 @@ def verify(
     trajectory: tuple[Any, ...] | None = None,
     tube: ArrayLike | None = None,
     tolerance: float | None = None,
+    margin: float | None = None,
     **settings: Unpack[_Settings],
 ) -> Verification: ...
 def _run_command(command_line: Sequence[str]) -> int: ...

@@ -213,6 +213,57 @@ class TrajectoryReport(MotionReport):
 
 
 @dataclass(frozen=True, eq=False)
+class LeastClearance:
+    """Proven bounds (m, padding subtracted) on the least distance of self pairs or of world pairs along a motion."""
+
+    lower: float
+    """Proven: no pair is nearer at any time; 0 if some pair touches, or if nothing is proven."""
+    upper: float
+    """Distance of ``pair`` at ``t``: the least distance is not larger. Infinite if nothing was measured."""
+    pair: Optional[Pair]
+    """The pair at which ``upper`` is attained."""
+    t: Optional[float]
+    """Fraction of the motion, or of the segment, at which ``upper`` is attained."""
+    segment: Optional[int]
+    """Index of the segment of a trajectory; 0 for a motion."""
+    time: Optional[float]
+    """Time (s) from the start of the trajectory, if it has times."""
+    points: Optional[Floats]
+    """Nearest points of the pair (m, root frame), without padding; shape (2, 3)."""
+
+
+@dataclass(frozen=True, eq=False)
+class MotionClearance:
+    """The least distances along a motion or trajectory."""
+
+    nearest_self: Optional[LeastClearance]
+    """The least distance of two bodies of the robot; None if no such pairs are checked."""
+    nearest_world: Optional[LeastClearance]
+    """The least distance of the robot and an obstacle; None if no such pairs are checked."""
+    reason: Optional[Reason]
+    """Why the bounds differ by more than the tolerance; None if they do not."""
+    evaluations: int
+    """Number of evaluations of a pair in an interval."""
+
+    @property
+    def lower(self) -> float:
+        """Proven: no pair is nearer than this (m) at any time; infinite if no pairs are checked, 0 if nothing is proven."""
+        if self.reason == Reason.MISMATCH:
+            return 0.0
+        return min((least.lower for least in (self.nearest_self, self.nearest_world) if least), default=float("inf"))
+
+    @property
+    def upper(self) -> float:
+        """Upper bound (m) on the least distance of all pairs; infinite if nothing was measured."""
+        return min((least.upper for least in (self.nearest_self, self.nearest_world) if least), default=float("inf"))
+
+    @property
+    def free(self) -> bool:
+        """True only if the motion is proven free."""
+        return self.lower > 0
+
+
+@dataclass(frozen=True, eq=False)
 class FreeState:
     """Result of the search of a free state near a given one."""
 

@@ -31,6 +31,59 @@ pub struct PairDistance {
     pub witness_points: [Point; 2],
 }
 
+/// Bounds on the least distance of the pairs of one kind along a motion. The default claims nothing.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LeastDistance {
+    pub lower: f64,
+    pub upper: f64,
+    pub segment: u32,
+    pub t: f64,
+    pub time: f64,
+    pub nearest: PairDistance,
+}
+
+impl Default for LeastDistance {
+    fn default() -> Self {
+        let nearest = PairDistance::default();
+        Self { lower: 0.0, upper: f64::INFINITY, segment: 0, t: f64::NAN, time: f64::NAN, nearest }
+    }
+}
+
+/// The first time of a motion at which a pair is not farther apart than a distance. The default is `NOT_CHECKED`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DistanceEvent {
+    pub result: u8,
+    pub reason_code: String,
+    pub segment: u32,
+    pub t_farther: f64,
+    pub t_reached: f64,
+    pub time_farther: f64,
+    pub time_reached: f64,
+    pub pair: BodyPair,
+}
+
+impl DistanceEvent {
+    pub const NOT_CHECKED: u8 = 0;
+    pub const FARTHER: u8 = 1;
+    pub const REACHED: u8 = 2;
+    pub const UNDECIDED: u8 = 3;
+}
+
+impl Default for DistanceEvent {
+    fn default() -> Self {
+        Self {
+            result: Self::NOT_CHECKED,
+            reason_code: String::new(),
+            segment: 0,
+            t_farther: 0.0,
+            t_reached: 0.0,
+            time_farther: f64::NAN,
+            time_reached: f64::NAN,
+            pair: BodyPair::default(),
+        }
+    }
+}
+
 /// A contact of two bodies that collide.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Contact {
@@ -105,6 +158,8 @@ impl Message for BodyPair {}
 impl Message for PairDistance {}
 impl Message for Contact {}
 impl Message for Separation {}
+impl Message for LeastDistance {}
+impl Message for DistanceEvent {}
 impl Message for SkippedPairs {}
 impl Message for CollisionState {}
 
@@ -125,12 +180,21 @@ mod tests {
         assert_eq!(fields_in_rust::<PairDistance>(), fields_in_text(msg!("PairDistance")));
         assert_eq!(fields_in_rust::<Contact>(), fields_in_text(msg!("Contact")));
         assert_eq!(fields_in_rust::<Separation>(), fields_in_text(msg!("Separation")));
+        assert_eq!(fields_in_rust::<LeastDistance>(), fields_in_text(msg!("LeastDistance")));
+        assert_eq!(fields_in_rust::<DistanceEvent>(), fields_in_text(msg!("DistanceEvent")));
         assert_eq!(fields_in_rust::<SkippedPairs>(), fields_in_text(msg!("SkippedPairs")));
         assert_eq!(fields_in_rust::<CollisionState>(), fields_in_text(msg!("CollisionState")));
     }
 
     #[test]
     fn constants_have_the_values_of_the_msg_files() {
+        let results = [
+            ("NOT_CHECKED", DistanceEvent::NOT_CHECKED),
+            ("FARTHER", DistanceEvent::FARTHER),
+            ("REACHED", DistanceEvent::REACHED),
+            ("UNDECIDED", DistanceEvent::UNDECIDED),
+        ];
+        assert_eq!(constants_in_text(msg!("DistanceEvent")), results);
         assert_eq!(
             constants_in_text(msg!("BodyPair")),
             [("LINK", BodyPair::LINK), ("OBSTACLE", BodyPair::OBSTACLE), ("ATTACHED", BodyPair::ATTACHED),]

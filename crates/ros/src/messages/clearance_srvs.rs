@@ -10,7 +10,7 @@ use ros2_interfaces_jazzy_serde::geometry_msgs::msg::{Point, Vector3};
 use ros2_interfaces_jazzy_serde::trajectory_msgs::msg::JointTrajectory;
 use serde::{Deserialize, Serialize};
 
-use crate::messages::clearance_msgs::{BodyPair, PairDistance};
+use crate::messages::clearance_msgs::{BodyPair, DistanceEvent, LeastDistance, PairDistance};
 
 /// Request: is the straight motion in joint space free of collisions?
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -38,6 +38,9 @@ pub struct MotionTerms {
     pub certificate: bool,
     pub swept_volume_intervals: u32,
     pub continuous_joint_direction: u8,
+    pub with_clearance: bool,
+    pub event_distance: f64,
+    pub margin: f64,
 }
 
 impl MotionTerms {
@@ -82,11 +85,21 @@ pub struct ContinuousTurns {
     pub continuous_goals: Vec<f64>,
 }
 
+/// Distances along a motion that the request selects. The default claims nothing.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct MotionDistances {
+    pub self_clearance: LeastDistance,
+    pub world_clearance: LeastDistance,
+    pub clearance_reason_code: String,
+    pub event: DistanceEvent,
+}
+
 /// Results for one straight motion. Two responses share these fields.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CheckMotionResponse {
     pub motion: MotionFindings,
     pub turns: ContinuousTurns,
+    pub distances: MotionDistances,
 }
 
 /// Result of the check of a trajectory: the result of one of its segments.
@@ -97,6 +110,7 @@ pub struct CheckTrajectoryResponse {
     pub time_free: f64,
     pub time_contact: f64,
     pub turns: ContinuousTurns,
+    pub distances: MotionDistances,
 }
 
 impl CheckTrajectoryResponse {
@@ -104,7 +118,7 @@ impl CheckTrajectoryResponse {
     #[must_use]
     pub fn unchecked(motion: MotionFindings) -> Self {
         let (time_free, time_contact) = (f64::NAN, f64::NAN);
-        Self { motion, segment: 0, time_free, time_contact, turns: ContinuousTurns::default() }
+        Self { motion, time_free, time_contact, ..Self::default() }
     }
 }
 
@@ -131,6 +145,9 @@ pub struct CheckMotionsRequest {
     pub timeout: f64,
     pub joint_tolerances: Vec<f64>,
     pub continuous_joint_direction: u8,
+    pub with_clearance: bool,
+    pub event_distance: f64,
+    pub margin: f64,
 }
 
 impl CheckMotionsRequest {
@@ -142,6 +159,9 @@ impl CheckMotionsRequest {
             any_contact: self.any_contact,
             timeout: self.timeout,
             continuous_joint_direction: self.continuous_joint_direction,
+            with_clearance: self.with_clearance,
+            event_distance: self.event_distance,
+            margin: self.margin,
             ..MotionTerms::default()
         }
     }
@@ -165,6 +185,42 @@ pub struct CheckMotionsResponse {
     pub model_revision: u64,
     pub world_revision: u64,
     pub compute_time: f64,
+    pub clearances: BatchClearances,
+    pub events: BatchEvents,
+}
+
+/// Least distances along each motion of a batch.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct BatchClearances {
+    pub self_lower: Vec<f64>,
+    pub self_upper: Vec<f64>,
+    pub self_t: Vec<f64>,
+    pub self_pair_a: Vec<i32>,
+    pub self_pair_b: Vec<i32>,
+    pub world_lower: Vec<f64>,
+    pub world_upper: Vec<f64>,
+    pub world_t: Vec<f64>,
+    pub world_pair_a: Vec<i32>,
+    pub world_pair_b: Vec<i32>,
+    pub clearance_reasons: Vec<u8>,
+}
+
+/// First time within the distance, for each motion of a batch.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[expect(clippy::struct_field_names, reason = "names of the fields in the .srv files")]
+pub struct BatchEvents {
+    pub event_results: Vec<u8>,
+    pub event_reasons: Vec<u8>,
+    pub event_t_farther: Vec<f64>,
+    pub event_t_reached: Vec<f64>,
+    pub event_pair_a: Vec<i32>,
+    pub event_pair_b: Vec<i32>,
+}
+
+impl BatchEvents {
+    pub const FARTHER: u8 = 1;
+    pub const REACHED: u8 = 2;
+    pub const UNDECIDED: u8 = 3;
 }
 
 impl CheckMotionsResponse {
@@ -341,7 +397,10 @@ mod tests {
             fields_in_text(request)
         );
         let [motion, turns] = [fields_in_rust::<MotionFindings>(), fields_in_rust::<ContinuousTurns>()];
-        let answer = |fields: String| unfolded(&unfolded(&fields, "motion", &motion), "turns", &turns);
+        let distances = fields_in_rust::<MotionDistances>();
+        let parts = [("motion", &motion), ("turns", &turns), ("distances", &distances)];
+        let answer =
+            |fields: String| parts.iter().fold(fields, |all, (name, part)| unfolded(&all, name, part));
         assert_eq!(answer(fields_in_rust::<CheckMotionResponse>()), fields_in_text(response));
 
         let (request, response) = srv!("CheckTrajectory");
@@ -390,7 +449,10 @@ mod tests {
     fn the_batch_of_motions_is_as_in_its_srv_file() {
         let (request, response) = srv!("CheckMotions");
         assert_eq!(fields_in_rust::<CheckMotionsRequest>(), fields_in_text(request));
-        assert_eq!(fields_in_rust::<CheckMotionsResponse>(), fields_in_text(response));
+        let fields = fields_in_rust::<CheckMotionsResponse>();
+        let fields = unfolded(&fields, "clearances", &fields_in_rust::<BatchClearances>());
+        let fields = unfolded(&fields, "events", &fields_in_rust::<BatchEvents>());
+        assert_eq!(fields, fields_in_text(response));
         let directions = [
             ("DEFAULT", MotionTerms::DEFAULT),
             ("SHORTEST", MotionTerms::SHORTEST),
@@ -408,6 +470,9 @@ mod tests {
             ("REASON_DEADLINE", CheckMotionsResponse::REASON_DEADLINE),
             ("REASON_BUDGET", CheckMotionsResponse::REASON_BUDGET),
             ("REASON_OVERFLOW", CheckMotionsResponse::REASON_OVERFLOW),
+            ("EVENT_FARTHER", BatchEvents::FARTHER),
+            ("EVENT_REACHED", BatchEvents::REACHED),
+            ("EVENT_UNDECIDED", BatchEvents::UNDECIDED),
         ];
         assert_eq!(constants_in_text(response), expected);
     }

@@ -2,10 +2,12 @@
 //! checker.
 
 pub mod action_goals; // goals of an action
+pub mod batch_distances; // distances along the motions of a batch
 pub mod body_list; // names of bodies in the response to a batch
 pub mod enable_service; // `~/enable`
 pub mod gradient_rows; // signed distances and derivatives of `~/get_distances`
 pub mod motion_batches; // evaluation of `~/check_motions` requests
+pub mod motion_distances; // least distances along motions, and the first time within a distance
 pub mod motion_requests; // evaluation of motion requests
 pub mod motion_services; // `~/check_motion`, `~/check_motions` and `~/check_trajectory`
 pub mod parameter_services; // the standard parameter services

@@ -3,14 +3,16 @@
 use std::time::Instant;
 
 use clearance_checker::{
-    CollisionChecker, MotionOptions, MotionReport, MotionVerdict, UndecidedReason, Workspace,
+    CollisionChecker, MotionClearance, MotionOptions, MotionReport, MotionVerdict, UndecidedReason, Workspace,
 };
 use clearance_monitor::Evaluation;
 use clearance_motion::{ContinuousDirection, MotionSegment, Trajectory};
 use clearance_robot::{Configuration, NamedJoints};
 
-use crate::messages::clearance_srvs::{CheckMotionsRequest, CheckMotionsResponse};
+use crate::messages::clearance_srvs::{CheckMotionsRequest, CheckMotionsResponse, MotionTerms};
+use crate::services::batch_distances::{add_clearance, add_event, reason_constant};
 use crate::services::body_list::{BodyList, NOBODY};
+use crate::services::motion_distances::clearance_options;
 use crate::services::motion_requests::{LONGEST, direction, options};
 use crate::services::rejection::{Rejection, bad_request, shortened};
 use crate::services::request_context::{RequestContext, of_equal_length, revisions};
@@ -27,10 +29,11 @@ pub fn evaluate_motions(
 ) -> CheckMotionsResponse {
     let started = Instant::now();
     let found = RequestContext::of(evaluation).and_then(|context| {
-        let options = options(&request.terms(), Some(LONGEST), started)?;
+        let terms = request.terms();
+        let options = options(&terms, Some(LONGEST), started)?;
         let batch = context.motions(request)?;
         let workspace = workspace.get_or_insert_with(|| context.checker.workspace());
-        Ok(check(context.checker, batch, &options, workspace))
+        Ok(check(context.checker, batch, &options, &terms, workspace))
     });
     let mut response = found.unwrap_or_else(|rejection| rejected_motions(&rejection));
     (response.model_revision, response.world_revision) = revisions(evaluation);
@@ -196,13 +199,23 @@ fn check(
     checker: &CollisionChecker,
     batch: RequestedMotions,
     options: &MotionOptions,
+    terms: &MotionTerms,
     workspace: &mut Workspace,
 ) -> CheckMotionsResponse {
     let mut response = BatchResponse::new(checker);
+    let of_clearance = clearance_options(options);
     for segment in &batch.segments {
         // no check starts after the deadline
-        let is_over = options.deadline.is_some_and(|deadline| Instant::now() >= deadline);
-        response.add((!is_over).then(|| checker.check_motion_with(segment, options, workspace)).as_ref());
+        let is_over = || options.deadline.is_some_and(|deadline| Instant::now() >= deadline);
+        response.add((!is_over()).then(|| checker.check_motion_with(segment, options, workspace)).as_ref());
+        if terms.with_clearance {
+            response.add_clearance(&checker.clearance_along(segment, &of_clearance, workspace));
+        }
+        if terms.event_distance > 0.0 {
+            let distance = terms.event_distance;
+            let report = (!is_over()).then(|| checker.event_distance(segment, distance, options, workspace));
+            response.add_event(report.as_ref());
+        }
     }
     response.finish(batch)
 }
@@ -241,7 +254,7 @@ impl<'a> BatchResponse<'a> {
                     format!("{} and {}: ", self.checker.body_name(a), self.checker.body_name(b))
                 });
                 self.undecided.add(motion, Some(format!("{bodies}{reason}")));
-                (CheckMotionsResponse::UNDECIDED, (t, pair, reason_constant(reason)))
+                (CheckMotionsResponse::UNDECIDED, (t, pair, reason_constant(Some(reason))))
             }
         };
         let mut index = |body| self.bodies.index(self.checker, body);
@@ -260,6 +273,14 @@ impl<'a> BatchResponse<'a> {
         };
     }
 
+    fn add_clearance(&mut self, found: &MotionClearance) {
+        add_clearance(&mut self.response.clearances, found, self.checker, &mut self.bodies);
+    }
+
+    fn add_event(&mut self, report: Option<&MotionReport>) {
+        add_event(&mut self.response.events, report, self.checker, &mut self.bodies);
+    }
+
     fn finish(self, RequestedMotions { joint_names, notes, .. }: RequestedMotions) -> CheckMotionsResponse {
         let nothing = (self.checker.pairs().is_empty())
             .then(|| "there is no pair to check: every motion counts as free".to_owned());
@@ -267,7 +288,9 @@ impl<'a> BatchResponse<'a> {
         notes.extend(nothing);
         let mut response = self.response;
         response.message = shortened(notes.join("; "));
-        if response.reasons.contains(&CheckMotionsResponse::REASON_DEADLINE) {
+        let reasons =
+            [&response.reasons, &response.clearances.clearance_reasons, &response.events.event_reasons];
+        if reasons.iter().any(|reasons| reasons.contains(&CheckMotionsResponse::REASON_DEADLINE)) {
             "deadline".clone_into(&mut response.reason_code);
         }
         CheckMotionsResponse {
@@ -276,16 +299,5 @@ impl<'a> BatchResponse<'a> {
             joint_names,
             ..response
         }
-    }
-}
-
-/// The constant of a reason. Batches are not canceled, and their motions are of this robot.
-fn reason_constant(reason: UndecidedReason) -> u8 {
-    match reason {
-        UndecidedReason::Tolerance => CheckMotionsResponse::REASON_TOLERANCE,
-        UndecidedReason::Tube => CheckMotionsResponse::REASON_TUBE,
-        UndecidedReason::Deadline | UndecidedReason::Canceled => CheckMotionsResponse::REASON_DEADLINE,
-        UndecidedReason::Budget => CheckMotionsResponse::REASON_BUDGET,
-        UndecidedReason::Overflow | UndecidedReason::Mismatch => CheckMotionsResponse::REASON_OVERFLOW,
     }
 }

@@ -20,6 +20,7 @@ use crate::messages::clearance_srvs::{
 };
 use crate::messages::collision_state::pair_message;
 use crate::messages::time_and_geometry::point_message;
+use crate::services::motion_distances::DistanceRequest;
 use crate::services::rejection::{Rejection, bad_request, shortened};
 use crate::services::request_context::{RequestContext, deadline, not_negative, of_equal_length, revisions};
 use crate::topics::swept_volume_markers::{most_intervals, no_markers, swept_volume_markers};
@@ -119,8 +120,11 @@ pub fn options(
 ) -> Result<MotionOptions, Rejection> {
     let standard = MotionOptions::default();
     not_negative("tolerance", "m", terms.tolerance)?;
+    not_negative("event_distance", "m", terms.event_distance)?;
+    not_negative("margin", "m", terms.margin)?;
     Ok(MotionOptions {
         tolerance: if terms.tolerance > 0.0 { terms.tolerance } else { standard.tolerance },
+        margin: terms.margin,
         order: if terms.any_contact { MotionOrder::Any } else { MotionOrder::Earliest },
         deadline: deadline(terms.timeout, default_timeout, started)?,
         budget: LOOKS,
@@ -278,7 +282,8 @@ fn check(
     } else {
         (checker.check_trajectory(trajectory, options, workspace), None)
     };
-    let mut response = response(checker, trajectory, &report);
+    let mut response = response(checker, trajectory, &report, options.margin);
+    response.distances = DistanceRequest { checker, options, terms }.along(trajectory, workspace);
     let motion = &mut response.motion;
     let text = proof.as_ref().map(Certificate::to_json).filter(|t| t.len() <= LONGEST_CERTIFICATE);
     if certificate && report.is_free() && text.is_none() {
@@ -312,6 +317,7 @@ fn response(
     checker: &CollisionChecker,
     trajectory: &Trajectory,
     report: &TrajectoryReport,
+    margin: f64,
 ) -> CheckTrajectoryResponse {
     let mut motion = MotionFindings::default();
     let mut t = [1.0, 1.0];
@@ -322,6 +328,7 @@ fn response(
         }
         MotionVerdict::Contact { t: found, pair: (a, b), witness } => {
             motion.verdict = MotionFindings::CONTACT;
+            motion.distance_upper = margin;
             motion.pair = pair_message(checker, a, b);
             motion.witness_known = witness.is_some();
             motion.witness_point = witness.as_ref().map(point_message).unwrap_or_default();
@@ -343,7 +350,7 @@ fn response(
     let [time_free, time_contact] = t.map(|t| trajectory.time(report.segment, t).unwrap_or(f64::NAN));
     let segment = u32::try_from(report.segment).unwrap_or(u32::MAX);
     let turns = turns(trajectory.continuous_turns(checker.robot()));
-    CheckTrajectoryResponse { motion, segment, time_free, time_contact, turns }
+    CheckTrajectoryResponse { motion, segment, time_free, time_contact, turns, ..Default::default() }
 }
 
 fn turns(turns: Vec<ContinuousTurn>) -> ContinuousTurns {

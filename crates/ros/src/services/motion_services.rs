@@ -162,8 +162,10 @@ impl MotionServices {
     fn send<'a>(&'a self, response: Response, sending: &LocalExecutor<'a>) {
         match response {
             Response::Motion(id, motion_response) => {
-                let CheckTrajectoryResponse { motion, turns, .. } = self.publish_results(*motion_response);
-                sending.spawn(self.motions.respond(id, CheckMotionResponse { motion, turns })).detach();
+                let CheckTrajectoryResponse { motion, turns, distances, .. } =
+                    self.publish_results(*motion_response);
+                let response = CheckMotionResponse { motion, turns, distances };
+                sending.spawn(self.motions.respond(id, response)).detach();
             }
             Response::Motions(id, response) => {
                 sending.spawn(self.batches.respond(id, *response)).detach();

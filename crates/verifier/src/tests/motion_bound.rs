@@ -68,7 +68,7 @@ fn worst(random: &mut Random, extent: f64) -> f64 {
     let motion = motion(random, &robot, extent);
     let verifier = Verifier::new(&robot, &world, &Settings::default(), None).unwrap();
     let kinematics = SegmentKinematics::new(&robot, &world, 0, motion.clone()).unwrap();
-    let mut segment_verifier = SegmentVerifier::new(&verifier.model, 0, &kinematics);
+    let mut segment_verifier = SegmentVerifier::new(&verifier.model, 0, 0.0, &kinematics);
     let mut scene = Scene {
         robot: &robot,
         world: &world,
@@ -170,7 +170,7 @@ fn worst_before_planes(
 ) -> f64 {
     let verifier = Verifier::new(robot, world, &Settings::default(), None).unwrap();
     let kinematics = SegmentKinematics::new(robot, world, 0, motion.clone()).unwrap();
-    let mut segment_verifier = SegmentVerifier::new(&verifier.model, 0, &kinematics);
+    let mut segment_verifier = SegmentVerifier::new(&verifier.model, 0, 0.0, &kinematics);
     let interval = ProofInterval::new(0.2, 0.2 + 0.8 * random.within(1.0).abs());
     segment_verifier.go_to(interval);
     let mut scene =

@@ -22,7 +22,7 @@ pub fn prove(
         let kinematics =
             SegmentKinematics::new(verifier.model.robot, verifier.model.world, segment, motion.clone())
                 .unwrap();
-        let mut segment_verifier = SegmentVerifier::new(&verifier.model, segment, &kinematics);
+        let mut segment_verifier = SegmentVerifier::new(&verifier.model, segment, 0.0, &kinematics);
         let mut list = Vec::new();
         for pair in 0..verifier.model.required.pairs.len() {
             halves(&mut segment_verifier, verifier, pair, [0.0, 1.0], &mut list)?;

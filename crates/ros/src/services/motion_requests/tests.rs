@@ -14,6 +14,8 @@ use ros2_interfaces_jazzy_serde::builtin_interfaces::msg::Duration as SpanMessag
 use ros2_interfaces_jazzy_serde::trajectory_msgs::msg::{JointTrajectory, JointTrajectoryPoint};
 
 use super::*;
+use crate::messages::clearance_msgs::DistanceEvent;
+use crate::messages::clearance_srvs::MotionDistances;
 use crate::services::rejection::LONGEST_MESSAGE;
 
 const URDF: &str = include_str!("../../../../../urdf/two_link/two_link.urdf");
@@ -46,10 +48,13 @@ fn from_to(start: &[f64], goal: &[f64]) -> CheckMotionRequest {
     CheckMotionRequest { joint_names: names(&JOINTS), start, goal, terms: MotionTerms::default() }
 }
 
-fn ask(request: &CheckMotionRequest) -> MotionFindings {
+fn ask_all(request: &CheckMotionRequest) -> CheckTrajectoryResponse {
     evaluate_motion(request, ContinuousDirection::Shortest, Some(&evaluation(&[0.0, 0.0])), &mut None)
         .response
-        .motion
+}
+
+fn ask(request: &CheckMotionRequest) -> MotionFindings {
+    ask_all(request).motion
 }
 
 fn point(positions: [f64; 2], time: f64) -> JointTrajectoryPoint {
@@ -156,7 +161,7 @@ fn without_a_model_nothing_is_checked() {
 #[test]
 fn broken_requests_are_rejected_by_name() {
     type Break = fn(&mut CheckMotionRequest);
-    let broken: [(Break, &str); 17] = [
+    let broken: [(Break, &str); 20] = [
         (|r| r.joint_names[1] = "wrist".into(), "joint_names: the robot has no joint 'wrist'"),
         (|r| r.joint_names[1] = "joint1".into(), "joint 'joint1' is given twice"),
         (|r| r.joint_names.clear(), "joint_names is empty"),
@@ -170,6 +175,9 @@ fn broken_requests_are_rejected_by_name() {
         (|r| r.terms.tolerance = f64::INFINITY, "tolerance is inf"),
         (|r| r.terms.timeout = -1.0, "timeout is -1 s"),
         (|r| r.terms.timeout = f64::NAN, "timeout is NaN"),
+        (|r| r.terms.margin = -0.1, "margin is -0.1 m"),
+        (|r| r.terms.margin = f64::INFINITY, "margin is inf"),
+        (|r| r.terms.event_distance = f64::NAN, "event_distance is NaN"),
         (|r| r.terms.joint_tolerances = vec![0.1], "joint_tolerances has 1 numbers"),
         (|r| r.terms.joint_tolerances = vec![0.1, -0.1], "tolerance of joint 'joint2' is -0.1"),
         (|r| r.terms.joint_tolerances = vec![f64::NAN, 0.0], "tolerance of joint 'joint1' is NaN"),
@@ -184,6 +192,61 @@ fn broken_requests_are_rejected_by_name() {
         assert!(answer.message.len() <= LONGEST_MESSAGE);
         assert_eq!((answer.t_free, answer.distance_upper), (0.0, f64::INFINITY));
     }
+}
+
+/// The ball of radius 0.1 m at the end of link 2 comes down onto the cube of half a side 0.2 m: its centre is at
+/// height sin(joint 2), and the cube below it.
+#[test]
+fn distances_along_a_motion_are_those_of_its_geometry() {
+    let nothing = ask_all(&from_to(&[0.0, 0.0], &NEAR)).distances;
+    assert_eq!(nothing.event.result, DistanceEvent::NOT_CHECKED);
+    assert_eq!((nothing.self_clearance.lower, nothing.self_clearance.upper), (0.0, f64::INFINITY));
+
+    let mut request = from_to(&[0.0, 0.0], &NEAR);
+    (request.terms.with_clearance, request.terms.event_distance) = (true, 0.25);
+    let MotionDistances { self_clearance, world_clearance, clearance_reason_code, event } =
+        ask_all(&request).distances;
+    let least = NEAR[1].sin() - 0.2 - 0.1;
+    assert!(self_clearance.lower <= least && least <= self_clearance.upper + 1e-9, "{self_clearance:?}");
+    assert!(self_clearance.upper - self_clearance.lower < 3e-3, "{self_clearance:?}");
+    assert_eq!(self_clearance.nearest.distance, self_clearance.upper);
+    assert_eq!(self_clearance.nearest.pair.body_a, "base");
+    assert!(self_clearance.t > 0.99 && self_clearance.time.is_nan());
+    assert_eq!((world_clearance.lower, world_clearance.upper), (f64::INFINITY, f64::INFINITY));
+    assert_eq!(clearance_reason_code, "");
+    let reached = (PI - 0.55_f64.asin()) / NEAR[1];
+    assert_eq!((event.result, event.pair.body_b.as_str()), (DistanceEvent::REACHED, "tip"));
+    assert!(event.t_farther <= reached && reached <= event.t_reached, "{event:?} {reached}");
+
+    request.terms.event_distance = 0.1;
+    let event = ask_all(&request).distances.event;
+    assert_eq!((event.result, event.t_farther, event.t_reached), (DistanceEvent::FARTHER, 1.0, 1.0));
+    request.terms.timeout = 1e-300;
+    let late = ask_all(&request).distances;
+    assert_eq!((late.clearance_reason_code.as_str(), late.self_clearance.lower), ("deadline", 0.0));
+    assert_eq!((late.event.result, late.event.reason_code.as_str()), (DistanceEvent::UNDECIDED, "deadline"));
+}
+
+#[test]
+fn a_margin_is_kept_or_named() {
+    let mut request = from_to(&[0.0, 0.0], &NEAR);
+    request.terms.margin = 0.19;
+    assert_eq!(ask(&request).verdict, MotionFindings::FREE);
+    request.terms.margin = 0.25;
+    let answer = ask(&request);
+    assert_eq!((answer.verdict, answer.distance_upper), (MotionFindings::CONTACT, 0.25));
+    let reached = (PI - 0.55_f64.asin()) / NEAR[1];
+    assert!(answer.t_free <= reached && reached <= answer.t_contact, "{answer:?} {reached}");
+}
+
+#[test]
+fn distances_along_a_trajectory_name_the_segment_and_the_time() {
+    let mut request = along(vec![point([0.0, 0.0], 0.0), point([1.0, 0.0], 2.0), point(NEAR, 4.0)]);
+    (request.terms.with_clearance, request.terms.event_distance) = (true, 0.25);
+    let MotionDistances { self_clearance, event, .. } = ask_along(&request).distances;
+    assert_eq!((self_clearance.segment, event.segment), (1, 1));
+    assert!((self_clearance.time - (2.0 + 2.0 * self_clearance.t)).abs() < 1e-9);
+    assert!(event.time_farther <= event.time_reached && event.time_reached < 4.0);
 }
 
 #[test]
