@@ -4,6 +4,7 @@
 //! `interfaces/clearance_msgs/msg/*.msg`. Those files also define the unit, the frame and the meaning of every field.
 
 use ros2_client::Message;
+use ros2_interfaces_jazzy_serde::builtin_interfaces::msg::Time;
 use ros2_interfaces_jazzy_serde::geometry_msgs::msg::{Point, Vector3};
 use ros2_interfaces_jazzy_serde::std_msgs::msg::Header;
 use serde::{Deserialize, Serialize};
@@ -43,6 +44,17 @@ pub struct Contact {
     pub reason: String,
 }
 
+/// A contact between two successive joint states: proven, or possible.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PassedThrough {
+    pub pair: BodyPair,
+    pub t_lower: f64,
+    pub t_upper: f64,
+    pub previous_stamp: Time,
+    pub stamp: Time,
+    pub proven: bool,
+}
+
 /// Numbers of pairs that were not checked, by reason.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SkippedPairs {
@@ -79,17 +91,25 @@ pub struct CollisionState {
     pub world_distance: f64,
     pub world_nearest: PairDistance,
     pub contacts: Vec<Contact>,
+    pub motion_since_previous: u8,
+    pub motion_since_previous_reason: String,
+    pub passed_through: Vec<PassedThrough>,
 }
 
 impl CollisionState {
     pub const UNKNOWN: u8 = 0;
     pub const FREE: u8 = 1;
     pub const COLLIDING: u8 = 2;
+    pub const NOT_CHECKED: u8 = 0;
+    pub const PROVEN_FREE: u8 = 1;
+    pub const PASSED_THROUGH: u8 = 2;
+    pub const NOT_PROVEN: u8 = 3;
 }
 
 impl Message for BodyPair {}
 impl Message for PairDistance {}
 impl Message for Contact {}
+impl Message for PassedThrough {}
 impl Message for SkippedPairs {}
 impl Message for CollisionState {}
 
@@ -109,6 +129,7 @@ mod tests {
         assert_eq!(fields_in_rust::<BodyPair>(), fields_in_text(msg!("BodyPair")));
         assert_eq!(fields_in_rust::<PairDistance>(), fields_in_text(msg!("PairDistance")));
         assert_eq!(fields_in_rust::<Contact>(), fields_in_text(msg!("Contact")));
+        assert_eq!(fields_in_rust::<PassedThrough>(), fields_in_text(msg!("PassedThrough")));
         assert_eq!(fields_in_rust::<SkippedPairs>(), fields_in_text(msg!("SkippedPairs")));
         assert_eq!(fields_in_rust::<CollisionState>(), fields_in_text(msg!("CollisionState")));
     }
@@ -125,6 +146,10 @@ mod tests {
                 ("UNKNOWN", CollisionState::UNKNOWN),
                 ("FREE", CollisionState::FREE),
                 ("COLLIDING", CollisionState::COLLIDING),
+                ("NOT_CHECKED", CollisionState::NOT_CHECKED),
+                ("PROVEN_FREE", CollisionState::PROVEN_FREE),
+                ("PASSED_THROUGH", CollisionState::PASSED_THROUGH),
+                ("NOT_PROVEN", CollisionState::NOT_PROVEN),
             ]
         );
     }
