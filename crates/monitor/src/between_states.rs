@@ -337,9 +337,8 @@ fn root_motion(
     let moving = previous.state.obstacle_motions.iter().chain(current.obstacle_motions);
     let mut radius = None;
     for moved in moving.filter(|moved| !moved.is_none()) {
-        let radius = *radius.get_or_insert_with(|| {
-            current.checker.extent(current.poses) + reach.travel + reach.tube
-        });
+        let radius =
+            *radius.get_or_insert_with(|| current.checker.extent(current.poses) + reach.travel + reach.tube);
         let margin = moved.largest_displacement(radius, motion.duration);
         if margin > fastest.margin {
             fastest = RootMotion { margin, frame: moved.frame.clone() };

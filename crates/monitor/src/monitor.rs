@@ -21,8 +21,8 @@ use super::state_evaluator::{CheckResult, EvaluationInput, StateEvaluator, Stopw
 use super::transform_joints::TransformJoints;
 use super::world_updates::WorldUpdates;
 use super::{
-    Evaluation, Expiry, JointStateInput, LeftOut, MonitorSettings, MotionSincePrevious, Now, Reason, Revision,
-    Status, Time,
+    Evaluation, Expiry, JointStateInput, LeftOut, MonitorSettings, MotionSincePrevious, Now, Reason,
+    Revision, Status, Time,
 };
 
 /// Largest number of names that are stored of a joint state without positions.

@@ -65,10 +65,7 @@ impl CheckResult {
 
 impl StateEvaluator {
     /// Checks a complete joint state.
-    pub fn evaluate(
-        &mut self,
-        input: EvaluationInput,
-    ) -> CheckResult {
+    pub fn evaluate(&mut self, input: EvaluationInput) -> CheckResult {
         let EvaluationInput { merged, obstacle_motions, settings, check_budget, time, .. } = input;
         let EvaluationInput { between_states, fixed, stopwatch, .. } = input;
         let MergedState { configuration, velocities, rates, are_of_joints, measured, spread, mut warnings } =
