@@ -15,7 +15,7 @@ const CRATES: [(&str, &[&str]); 18] = [
     ("planner", &["robot", "motion", "checker"]),
     ("verifier", &["geometry", "robot", "scene", "motion"]),
     ("collision_matrix", &["geometry", "proximity", "robot", "scene", "motion", "checker", "verifier"]),
-    ("monitor", &["geometry", "proximity", "robot", "scene", "checker"]),
+    ("monitor", &["geometry", "proximity", "robot", "scene", "motion", "checker"]),
     ("lint", &["geometry", "robot"]),
     ("view", &["geometry", "robot", "scene", "checker", "monitor"]),
     ("ros", &["geometry", "files", "proximity", "robot", "scene", "motion", "checker", "monitor", "view"]),

@@ -5,9 +5,10 @@ use std::time::Duration;
 
 use clearance_checker::{CollisionChecker, CollisionReport, LookAhead, PairDistance, PairKind};
 use clearance_geometry::math::Extremes;
-use clearance_robot::{Configuration, LinkPoses};
+use clearance_robot::{Configuration, LinkPoses, quoted};
 use clearance_scene::AnchorFrames;
 
+use super::motion_since_previous::{MotionSincePrevious, Passage};
 use super::obstacle_motion::ObstacleMotion;
 use super::state_contacts::ContactsOfPair;
 use super::{Now, Reason, Separation, Status, Time, WorldSource};
@@ -115,6 +116,10 @@ pub enum LeftOut {
     Contacts,
     /// The time to contact, and contacts, were not computed.
     LookAhead,
+    /// These, and where on the motion since the previous state the contact was.
+    PassageExtent,
+    /// These, and the check of the motion since the previous state was not finished.
+    MotionSincePrevious,
     /// These, and the larger one of the least distances to itself and to the world, were not computed.
     FartherDistance,
     /// Some pairs were not checked.
@@ -134,6 +139,9 @@ pub struct Evaluation {
     pub checked_state: Option<Arc<CheckedState>>,
     /// The same, but also present if only the world has become stale: the robot's configuration is still known.
     pub robot_state: Option<Arc<CheckedState>>,
+    /// What is proven about the motion since the previous evaluated state. A contact that is proven makes this
+    /// evaluation COLLIDING, but not the next one of the same state.
+    pub motion_since_previous: MotionSincePrevious,
     /// Allowed share of the robot's speed, in [0, 1]; 0 unless the status is FREE.
     pub speed_scale: f64,
     /// Separation of the pair that requests the lowest speed; `None` unless separation is monitored and the status is
@@ -196,6 +204,7 @@ impl Evaluation {
         self.checked_state = None;
         self.speed_scale = 0.0;
         self.separation = None;
+        self.motion_since_previous = std::mem::take(&mut self.motion_since_previous).while_unknown();
         if self.status.reason().is_none() {
             self.status = Status::Unknown(why);
         }
@@ -233,6 +242,22 @@ impl Evaluation {
         Some(format!("{:.4} m, {a} and {b}", nearest.distance))
     }
 
+    /// The proven contact since the previous state, if the status is COLLIDING because of it alone.
+    #[must_use]
+    pub fn contact_since_previous(&self) -> Option<&Passage> {
+        let passage = self.motion_since_previous.passed_through()?;
+        let report = &self.checked_state.as_ref()?.report;
+        report.colliding_pairs.is_empty().then_some(passage)
+    }
+
+    /// Description of a contact since the previous state.
+    #[must_use]
+    pub fn passage_text(&self, passage: &Passage) -> Option<String> {
+        let (checker, (a, b)) = (&self.revision.as_ref()?.checker, passage.pair?);
+        let [a, b] = [a, b].map(|body| quoted(checker.body_name(body)));
+        Some(format!("{a} and {b} touched between the previous state and this one"))
+    }
+
     /// Description of the first colliding pair, otherwise of the nearest pair with its distance; `None` if none is
     /// known or near.
     #[must_use]
@@ -240,6 +265,9 @@ impl Evaluation {
         let report = &self.checked_state.as_ref()?.report;
         let checker = &self.revision.as_ref()?.checker;
         let names = |a, b| format!("{} and {}", checker.body_name(a), checker.body_name(b));
+        if let Some(passage) = self.contact_since_previous() {
+            return self.passage_text(passage);
+        }
         if let Some(&(a, b)) = report.colliding_pairs.first() {
             let others = match report.colliding_pairs.len() - 1 {
                 0 => String::new(),

@@ -28,6 +28,7 @@
 //! | messages about the world are not in use 0.1 s after their reception | UNKNOWN | `world_update` |
 //! | data of a sensor, a required scene or the pose of the root in `tf` is missing or stale | UNKNOWN | `stale_world` |
 //! | some pair touches | COLLIDING | |
+//! | some pair is proven to have touched since the previous state | COLLIDING | `passed_through` |
 //! | `check_deadline` passed before every pair was decided | UNKNOWN | `deadline` |
 //! | every pair is proven free of contact | FREE | |
 //!
@@ -44,10 +45,12 @@
 #![deny(missing_docs)]
 
 mod approach_rate;
+mod between_states;
 mod check_budget;
 pub mod cloud;
 mod contact_watch;
 mod contribution;
+mod distance_bounds;
 mod evaluation;
 mod input;
 mod joint_state_history;
@@ -55,6 +58,7 @@ mod joint_state_merger;
 mod look_ahead;
 mod mimic_reports;
 mod monitor;
+mod motion_since_previous;
 mod now;
 mod obstacle_motion;
 mod received_states;
@@ -79,6 +83,9 @@ pub use evaluation::{CheckedState, Evaluation, Expiry, LeftOut, Revision};
 pub use input::{JointStateInput, SourceId};
 pub use joint_state_history::JointStateHistory;
 pub use monitor::Monitor;
+pub use motion_since_previous::{
+    GAP_NOT_PROVEN, GapReason, MotionSincePrevious, NoMotion, PASSED_THROUGH, Passage,
+};
 pub use now::Now;
 pub use obstacle_motion::ObstacleMotion;
 pub use separation::Separation;

@@ -8,6 +8,7 @@ use std::time::Duration;
 use clearance_robot::quoted_list;
 use clearance_scene::TransformTree;
 
+use super::between_states::{BetweenStates, StateTime};
 use super::check_budget::CheckBudget;
 use super::contact_watch::ContactWatch;
 use super::contribution::Contributions;
@@ -20,7 +21,8 @@ use super::state_evaluator::{CheckResult, EvaluationInput, StateEvaluator, Stopw
 use super::transform_joints::TransformJoints;
 use super::world_updates::WorldUpdates;
 use super::{
-    Evaluation, Expiry, JointStateInput, LeftOut, MonitorSettings, Now, Reason, Revision, Status, Time,
+    Evaluation, Expiry, JointStateInput, LeftOut, MonitorSettings, MotionSincePrevious, Now, Reason,
+    Revision, Status, Time,
 };
 
 /// Largest number of names that are stored of a joint state without positions.
@@ -53,6 +55,7 @@ pub struct Monitor {
     /// The last joint state without positions: time of reception and names.
     unpositioned: Option<(Duration, Vec<String>)>,
     check_budget: CheckBudget,
+    between_states: BetweenStates,
     contact_watch: ContactWatch,
     /// Messages that make up the robot's state, regardless of the result.
     contributions: Contributions,
@@ -90,6 +93,7 @@ impl Monitor {
             received_states: ReceivedStates::default(),
             unpositioned: None,
             check_budget: CheckBudget::default(),
+            between_states: BetweenStates::default(),
             contact_watch: ContactWatch::default(),
             contributions: Contributions::default(),
             set_back: None,
@@ -120,6 +124,7 @@ impl Monitor {
         if !self.evaluator.as_ref().is_some_and(|s| Arc::ptr_eq(&robot(s), revision.checker.robot())) {
             self.speed_governor.discard_poses();
             self.contact_watch = ContactWatch::default();
+            self.between_states = BetweenStates::default();
             self.transform_joints = TransformJoints::default();
             self.root_location = RootLocationWatch::default();
         }
@@ -127,6 +132,7 @@ impl Monitor {
             self.root_location = RootLocationWatch::default();
         }
         self.root_location.note_placed(revision.placed_at);
+        self.between_states.note_world_changed();
         self.world_updates.complete();
         // set before the first state that is checked in this world is published
         self.incomplete_world.clone_from(&revision.incomplete);
@@ -300,6 +306,7 @@ impl Monitor {
     fn note_clock(&mut self, now: Now) {
         if now.ros < self.latest_ros_time {
             self.received_states.discard_order();
+            self.between_states.note_clock_set_back();
         }
         if let (Some(before), Some(ros)) = (self.latest_ros_time, now.ros) {
             let back = before.seconds_since(ros);
@@ -364,11 +371,14 @@ impl Monitor {
         merged.warnings.extend(self.root_location.warning());
         // a stale state is not checked
         self.contributions.freshness(now, &self.settings, robot.position_names())?;
+        let stamp = self.contributions.stamp().or(self.transform_joints.stamp());
         let check_result = evaluator.evaluate(EvaluationInput {
             merged,
             obstacle_motions: self.root_location.obstacle_motions(),
             settings: &self.settings,
             check_budget: &self.check_budget,
+            time: StateTime { stamp: stamp.unwrap_or_default(), at: now.steady },
+            between_states: &mut self.between_states,
             fixed: self.left_out,
             stopwatch: self.stopwatch,
         });
@@ -397,6 +407,8 @@ impl Monitor {
             (None, Some(reason)) if robot_state.is_some() => Status::Unknown(reason.clone()),
             (None, _) => self.check_result.status.clone(),
         };
+        let motion_since_previous = self.between_states.take_latest();
+        let (status, motion_since_previous) = with_motion(status, motion_since_previous);
         if status != Status::Free {
             self.speed_governor.stop();
         }
@@ -414,13 +426,16 @@ impl Monitor {
         let of_model = of_model.into_iter().chain(self.unpositioned_warning(now));
         let of_contacts = self.contact_watch.remark().filter(|_| self.check_result.checked_state.is_some());
         let warnings = self.check_result.warnings.iter().chain(of_world).cloned().chain(of_model);
-        let warnings = warnings.chain(of_contacts.map(str::to_owned));
+        let of_motion =
+            evaluator.and_then(|evaluator| motion_since_previous.warning(&evaluator.revision.checker));
+        let warnings = warnings.chain(of_contacts.map(str::to_owned)).chain(of_motion);
         Evaluation {
             checked_state: robot_state.clone().filter(|_| status.reason().is_none()),
             status,
             robot_state,
             is_swapping: self.is_swapping(),
             stale_world,
+            motion_since_previous,
             speed_scale: self.speed_governor.share(),
             separation: self.speed_governor.separation(),
             left_out: self.check_result.left_out,
@@ -464,5 +479,14 @@ impl Monitor {
             }
             (reason, _) => reason,
         }
+    }
+}
+
+/// The status with the motion since the previous state: a proven contact makes a free state COLLIDING.
+fn with_motion(status: Status, motion: MotionSincePrevious) -> (Status, MotionSincePrevious) {
+    match status {
+        Status::Free if motion.passed_through().is_some() => (Status::Colliding, motion),
+        Status::Unknown(_) => (status, motion.while_unknown()),
+        Status::Free | Status::Colliding => (status, motion),
     }
 }

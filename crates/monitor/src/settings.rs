@@ -42,6 +42,12 @@ pub struct MonitorSettings {
     pub exact_distance_share: f64,
     /// Largest number of contacts that are computed of each colliding pair; 0: none.
     pub contacts_per_pair: usize,
+    /// Whether the motion from each evaluated state to the next one is checked.
+    pub check_between_states: bool,
+    /// Largest error (rad, m) of a reported joint position, in the check between states.
+    pub joint_noise: f64,
+    /// Largest acceleration (rad/s², m/s²) of the joints between two states; 0: they move along straight lines.
+    pub between_states_acceleration: f64,
     /// When the robot has to be slower.
     pub speed: SpeedSettings,
     /// Horizon (s) of the time to contact; 0 switches it off.
@@ -70,6 +76,9 @@ impl Default for MonitorSettings {
             distance_relative_tolerance: 0.0,
             exact_distance_share: 0.1,
             contacts_per_pair: 0,
+            check_between_states: true,
+            joint_noise: 0.0,
+            between_states_acceleration: 0.0,
             speed: SpeedSettings::default(),
             look_ahead_horizon: 0.0,
             look_ahead_acceleration: 10.0,

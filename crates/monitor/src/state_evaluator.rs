@@ -11,7 +11,9 @@ use clearance_proximity::Effort;
 use clearance_robot::LinkPoses;
 
 use super::approach_rate::{MovingState, slowdown_range};
+use super::between_states::{BetweenStates, CurrentState, StateTime};
 use super::check_budget::CheckBudget;
+use super::distance_bounds::DistanceBounds;
 use super::joint_state_merger::{JointStateMerger, MergedState};
 use super::look_ahead::{LookAheadEvaluator, LookAheadInput};
 use super::obstacle_motion::ObstacleMotion;
@@ -38,6 +40,8 @@ pub(super) struct EvaluationInput<'i> {
     pub obstacle_motions: Vec<ObstacleMotion>,
     pub settings: &'i MonitorSettings,
     pub check_budget: &'i CheckBudget,
+    pub time: StateTime,
+    pub between_states: &'i mut BetweenStates,
     /// The part to leave out, regardless of the time; `None`: the deadline decides.
     pub fixed: Option<LeftOut>,
     pub stopwatch: Stopwatch,
@@ -61,10 +65,9 @@ impl CheckResult {
 
 impl StateEvaluator {
     /// Checks a complete joint state.
-    pub fn evaluate(
-        &mut self,
-        EvaluationInput { merged, obstacle_motions, settings, check_budget, fixed, stopwatch }: EvaluationInput,
-    ) -> CheckResult {
+    pub fn evaluate(&mut self, input: EvaluationInput) -> CheckResult {
+        let EvaluationInput { merged, obstacle_motions, settings, check_budget, time, .. } = input;
+        let EvaluationInput { between_states, fixed, stopwatch, .. } = input;
         let MergedState { configuration, velocities, rates, are_of_joints, measured, spread, mut warnings } =
             merged;
         let checker = &self.revision.checker;
@@ -78,10 +81,9 @@ impl StateEvaluator {
             obstacle_motions: &obstacle_motions,
         };
         let slowdown_range = slowdown_range(checker, &moving, &settings.speed);
-        let survey = Question::Survey {
-            influence_distance: settings.influence_distance.greater(slowdown_range),
-            limit: settings.distance_limit,
-        };
+        let influence_distance = settings.influence_distance.greater(slowdown_range);
+        let limit = settings.distance_limit;
+        let survey = Question::Survey { influence_distance, limit };
         let effort = if fixed.is_some() { settings.unhurried_effort() } else { settings.effort() };
         // the approach rate follows from the nearest points, so these have to be exact; longer distances do not affect
         // the speed
@@ -93,6 +95,7 @@ impl StateEvaluator {
         }
         let is_exact = report.is_exact();
         report.use_lower_bounds();
+        let bounds = DistanceBounds::of(&report, checker, [influence_distance, limit]);
         let reported = settings.influence_distance.greater(settings.speed.reach());
         let (reported, approaching_pairs) =
             report.pair_distances.into_iter().partition(|pair| pair.distance <= reported);
@@ -104,6 +107,20 @@ impl StateEvaluator {
         if !report.undecided.is_empty() {
             left_out = LeftOut::Pairs;
         }
+        let left_out_between = between_states.check(&CurrentState {
+            checker,
+            configuration: &configuration,
+            poses: &poses,
+            time,
+            measured: &measured,
+            report: &report,
+            bounds,
+            obstacle_motions: &obstacle_motions,
+            settings,
+            effort: &effort,
+            fixed,
+        });
+        left_out = left_out.max(left_out_between);
         let mut look_ahead = None;
         if settings.look_ahead_horizon > 0.0 && (left_out > LeftOut::Contacts || effort.is_over()) {
             left_out = left_out.max(LeftOut::LookAhead);
@@ -140,7 +157,7 @@ impl StateEvaluator {
             let (deadline, pair) = (settings.check_deadline, Default::default());
             status = Status::Unknown(Reason::Deadline { deadline, open: 0, pair });
         }
-        let checked_state = Some(Arc::new(CheckedState {
+        let checked_state = Arc::new(CheckedState {
             report,
             approaching_pairs,
             contacts: contacts.found,
@@ -156,8 +173,9 @@ impl StateEvaluator {
             is_exact,
             is_hurried: !is_exact && effort.exact_cost > 0,
             compute_time,
-        }));
-        CheckResult { status, checked_state, left_out, warnings }
+        });
+        between_states.keep(&checked_state, time, bounds, settings);
+        CheckResult { status, checked_state: Some(checked_state), left_out, warnings }
     }
 }
 

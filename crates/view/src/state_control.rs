@@ -5,7 +5,8 @@ use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use clearance_checker::{CollisionChecker, CollisionReport, Question, Workspace};
 use clearance_monitor::{
-    CheckedState, ContactsOfPair, Evaluation, Expiry, LeftOut, MonitorSettings, Revision, Status,
+    CheckedState, ContactsOfPair, Evaluation, Expiry, LeftOut, MonitorSettings, MotionSincePrevious,
+    Revision, Status,
 };
 use clearance_robot::{Configuration, ConfigurationError, JointKind, LinkPoses, RobotModel};
 use serde::{Deserialize, Serialize};
@@ -141,6 +142,7 @@ impl StateControl {
             left_out: LeftOut::Nothing,
             is_swapping: false,
             stale_world: None,
+            motion_since_previous: MotionSincePrevious::default(),
             revision: Some(Arc::clone(&self.revision)),
             warnings,
             expiry: Expiry::default(),

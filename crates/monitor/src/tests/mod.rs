@@ -2,6 +2,7 @@
 
 #![expect(clippy::float_cmp, reason = "0 and infinity are said exactly")]
 
+mod between_states;
 mod check_budget;
 mod contact;
 mod contacts;

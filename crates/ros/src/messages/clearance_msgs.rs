@@ -4,6 +4,7 @@
 //! `interfaces/clearance_msgs/msg/*.msg`. Those files also define the unit, the frame and the meaning of every field.
 
 use ros2_client::Message;
+use ros2_interfaces_jazzy_serde::builtin_interfaces::msg::Time;
 use ros2_interfaces_jazzy_serde::geometry_msgs::msg::{Point, Vector3};
 use ros2_interfaces_jazzy_serde::std_msgs::msg::Header;
 use serde::{Deserialize, Serialize};
@@ -110,6 +111,17 @@ pub struct Separation {
     pub requested_scale: f64,
 }
 
+/// A contact between two successive joint states: proven, or possible.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PassedThrough {
+    pub pair: BodyPair,
+    pub t_lower: f64,
+    pub t_upper: f64,
+    pub previous_stamp: Time,
+    pub stamp: Time,
+    pub proven: bool,
+}
+
 /// Numbers of pairs that were not checked, by reason.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SkippedPairs {
@@ -146,12 +158,19 @@ pub struct CollisionState {
     pub world_distance: f64,
     pub world_nearest: PairDistance,
     pub contacts: Vec<Contact>,
+    pub motion_since_previous: u8,
+    pub motion_since_previous_reason: String,
+    pub passed_through: Vec<PassedThrough>,
 }
 
 impl CollisionState {
     pub const UNKNOWN: u8 = 0;
     pub const FREE: u8 = 1;
     pub const COLLIDING: u8 = 2;
+    pub const NOT_CHECKED: u8 = 0;
+    pub const PROVEN_FREE: u8 = 1;
+    pub const PASSED_THROUGH: u8 = 2;
+    pub const NOT_PROVEN: u8 = 3;
 }
 
 impl Message for BodyPair {}
@@ -160,6 +179,7 @@ impl Message for Contact {}
 impl Message for Separation {}
 impl Message for LeastDistance {}
 impl Message for DistanceEvent {}
+impl Message for PassedThrough {}
 impl Message for SkippedPairs {}
 impl Message for CollisionState {}
 
@@ -182,6 +202,7 @@ mod tests {
         assert_eq!(fields_in_rust::<Separation>(), fields_in_text(msg!("Separation")));
         assert_eq!(fields_in_rust::<LeastDistance>(), fields_in_text(msg!("LeastDistance")));
         assert_eq!(fields_in_rust::<DistanceEvent>(), fields_in_text(msg!("DistanceEvent")));
+        assert_eq!(fields_in_rust::<PassedThrough>(), fields_in_text(msg!("PassedThrough")));
         assert_eq!(fields_in_rust::<SkippedPairs>(), fields_in_text(msg!("SkippedPairs")));
         assert_eq!(fields_in_rust::<CollisionState>(), fields_in_text(msg!("CollisionState")));
     }
@@ -205,6 +226,10 @@ mod tests {
                 ("UNKNOWN", CollisionState::UNKNOWN),
                 ("FREE", CollisionState::FREE),
                 ("COLLIDING", CollisionState::COLLIDING),
+                ("NOT_CHECKED", CollisionState::NOT_CHECKED),
+                ("PROVEN_FREE", CollisionState::PROVEN_FREE),
+                ("PASSED_THROUGH", CollisionState::PASSED_THROUGH),
+                ("NOT_PROVEN", CollisionState::NOT_PROVEN),
             ]
         );
     }

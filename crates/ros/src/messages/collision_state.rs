@@ -1,12 +1,12 @@
 //! Conversion of evaluations to ROS messages, except markers and diagnostics; and of joint state messages to monitor
 //! input.
 use clearance_checker::{CollisionChecker, CollisionReport, PairDistance, PairKind};
-use clearance_monitor::{ContactsOfPair, Evaluation, Status};
+use clearance_monitor::{ContactsOfPair, Evaluation, MotionSincePrevious, PASSED_THROUGH, Status};
 use clearance_scene::BodyId;
 use ros2_interfaces_jazzy_serde::std_msgs::msg::Header;
 
 use crate::messages::clearance_msgs;
-use crate::messages::clearance_msgs::{BodyPair, CollisionState, SkippedPairs};
+use crate::messages::clearance_msgs::{BodyPair, CollisionState, PassedThrough, SkippedPairs};
 use crate::messages::contact::contact_messages;
 use crate::messages::time_and_geometry::point_message;
 use crate::messages::time_and_geometry::stamp_message;
@@ -78,7 +78,39 @@ pub fn collision_state(evaluation: &Evaluation) -> CollisionState {
             message.first_contact_pair = pair.unwrap_or_default();
         }
     }
+    add_motion(&mut message, &revision.checker, evaluation);
     message
+}
+
+/// Adds the motion since the previous state, with its proven or possible contact.
+fn add_motion(message: &mut CollisionState, checker: &CollisionChecker, evaluation: &Evaluation) {
+    let motion = &evaluation.motion_since_previous;
+    message.motion_since_previous = match motion {
+        MotionSincePrevious::NotChecked(_) => CollisionState::NOT_CHECKED,
+        MotionSincePrevious::ProvenFree => CollisionState::PROVEN_FREE,
+        MotionSincePrevious::PassedThrough(_) => CollisionState::PASSED_THROUGH,
+        MotionSincePrevious::NotProven { .. } => CollisionState::NOT_PROVEN,
+    };
+    message.motion_since_previous_reason = motion.reason().unwrap_or_default();
+    let Some(passage) = motion.passage() else { return };
+    let pair = passage.pair.map(|(a, b)| pair_message(checker, a, b)).unwrap_or_default();
+    let proven = motion.passed_through().is_some();
+    let [previous_stamp, stamp] = passage.stamps.map(stamp_message);
+    message.passed_through.push(PassedThrough {
+        pair: pair.clone(),
+        t_lower: passage.t[0],
+        t_upper: passage.t[1],
+        previous_stamp,
+        stamp,
+        proven,
+    });
+    if proven && evaluation.status == Status::Colliding {
+        message.colliding_pairs.push(pair);
+    }
+    if let Some(passage) = evaluation.contact_since_previous() {
+        PASSED_THROUGH.clone_into(&mut message.reason_code);
+        message.reason = evaluation.passage_text(passage).unwrap_or_default();
+    }
 }
 
 /// Number of pairs that were left undecided at the deadline.
@@ -195,6 +227,7 @@ mod tests {
             left_out: LeftOut::Nothing,
             is_swapping: false,
             stale_world: None,
+            motion_since_previous: clearance_monitor::MotionSincePrevious::default(),
             revision: None,
             warnings: [].into(),
             expiry: Expiry::default(),

@@ -33,10 +33,22 @@ pub(super) fn unknown(name: &str) -> String {
 /// All parameters, by name. `config/clearance.yaml` documents the same parameters in more detail; a test compares both.
 pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
     vec![
+        double(
+            "between_states_acceleration",
+            "rad/s2",
+            (0.0, 10000.0),
+            |p| &mut p.between_states_acceleration,
+            "Largest acceleration (m/s2 for prismatic joints) of the joints between two states; 0: they move along straight lines.",
+        ),
         unknown_or_warn(
             "blind_cloud",
             |p| &mut p.blind_cloud,
             "Reaction to a cloud or octomap that contains nothing of the environment: the state is unknown, or a warning.",
+        ),
+        boolean(
+            "check_between_states",
+            |p| &mut p.check_between_states,
+            "Whether the motion from each evaluated joint state to the next one is checked.",
         ),
         double(
             "check_deadline",
@@ -126,6 +138,13 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             (0.0, 10.0),
             |p| &mut p.influence_distance,
             "Distance up to which every pair is reported with its distance and nearest points.",
+        ),
+        double(
+            "joint_noise",
+            "rad",
+            (0.0, 0.1),
+            |p| &mut p.joint_noise,
+            "Largest error (m for prismatic joints) of a reported position, in the check between states.",
         ),
         Declaration {
             range: Range::Prefix,

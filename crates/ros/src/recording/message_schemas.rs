@@ -15,7 +15,8 @@ macro_rules! ours {
     };
 }
 
-const OURS: [(&str, &str); 5] = ours! { "BodyPair" "CollisionState" "Contact" "PairDistance" "SkippedPairs" };
+const OURS: [(&str, &str); 6] =
+    ours! { "BodyPair" "CollisionState" "Contact" "PairDistance" "PassedThrough" "SkippedPairs" };
 
 /// Definition of each message, by its full name.
 static DECLARATIONS: LazyLock<BTreeMap<&'static str, &'static str>> = LazyLock::new(|| {

@@ -308,6 +308,7 @@ mod tests {
             left_out: LeftOut::Nothing,
             is_swapping: false,
             stale_world: None,
+            motion_since_previous: clearance_monitor::MotionSincePrevious::default(),
             revision: None,
             warnings: Arc::from([]),
             expiry: Expiry::default(),

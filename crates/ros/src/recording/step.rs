@@ -84,6 +84,8 @@ pub enum Late {
     Nothing,
     Contacts,
     LookAhead,
+    PassageExtent,
+    MotionSincePrevious,
     FartherDistance,
     Pairs,
 }
@@ -204,6 +206,8 @@ impl From<LeftOut> for Late {
             LeftOut::Nothing => Self::Nothing,
             LeftOut::Contacts => Self::Contacts,
             LeftOut::LookAhead => Self::LookAhead,
+            LeftOut::PassageExtent => Self::PassageExtent,
+            LeftOut::MotionSincePrevious => Self::MotionSincePrevious,
             LeftOut::FartherDistance => Self::FartherDistance,
             LeftOut::Pairs => Self::Pairs,
         }
@@ -216,6 +220,8 @@ impl From<Late> for LeftOut {
             Late::Nothing => Self::Nothing,
             Late::Contacts => Self::Contacts,
             Late::LookAhead => Self::LookAhead,
+            Late::PassageExtent => Self::PassageExtent,
+            Late::MotionSincePrevious => Self::MotionSincePrevious,
             Late::FartherDistance => Self::FartherDistance,
             Late::Pairs => Self::Pairs,
         }
@@ -253,6 +259,10 @@ pub fn parameters_from_json(json: &Map<String, Json>) -> Result<Parameters, Stri
     if !json.contains_key("exact_distance_share") {
         // versions without this parameter computed exact distances
         parameters.exact_distance_share = 0.0;
+    }
+    if !json.contains_key("check_between_states") {
+        // versions without this parameter checked each state alone
+        parameters.check_between_states = false;
     }
     // versions without these parameters had warnings in these cases
     for name in ["blind_cloud", "rejected_obstacle", "lost_messages", "mimic_contradiction"] {

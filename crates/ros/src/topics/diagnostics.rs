@@ -81,6 +81,9 @@ fn colliding(evaluation: &Evaluation) -> String {
     let (Some(checked_state), Some(revision)) = (&evaluation.checked_state, &evaluation.revision) else {
         return String::new();
     };
+    if let Some(passage) = evaluation.contact_since_previous() {
+        return evaluation.passage_text(passage).unwrap_or_default();
+    }
     let pairs = &checked_state.report.colliding_pairs;
     let name = |body| revision.checker.body_name(body);
     let mut named: Vec<String> =
