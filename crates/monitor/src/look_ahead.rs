@@ -28,6 +28,8 @@ pub(super) struct LookAheadInput<'i> {
     /// Result of the check of this state.
     pub report: &'i CollisionReport,
     pub obstacle_motions: &'i [ObstacleMotion],
+    /// Whether the deadline leaves no time for it.
+    pub is_late: bool,
 }
 
 impl LookAheadEvaluator {
@@ -37,14 +39,33 @@ impl LookAheadEvaluator {
         Self { workspace: checker.workspace(), limits: acceleration_limits(robot), floats }
     }
 
+    /// Proven time without contact after an evaluated state, or a warning why it is unknown; neither if it is off.
+    pub fn look_in_time(
+        &mut self,
+        checker: &CollisionChecker,
+        input: &LookAheadInput,
+        settings: &MonitorSettings,
+    ) -> (Option<LookAhead>, Option<String>) {
+        if settings.look_ahead_horizon <= 0.0 {
+            return (None, None);
+        }
+        if input.is_late {
+            return (None, Some("the time to contact is not known: check_deadline has passed".to_owned()));
+        }
+        match self.look(checker, input, settings) {
+            Ok(found) => (Some(found), None),
+            Err(why) => (None, Some(why)),
+        }
+    }
+
     /// Proven time without contact after an evaluated state, or why it is unknown.
-    pub fn look(
+    fn look(
         &mut self,
         checker: &CollisionChecker,
         input: &LookAheadInput,
         settings: &MonitorSettings,
     ) -> Result<LookAhead, String> {
-        let &LookAheadInput { configuration, velocities, spread, report, obstacle_motions } = input;
+        let &LookAheadInput { configuration, velocities, spread, report, obstacle_motions, .. } = input;
         let unknown = |why: &str| Err(format!("the time to contact is not known: {why}"));
         if let Some(&pair) = report.colliding_pairs.first() {
             return Ok(LookAhead { free_for: 0.0, first: Some(pair) });

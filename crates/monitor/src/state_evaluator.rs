@@ -121,23 +121,19 @@ impl StateEvaluator {
             fixed,
         });
         left_out = left_out.max(left_out_between);
-        let mut look_ahead = None;
-        if settings.look_ahead_horizon > 0.0 && (left_out > LeftOut::Contacts || effort.is_over()) {
+        let ahead = LookAheadInput {
+            configuration: &configuration,
+            velocities: velocities.as_deref(),
+            spread,
+            report: &report,
+            obstacle_motions: &obstacle_motions,
+            is_late: left_out > LeftOut::Contacts || effort.is_over(),
+        };
+        if ahead.is_late && settings.look_ahead_horizon > 0.0 {
             left_out = left_out.max(LeftOut::LookAhead);
-            warnings.push("the time to contact is not known: check_deadline has passed".to_owned());
-        } else if settings.look_ahead_horizon > 0.0 {
-            let state = LookAheadInput {
-                configuration: &configuration,
-                velocities: velocities.as_deref(),
-                spread,
-                report: &report,
-                obstacle_motions: &obstacle_motions,
-            };
-            match self.look_ahead.look(checker, &state, settings) {
-                Ok(found) => look_ahead = Some(found),
-                Err(why) => warnings.push(why),
-            }
         }
+        let (look_ahead, warning) = self.look_ahead.look_in_time(checker, &ahead, settings);
+        warnings.extend(warning);
         let contacts = ContactQuery {
             checker,
             configuration: &configuration,
@@ -152,11 +148,7 @@ impl StateEvaluator {
         }
         warnings.extend(contacts.warning);
         let compute_time = stopwatch().saturating_sub(started);
-        let mut status = status_of(&report, checker, settings);
-        if fixed == Some(LeftOut::Pairs) {
-            let (deadline, pair) = (settings.check_deadline, Default::default());
-            status = Status::Unknown(Reason::Deadline { deadline, open: 0, pair });
-        }
+        let status = status_of(&report, checker, settings, fixed);
         let checked_state = Arc::new(CheckedState {
             report,
             approaching_pairs,
@@ -193,7 +185,16 @@ fn leave_farther_distance_open(report: &mut CollisionReport, checker: &Collision
 
 /// A colliding pair decides the status even if other pairs are undecided. With any undecided pair, the least distance
 /// is unknown.
-fn status_of(report: &CollisionReport, checker: &CollisionChecker, settings: &MonitorSettings) -> Status {
+fn status_of(
+    report: &CollisionReport,
+    checker: &CollisionChecker,
+    settings: &MonitorSettings,
+    fixed: Option<LeftOut>,
+) -> Status {
+    if fixed == Some(LeftOut::Pairs) {
+        let (deadline, pair) = (settings.check_deadline, Default::default());
+        return Status::Unknown(Reason::Deadline { deadline, open: 0, pair });
+    }
     if report.self_collision || report.world_collision {
         return Status::Colliding;
     }

@@ -75,6 +75,7 @@ fn pair(evaluation: &Evaluation) -> Option<[String; 2]> {
     Some([a, b].map(|body| checker.body_name(body).to_owned()))
 }
 
+#[expect(clippy::unnecessary_wraps, reason = "compared with options")]
 fn names(a: &str, b: &str) -> Option<[String; 2]> {
     Some([a.to_owned(), b.to_owned()])
 }

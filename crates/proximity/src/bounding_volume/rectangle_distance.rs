@@ -161,7 +161,7 @@ mod tests {
         for round in 0..6_000 {
             let mut rectangle = || {
                 let (centre, half) = (random.vector(0.2), random.vector(0.4).abs());
-                let thin = |i: u32, x: f64| if round >> i & 7 == 0 { 0.0 } else { x as f32 };
+                let thin = |i: u32, x: f64| if (round >> i) % 8 == 0 { 0.0 } else { x as f32 };
                 Obb {
                     centre: std::array::from_fn(|i| centre[i] as f32),
                     half_extents: [thin(0, half.x), thin(3, half.y), 0.0],

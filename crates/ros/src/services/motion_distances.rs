@@ -28,7 +28,10 @@ impl DistanceRequest<'_> {
             let found = checker.clearance_along_trajectory(trajectory, &options, workspace);
             distances.self_clearance = least_distance(checker, found.nearest_self.as_ref());
             distances.world_clearance = least_distance(checker, found.nearest_world.as_ref());
-            distances.clearance_reason_code = found.unfinished.map_or("", UndecidedReason::code).to_owned();
+            found
+                .unfinished
+                .map_or("", UndecidedReason::code)
+                .clone_into(&mut distances.clearance_reason_code);
         }
         if terms.event_distance > 0.0 {
             let (distance, options) = (terms.event_distance, event_options(options));
