@@ -177,8 +177,8 @@ void check_certificates(Scene &scene) {
   both.positions = scene.near;
   both.positions.insert(both.positions.end(), scene.far.begin(), scene.far.end());
   both.times = {0.0, 2.0};
-  const auto timed = scene.checker.clearance_along(both, scene.workspace).nearest_world;
-  CHECK(timed.lower > 0.0 && timed.segment == 0 && std::abs(timed.time - 2.0 * timed.t) < 1e-9);
+  const auto to_world = scene.checker.clearance_along(both, scene.workspace).nearest_world;
+  CHECK(to_world.lower > 0.0 && to_world.segment == 0 && std::abs(to_world.time - 2.0 * to_world.t) < 1e-9);
   const std::string json = report.certificate->to_json();
   const auto read = clearance::Certificate::from_json(json);
   CHECK(read.to_json() == json && read.segment_count() == 1 && read.pair_count() == 76);

@@ -418,6 +418,54 @@ typedef struct {
   int shortest;
 } clearance_trajectory;
 
+// Options of searches for the least distances along a motion. Start with `clearance_along_options_default`.
+typedef struct {
+  // The search ends when lower and upper bound differ by at most this (m). Default 1e-3.
+  double absolute_tolerance;
+  // The same, relative to the upper bound; the larger of the two applies. Default 0.01.
+  double relative_tolerance;
+  // Larger distances (m) do not matter: the search ends when the lower bound has reached it. Default infinity.
+  double max_distance;
+  // Time (s) after which a search ends with its results so far. Default infinity.
+  double timeout;
+  // Number of evaluations of a pair after which a search ends. Default 10 000 000.
+  uint64_t budget;
+  // Tracking tolerance (rad, m) of each position of a state: lower bounds hold anywhere within it. Default null: none.
+  const double *tube;
+  // Number of tracking tolerances: the number of positions, 1 for the same tolerance of all, or 0.
+  size_t tube_count;
+} clearance_along_options;
+
+// Bounds on the least distance of the pairs of one kind along a motion (m, padding subtracted).
+typedef struct {
+  // Proven: no pair is nearer at any time; 0 if some pair touches, or if nothing is proven. Infinite if no such pairs are checked.
+  double lower;
+  // Distance of the pair at t: the least distance is not larger. Infinite if there is no pair.
+  double upper;
+  // The pair at which `upper` is attained; its names are valid as long as the checker.
+  clearance_pair pair;
+  // Nearest points of the pair (m, root frame), without padding; NaN if there is no pair.
+  double points[2][3];
+  // Fraction of the motion, or of the segment, at which `upper` is attained; NaN if there is no pair.
+  double t;
+  // Trajectory: index of the segment.
+  size_t segment;
+  // Trajectory with times: time (s) from the start; otherwise NaN.
+  double time;
+} clearance_least_distance;
+
+// The least distances along a motion.
+typedef struct {
+  // Of two bodies of the robot.
+  clearance_least_distance nearest_self;
+  // Of the robot and an obstacle.
+  clearance_least_distance nearest_world;
+  // Why the bounds differ by more than the tolerance, or none.
+  clearance_reason reason;
+  // Number of evaluations of a pair.
+  uint64_t evaluations;
+} clearance_motion_distances;
+
 // Expected content of a certificate: options and motion. Start with `clearance_expectation_default`.
 typedef struct {
   // Options of the check: they must be the same. Null for the defaults.
@@ -913,6 +961,27 @@ clearance_status clearance_checker_check_trajectory(const clearance_checker *che
                                                     const clearance_trajectory *trajectory,
                                                     const clearance_motion_options *options,
                                                     clearance_motion_report *report);
+
+// The default options: no tracking tolerance, no time limit.
+clearance_along_options clearance_along_options_default(void);
+
+// Proven bounds on the least distances along a straight motion. Null `options` are the defaults.
+//
+// Rejected: positions, tolerances and times that are not finite or out of their range.
+clearance_status clearance_checker_clearance_along(const clearance_checker *checker,
+                                                   clearance_workspace *workspace,
+                                                   clearance_edge edge,
+                                                   const clearance_along_options *options,
+                                                   clearance_motion_distances *distances);
+
+// Proven bounds on the least distances along a trajectory. Null `options` are the defaults.
+//
+// Rejected: as for `clearance_checker_check_trajectory`.
+clearance_status clearance_checker_clearance_along_trajectory(const clearance_checker *checker,
+                                                              clearance_workspace *workspace,
+                                                              const clearance_trajectory *trajectory,
+                                                              const clearance_along_options *options,
+                                                              clearance_motion_distances *distances);
 
 // Reads a certificate from JSON text. Rejected: text that is none, and certificates that were altered.
 clearance_status clearance_certificate_from_json(const char *json, clearance_certificate **certificate);

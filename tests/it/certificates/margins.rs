@@ -10,7 +10,7 @@ use clearance::verifier::{ExpectedMotion, Rejection, Verifier};
 use super::{Scene, obstacle, resign, wall};
 use crate::random::Random;
 
-/// A ball of radius 0.1 m on a slide along x; the wall begins at x = 0.45.
+/// A ball of radius 0.1 m on a slide along x; the wall begins at x = 0.475 m.
 const SLIDE: &str = "<robot name='slide'><link name='base'/>
 <joint name='d' type='prismatic'><parent link='base'/><child link='ball'/><axis xyz='1 0 0'/>
   <limit lower='-10' upper='10' effort='1' velocity='1'/></joint>
@@ -31,7 +31,7 @@ fn certify(scene: &Scene, trajectory: &Trajectory, margin: f64) -> Option<Certif
     scene.checker.certify_trajectory(trajectory, &options, &mut scene.checker.workspace()).1
 }
 
-/// The ball comes within 0.1 m of the wall.
+/// The ball comes within 0.125 m of the wall.
 fn near_the_wall(margin: f64) -> (Scene, Option<Certificate>) {
     let scene = Scene::new(SLIDE, wall());
     let motion = Trajectory::of_segments(vec![scene.straight(&[0.0], &[0.25])]).unwrap();
@@ -41,12 +41,12 @@ fn near_the_wall(margin: f64) -> (Scene, Option<Certificate>) {
 
 #[test]
 fn a_margin_is_proven_up_to_the_least_distance() {
-    let (scene, certificate) = near_the_wall(0.099);
+    let (scene, certificate) = near_the_wall(0.124);
     let certificate = certificate.unwrap();
-    assert_eq!(certificate.margin, Some(0.099));
+    assert_eq!(certificate.margin, Some(0.124));
     scene.verify(&certificate).unwrap();
     assert_eq!(Certificate::from_json(&certificate.to_json()).unwrap(), certificate);
-    assert!(near_the_wall(0.101).1.is_none());
+    assert!(near_the_wall(0.126).1.is_none());
     assert!(near_the_wall(f64::NAN).1.is_none() && near_the_wall(f64::INFINITY).1.is_none());
 }
 
@@ -64,7 +64,7 @@ fn an_altered_margin_is_rejected() {
     };
     assert!(matches!(with(Some(0.06), false), Err(Rejection::Digest)));
     assert!(matches!(with(None, false), Err(Rejection::Digest)));
-    for margin in [0.1001, 0.2, 5.0, 1e300] {
+    for margin in [0.1251, 0.2, 5.0, 1e300] {
         assert!(with(Some(margin), true).is_err(), "{margin}");
     }
     for margin in [f64::NAN, f64::INFINITY, -0.01] {
