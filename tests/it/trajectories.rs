@@ -1,8 +1,8 @@
 //! What is asked about motions beyond straight edges, on robots whose answers can be worked out with pencil and paper.
 
 use clearance::checker::{
-    CollisionChecker, LookAheadState, MotionOptions, MotionOrder, MotionReport, MotionVerdict,
-    UndecidedReason, Watch,
+    CollisionChecker, LookAheadState, MotionOptions, MotionOrder, MotionReport, MotionVerdict, PairKind,
+    Question, UndecidedReason, Watch,
 };
 use clearance::geometry::math::{Pose, Vector};
 use clearance::geometry::{Primitive, Shape};
@@ -375,7 +375,7 @@ fn obstacles_that_move_come_within_the_look_ahead() {
         )
     };
     world.add(ball(4.0)).unwrap();
-    let checker = CollisionChecker::new(Arc::new(robot.clone()), &world, Settings::default()).unwrap();
+    let checker = CollisionChecker::new(Arc::clone(&robot), &world, Settings::default()).unwrap();
     let report =
         checker.check(&q, Question::SelfAndWorldDistance { limit: f64::INFINITY }, &mut checker.workspace());
     let distance = report.distance_of(PairKind::WorldPair);

@@ -57,7 +57,6 @@ impl MotionSettings {
             deadline: self.deadline,
             budget: self.budget,
             watch: Some(watch.clone()),
-            ..MotionOptions::default()
         }
     }
 }
