@@ -27,6 +27,12 @@ impl StepMessages {
         self.0.next().ok_or_else(|| format!("{what} is missing before a step"))
     }
 
+    /// Whether they are of a part of a recording: a result without the allowed speed, as in `save_part`.
+    pub fn are_of_part(&self) -> bool {
+        let is_number = |message: &&RawMessage| message.kind == "std_msgs/msg/Float64";
+        self.0.as_slice().iter().filter(is_number).count() < 2
+    }
+
     pub fn is_empty(&self) -> bool {
         self.0.as_slice().is_empty()
     }
