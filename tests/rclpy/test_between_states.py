@@ -56,13 +56,7 @@ def test_without_the_check_each_state_counts_alone(cell, scene):
 
 
 def test_a_possible_contact_within_the_noise_is_a_warning(cell, scene):
-    cell.parameters.succeed(joint_noise=0.05)
-    scene.change(obstacle("floor", box(3, 3, 0.1), at=pose(2, 0, -0.16)))
-    cell.parameters.succeed(between_states_acceleration=0.0)
-    states = swing(cell, 0.0, 0.001)
-    assert [state.status for state in states] == [CollisionState.FREE] * 2
-    # The noise turns about vertical axes, and moves nothing towards the floor.
-    assert states[1].motion_since_previous in (CollisionState.PROVEN_FREE, CollisionState.NOT_PROVEN)
+    cell.parameters.succeed(joint_noise=0.05, between_states_acceleration=0.0)
     scene.change(obstacle("side", box(3, 0.1, 1), at=pose(2, 0.2, 0)))
     states = swing(cell, 0.0, 0.001)
     assert [state.status for state in states] == [CollisionState.FREE] * 2

@@ -86,6 +86,8 @@ def test_a_free_motion_is_proven(cell):
 
 
 def test_a_contact_between_free_ends_is_found_where_it_is(cell):
+    # The robot jumps to the other end.
+    cell.parameters.succeed(check_between_states=False)
     for end in (NEAR, BEYOND):
         assert cell.evaluate(**between(end, end, 0)).status == CollisionState.FREE
     response = cell.motions.check(NEAR, BEYOND)

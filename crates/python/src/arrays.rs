@@ -34,6 +34,12 @@ impl<'py> Numbers<'py> {
             )));
         }
         let ragged = |error: PyErr| {
+            // an interrupt, or a lack of memory, is none of the array
+            if !error.is_instance_of::<PyTypeError>(value.py())
+                && !error.is_instance_of::<PyValueError>(value.py())
+            {
+                return error;
+            }
             PyTypeError::new_err(format!(
                 "{what} must be an array of real numbers, but it is none of one shape: {error}"
             ))
