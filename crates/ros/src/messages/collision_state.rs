@@ -97,16 +97,13 @@ fn add_motion(message: &mut CollisionState, checker: &CollisionChecker, evaluati
     let proven = motion.passed_through().is_some();
     let [previous_stamp, stamp] = passage.stamps.map(stamp_message);
     message.passed_through.push(PassedThrough {
-        pair: pair.clone(),
+        pair,
         t_lower: passage.t[0],
         t_upper: passage.t[1],
         previous_stamp,
         stamp,
         proven,
     });
-    if proven && evaluation.status == Status::Colliding {
-        message.colliding_pairs.push(pair);
-    }
     if let Some(passage) = evaluation.contact_since_previous() {
         PASSED_THROUGH.clone_into(&mut message.reason_code);
         message.reason = evaluation.passage_text(passage).unwrap_or_default();

@@ -81,7 +81,7 @@ pub(super) fn difference(
 }
 
 /// Fields that name the contact since the previous state.
-const FIELDS_OF_PASSAGE: [&str; 3] = ["passed_through", "colliding_pairs", "reason"];
+const FIELDS_OF_PASSAGE: [&str; 2] = ["passed_through", "reason"];
 
 /// Versions without this field have fewer warnings and fewer distances.
 const FIELD_OF_BOTH_DISTANCES: &str = "world_nearest";
