@@ -1,7 +1,7 @@
 //! Summary of a certificate: its motion, tube, settings, moving obstacles and hashes, as text or JSON.
 
 use clearance::motion::mesh_model_name;
-use clearance::motion::{Certificate, MovingObstacle, SegmentText};
+use clearance::motion::{Certificate, MovingObstacle, SegmentText, SpeedLimit, UncertaintyText};
 use clearance::robot::RobotModel;
 use clearance::scene::{MeshModel, Settings};
 use clearance_files::readable_text;
@@ -67,7 +67,7 @@ impl<'c> Summary<'c> {
         json!({
             "motion": {
                 "segments": segments.len(), "degree": self.degree(), "from": from, "to": to,
-                "tube": tube, "moving_obstacles": obstacles,
+                "tube": tube, "moving_obstacles": obstacles, "obstacle_uncertainty": self.limits(),
             },
             "tolerance": tolerance,
             "margin": self.certificate.kept_margin(),
@@ -173,7 +173,8 @@ impl<'c> Summary<'c> {
     fn obstacle_lines(&self) -> Vec<String> {
         let count = self.moves().count();
         if count == 0 {
-            return vec!["obstacles   none moves".to_owned()];
+            let none = self.limit_text().unwrap_or_else(|| "none moves".to_owned());
+            return vec![format!("obstacles   {none}")];
         }
         let line = |(segment, mover): (usize, &MovingObstacle)| {
             let MovingObstacle { name, linear, angular, centre, start } = mover;
@@ -192,7 +193,26 @@ impl<'c> Summary<'c> {
         if count > MOST_LINES {
             lines.push(format!("obstacles   and {} more", count - MOST_LINES));
         }
+        lines.extend(self.limit_text().map(|text| format!("obstacles   {text}")));
         lines
+    }
+
+    /// Limits of the unknown motion of obstacles, if there are any.
+    fn limit_text(&self) -> Option<String> {
+        let UncertaintyText { time: [_, time], limits } = self.limits()?;
+        let SpeedLimit { speed, acceleration } = limits.default;
+        let others = match limits.by_name.len() {
+            0 => String::new(),
+            count => format!("; {count} of them have other limits"),
+        };
+        Some(format!(
+            "may move by v t + a t² / 2 with v = {speed:?} m/s and a = {acceleration:?} m/s², for up to {time:?} s{others}"
+        ))
+    }
+
+    /// What is not known about obstacles in the last segment: never less than in the segments before.
+    fn limits(&self) -> Option<&'c UncertaintyText> {
+        self.certificate.segments.last()?.motion.obstacle_uncertainty.as_ref()
     }
 }
 

@@ -152,7 +152,7 @@ fn lines_and_arcs_stay_within_the_deviation_of_their_samples() {
     for arm in [Some(Arm::demo()), Arm::panda()].into_iter().flatten() {
         for (number, states) in arm.motions().iter().enumerate() {
             for every in [STEPS, 2 * STEPS, 4 * STEPS] {
-                let given = sample_deviation(&samples(states, every));
+                let given = sample_deviation(&samples(states, every)).unwrap();
                 let found = true_deviation(states, every);
                 for (i, (found, given)) in found.iter().zip(&given).enumerate() {
                     let case = format!("{} motion {number} every {every} position {i}", arm.robot.name());
@@ -174,7 +174,7 @@ fn the_proof_with_the_deviation_holds_for_the_true_motion() {
         let mut workspace = checker.workspace();
         for states in arm.motions() {
             let samples = samples(&states, STEPS);
-            let tube = sample_deviation(&samples);
+            let tube = sample_deviation(&samples).unwrap();
             let segments = samples.windows(2).map(|ends| MotionSegment::straight(robot, &ends[0], &ends[1]));
             let segments = segments.map(|segment| segment.with_tube(robot, tube.clone()).unwrap()).collect();
             let trajectory = Trajectory::of_segments(segments).unwrap();

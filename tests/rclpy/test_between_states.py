@@ -7,7 +7,7 @@ import two_link
 from scene import box, obstacle, pose
 
 STEP = 0.5  # [rad] on either side of the wall
-HALF_STEP = 20_000_000  # [ns]
+PERIOD = 20_000_000  # [ns] from one state to the next
 
 
 def wall():
@@ -21,7 +21,7 @@ def swing(cell, *positions):
     states = []
     now = cell.peer.now().nanoseconds
     for number, joint1 in enumerate(positions):
-        stamp = Time(nanoseconds=now + number * HALF_STEP, clock_type=cell.peer.now().clock_type)
+        stamp = Time(nanoseconds=now + number * PERIOD, clock_type=cell.peer.now().clock_type)
         states.append(cell.evaluated({"joint1": joint1, "joint2": 0.0}, stamp))
     return states
 

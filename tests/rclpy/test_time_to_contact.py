@@ -89,6 +89,7 @@ def test_obstacles_that_may_move_shorten_the_time_to_contact(start):
     for parameters, speed, latency in [
         ({"obstacle_speed": 0.1}, 0.1, 0.0),
         ({"obstacle_limits": ["cart 0.2 0", "wall 9 9"]}, 0.2, 0.0),
+        ({"obstacle_speed": 0.0}, 0.2, 0.0),
         ({"obstacle_latency": 0.3}, 0.2, 0.3),
     ]:
         cell.parameters.succeed(**parameters)
@@ -96,6 +97,8 @@ def test_obstacles_that_may_move_shorten_the_time_to_contact(start):
         truth = state.world_distance / speed - latency
         assert state.time_to_contact_considers_obstacle_motion
         assert 0.9 * truth < state.time_to_contact <= truth
+        is_wall_unknown = "obstacle_limits: the world has no obstacle 'wall'" in state.warnings
+        assert is_wall_unknown == (cell.parameters.get("obstacle_limits") != [[]])
         assert "cart" in (state.first_contact_pair.body_a, state.first_contact_pair.body_b)
 
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use clearance_motion::{Certificate, MotionSegment, SegmentError, Trajectory};
 use clearance_proximity::bvh::AxisBox;
 use clearance_proximity::{Effort, Scratch};
-use clearance_robot::{Configuration, LinkPoses, RobotModel};
+use clearance_robot::{Configuration, LinkPoses, Reach, RobotModel};
 use clearance_scene::{AllowedCollisionMatrix, BodyId, PairList, Settings, World};
 use rayon::prelude::*;
 
@@ -449,6 +449,16 @@ impl CollisionChecker {
     /// ([`CollisionBody::volumes`](clearance_proximity::CollisionBody::volumes)); without padding.
     pub fn link_volumes(&self, level: usize) -> impl Iterator<Item = LinkVolume> {
         robot::link_volumes(self.pairs.robot(), level)
+    }
+
+    /// Capsules (root frame) that together contain a body, without padding. The radius of a plane's is infinite.
+    #[must_use]
+    pub fn bounding_capsules(&self, body: BodyId, poses: &LinkPoses) -> Vec<Reach> {
+        if let BodyId::Obstacle(id) = body {
+            return vec![self.pairs.world().obstacle(id.0 as usize).reach()];
+        }
+        let parts = self.pairs.robot().parts().iter().filter(|part| part.id() == body);
+        parts.map(|part| robot::bounding_capsule(part, poses)).collect()
     }
 
     /// Upper bound (m) on the distance of any point of the robot and its attached objects from its root, padding

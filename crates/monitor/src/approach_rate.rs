@@ -3,7 +3,7 @@
 //! It is an estimate, not a bound.
 use clearance_checker::{CollisionChecker, PairDistance};
 use clearance_geometry::math::{Extremes, Point, Pose, Vector};
-use clearance_robot::{Configuration, JointKind, LinkId, LinkPoses, RobotModel};
+use clearance_robot::{Configuration, JointKind, LinkId, LinkPoses, Reach, RobotModel};
 use clearance_scene::BodyId;
 
 use super::CheckedState;
@@ -129,6 +129,47 @@ fn approach_rate_in(
     };
     let rate = way.normalize().dot(&(moved(pair.a, a) - moved(pair.b, b))) / other.after;
     rate.is_finite().then_some(rate)
+}
+
+/// Upper bound (m/s) on the rate at which any point of a robot body approaches any point of an obstacle; `None` where
+/// there is none: the joint velocities are not measured, the obstacle or the body is too large for their distance, or
+/// the root moves.
+pub(super) fn largest_approach_rate(
+    checker: &CollisionChecker,
+    pair: &PairDistance,
+    checked_state: &CheckedState,
+    other: &PosesAtOtherTime,
+) -> Option<f64> {
+    let is_measured = checked_state.velocities.is_some() && other.after > 0.0;
+    if !is_measured || !checked_state.obstacle_motions.iter().all(ObstacleMotion::is_none) {
+        return None;
+    }
+    let (body, obstacle) = match pair.b {
+        BodyId::Obstacle(_) => (pair.a, pair.b),
+        _ => (pair.b, pair.a),
+    };
+    let link = carrier(checker, body)?;
+    let poses = [&checked_state.poses, &other.poses].map(|poses| poses.pose(link));
+    let [around] = <[Reach; 1]>::try_from(checker.bounding_capsules(obstacle, &checked_state.poses)).ok()?;
+    let moving = checker.bounding_capsules(body, &checked_state.poses);
+    let rates = moving.iter().map(|reach| largest_rate_towards(&around, reach, poses, other.after));
+    rates.reduce(|a, b| Some(a?.greater(b?)))?
+}
+
+/// The same for a moving capsule and an obstacle in a capsule. All directions from one to the other are within a cone.
+fn largest_rate_towards(around: &Reach, moving: &Reach, [now, then]: [&Pose; 2], after: f64) -> Option<f64> {
+    let middle = |reach: &Reach| (reach.ends[0] + reach.ends[1]) * 0.5;
+    let size = |reach: &Reach| (reach.ends[1] - reach.ends[0]).norm() * 0.5 + reach.radius;
+    let way = middle(around) - middle(moving);
+    let share = (size(around) + size(moving)) / way.norm();
+    // also without a number there is no cone
+    let half_angle = if share < 1.0 { share.asin() } else { return None };
+    let towards = |end: Vector| {
+        let velocity = displacement(&Point::from(end), now, then) / after;
+        velocity.norm() * (velocity.angle(&way) - half_angle).greater(0.0).cos()
+    };
+    let turning = (then.rotation * now.rotation.inverse()).angle() / after;
+    Some(towards(moving.ends[0]).greater(towards(moving.ends[1])) + turning * moving.radius)
 }
 
 /// Displacement of a link's point between two poses.

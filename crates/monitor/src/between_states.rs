@@ -68,6 +68,8 @@ pub(super) struct StateTime {
     pub stamp: Time,
     /// Time of its evaluation (steady clock).
     pub at: Duration,
+    /// Oldest stamp of the positions from `tf`, if there are any.
+    pub transforms: Option<Time>,
 }
 
 /// The state at the end of a motion.
@@ -147,7 +149,10 @@ impl BetweenStates {
         self.missing = NoMotion::FirstState;
         self.previous = settings.check_between_states.then(|| {
             // a state that is evaluated again keeps its times
-            let same = self.previous.as_ref().filter(|previous| is_same(&previous.state, state));
+            let same = self.previous.as_ref().filter(|previous| {
+                let stamps = |time: &StateTime| (time.stamp, time.transforms);
+                is_same(&previous.state, state) && stamps(&previous.time) == stamps(&time)
+            });
             let time = same.map_or(time, |previous| previous.time);
             PreviousState { state: Arc::clone(state), time, bounds, is_of_current_world: true }
         });
@@ -223,7 +228,8 @@ impl BetweenStates {
             MotionVerdict::Free => MotionSincePrevious::ProvenFree,
             MotionVerdict::Contact { pair, .. } if is_own(&pair) => own,
             MotionVerdict::Contact { t, pair, .. } if margin > 0.0 => {
-                unproven(GapReason::RootMoves { frame: root.frame }, Some(pair), forward(t))
+                // where the pair is within the margin for the first time: it may touch at any time after it
+                unproven(GapReason::RootMoves { frame: root.frame }, Some(pair), forward([t[0], 1.0]))
             }
             // the previous state may touch in this world
             MotionVerdict::Contact { t, pair, .. } if t[0] <= 0.0 && !previous.is_of_current_world => {
@@ -318,6 +324,9 @@ fn is_proven_by_distances(
         PairKind::SelfPair => 0.0,
         PairKind::WorldPair => root_margin,
     };
+    if !current.checker.checks(kind) {
+        return true;
+    }
     let loss = reach.tube + margin + CONTACT_DISTANCE + ROUNDING;
     let [start, end] = [previous.bounds, current.bounds].map(|bounds| bounds.of_kind(kind));
     // distances in another world prove nothing about this one
@@ -339,7 +348,7 @@ fn root_motion(
     for moved in moving.filter(|moved| !moved.is_none()) {
         let radius =
             *radius.get_or_insert_with(|| current.checker.extent(current.poses) + reach.travel + reach.tube);
-        let margin = moved.largest_displacement(radius, motion.duration);
+        let margin = moved.largest_step(radius, motion.duration);
         if margin > fastest.margin {
             fastest = RootMotion { margin, frame: moved.frame.clone() };
         }
@@ -363,14 +372,17 @@ fn search(
     current.checker.check_motion_with(segment, &options, workspace).verdict
 }
 
-/// The longest time (s) between two measurements of a joint; where positions come from `tf`, at least the time between
-/// the evaluations.
+/// The longest time (s) between two measurements of a joint, also of those whose positions come from `tf`.
 fn longest_interval(previous: &PreviousState, current: &CurrentState) -> f64 {
     let ends = previous.state.measured.iter().zip(current.measured);
-    let evaluations = current.time.at.saturating_sub(previous.time.at).as_secs_f64();
+    let of_transforms = match (previous.time.transforms, current.time.transforms) {
+        (Some(before), Some(now)) => now.seconds_since(before).abs(),
+        // the time between the evaluations, where a position has come from `tf` at one end only
+        _ => current.time.at.saturating_sub(previous.time.at).as_secs_f64(),
+    };
     let intervals = ends.map(|ends| match ends {
         (Some(before), Some(now)) => now.seconds_since(*before).abs(),
-        _ => evaluations,
+        _ => of_transforms,
     });
     intervals.fold(0.0, f64::greater)
 }

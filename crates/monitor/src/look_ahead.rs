@@ -1,7 +1,7 @@
 //! Look-ahead: the time until which nothing can touch, computed from one joint state with velocities.
 
 use clearance_checker::{CollisionChecker, CollisionReport, LookAhead, LookAheadState, Workspace};
-use clearance_robot::{Configuration, JointKind, RobotModel};
+use clearance_robot::{Configuration, JointKind, RobotModel, quoted_list};
 
 use super::MonitorSettings;
 use super::obstacle_motion::ObstacleMotion;
@@ -39,23 +39,22 @@ impl LookAheadEvaluator {
         Self { workspace: checker.workspace(), limits: acceleration_limits(robot), floats }
     }
 
-    /// Proven time without contact after an evaluated state, or a warning why it is unknown; neither if it is off.
+    /// Proven time without contact after an evaluated state, with warnings, also if it is unknown; nothing if it is off.
     pub fn look_in_time(
         &mut self,
         checker: &CollisionChecker,
         input: &LookAheadInput,
         settings: &MonitorSettings,
-    ) -> (Option<LookAhead>, Option<String>) {
+    ) -> (Option<LookAhead>, Vec<String>) {
         if settings.look_ahead_horizon <= 0.0 {
-            return (None, None);
+            return (None, Vec::new());
         }
         if input.is_late {
-            return (None, Some("the time to contact is not known: check_deadline has passed".to_owned()));
+            return (None, vec!["the time to contact is not known: check_deadline has passed".to_owned()]);
         }
-        match self.look(checker, input, settings) {
-            Ok(found) => (Some(found), None),
-            Err(why) => (None, Some(why)),
-        }
+        let mut warnings = Vec::from_iter(limits_without_effect(checker, settings));
+        let found = self.look(checker, input, settings);
+        (found.map_err(|why| warnings.push(why)).ok(), warnings)
     }
 
     /// Proven time without contact after an evaluated state, or why it is unknown.
@@ -97,6 +96,20 @@ impl LookAheadEvaluator {
         let found = checker.look_ahead(state, settings.look_ahead_horizon, &mut self.workspace);
         found.or_else(|error| unknown(&error.to_string()))
     }
+}
+
+/// Whether any obstacle of the world may move.
+pub(super) fn obstacles_may_move(checker: &CollisionChecker, settings: &MonitorSettings) -> bool {
+    let limits = settings.moving_obstacles();
+    limits.is_some_and(|limits| checker.world().obstacles().any(|of| !limits.of(&of.name).is_zero()))
+}
+
+/// Warning about limits of obstacles that the world does not have.
+fn limits_without_effect(checker: &CollisionChecker, settings: &MonitorSettings) -> Option<String> {
+    let names = settings.obstacle_limits.by_name.keys();
+    let unknown: Vec<String> = names.filter(|name| checker.world().id(name).is_none()).cloned().collect();
+    (!unknown.is_empty())
+        .then(|| format!("obstacle_limits: the world has no obstacle {}", quoted_list(&unknown)))
 }
 
 fn acceleration_limits(robot: &RobotModel) -> Vec<Option<f64>> {

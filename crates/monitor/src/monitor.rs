@@ -377,7 +377,11 @@ impl Monitor {
             obstacle_motions: self.root_location.obstacle_motions(),
             settings: &self.settings,
             check_budget: &self.check_budget,
-            time: StateTime { stamp: stamp.unwrap_or_default(), at: now.steady },
+            time: StateTime {
+                stamp: stamp.unwrap_or_default(),
+                at: now.steady,
+                transforms: self.transform_joints.stamp(),
+            },
             between_states: &mut self.between_states,
             fixed: self.left_out,
             stopwatch: self.stopwatch,

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use clearance_geometry::math::{Point, Pose, Vector};
+use clearance_geometry::math::{Extremes, Point, Pose, Vector};
 use clearance_scene::is_elsewhere;
 
 use super::Time;
@@ -31,11 +31,25 @@ impl FramePoses {
         }
     }
 
-    /// The earlier pose, and how long ago (s) that was; `None` if the frame has not moved.
-    pub fn before(&self) -> Option<(&Pose, f64)> {
+    /// The earlier pose, how long ago (s) that was, and the longest time (s) between two successive poses since; `None` if
+    /// the frame has not moved.
+    pub fn before(&self) -> Option<(&Pose, f64, f64)> {
         let ((from, before), (to, now)) = self.places.front().zip(self.places.back())?;
-        is_elsewhere(before, now).then(|| (before, to.seconds_since(*from)))
+        let stamps = self.places.iter().map(|(stamp, _)| stamp);
+        let steps = stamps.clone().zip(stamps.skip(1)).map(|(from, to)| to.seconds_since(*from));
+        let step = steps.fold(0.0, f64::greater);
+        is_elsewhere(before, now).then(|| (before, to.seconds_since(*from), step))
     }
+}
+
+/// Motion of the points of a frame, in the root frame.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct FrameMotion {
+    pub way: Pose,
+    /// Time (s) that it took.
+    pub taken: f64,
+    /// Longest time (s) in which `tf` said nothing new.
+    pub step: f64,
 }
 
 /// Motion of all obstacles in a frame, relative to the root.
@@ -43,9 +57,8 @@ impl FramePoses {
 pub struct ObstacleMotion {
     /// Name of the frame.
     pub frame: String,
-    /// Motions of the frame's points, in the root frame, with the time (s) that each took. There is one for each moving
-    /// transform; none if the frame is at rest.
-    pub(super) motions: Vec<(Pose, f64)>,
+    /// Motions of the frame's points. There is one for each moving transform; none if the frame is at rest.
+    pub(super) motions: Vec<FrameMotion>,
 }
 
 impl ObstacleMotion {
@@ -58,17 +71,32 @@ impl ObstacleMotion {
     /// Displacement (m) of an obstacle at a point if the motion continues for this time (s).
     #[must_use]
     pub fn displacement(&self, point_r: &Point, time: f64) -> Vector {
-        self.motions.iter().map(|(way, taken)| (way * point_r - point_r) * (time / taken)).sum()
+        let of = |FrameMotion { way, taken, .. }: &FrameMotion| (way * point_r - point_r) * (time / taken);
+        self.motions.iter().map(of).sum()
     }
 
     /// Upper bound (m) on the displacement of a point at this distance (m) from the root, if the motion continues for
     /// this time (s).
     #[must_use]
     pub fn largest_displacement(&self, radius: f64, time: f64) -> f64 {
-        let of = |(way, taken): &(Pose, f64)| {
-            (way.translation.vector.norm() + way.rotation.angle() * radius) * (time / taken)
-        };
-        self.motions.iter().map(of).sum()
+        self.motions.iter().map(|motion| motion.most(radius, time)).sum()
+    }
+
+    /// The same, but at least for the longest time in which `tf` said nothing new: it moves frames in steps, so that a
+    /// whole step may fall into a short time.
+    #[must_use]
+    pub fn largest_step(&self, radius: f64, time: f64) -> f64 {
+        self.motions.iter().map(|motion| motion.most(radius, time.greater(motion.step))).sum()
+    }
+}
+
+impl FrameMotion {
+    /// Upper bound (m) on the displacement of a point at this distance (m) from the origin, which may be infinite, in
+    /// this time (s).
+    fn most(&self, radius: f64, time: f64) -> f64 {
+        let angle = self.way.rotation.angle();
+        let turned = if angle > 0.0 { angle * radius } else { 0.0 };
+        (self.way.translation.vector.norm() + turned) * (time / self.taken)
     }
 }
 
@@ -81,9 +109,11 @@ mod tests {
         for (milliseconds, x) in places {
             track.note(Time::from_nanoseconds(milliseconds * 1_000_000), Pose::translation(x, 0.0, 0.0));
         }
-        let moved = track
-            .before()
-            .map(|(before, taken)| (track.places[track.places.len() - 1].1 * before.inverse(), taken));
+        let moved = track.before().map(|(before, taken, step)| FrameMotion {
+            way: track.places[track.places.len() - 1].1 * before.inverse(),
+            taken,
+            step,
+        });
         ObstacleMotion { frame: "map".to_owned(), motions: moved.into_iter().collect() }
     }
 
@@ -112,9 +142,30 @@ mod tests {
     }
 
     #[test]
+    fn a_step_of_tf_counts_as_a_whole_also_far_away() {
+        let step = |rpy| ObstacleMotion {
+            frame: String::new(),
+            motions: vec![FrameMotion {
+                way: clearance_geometry::math::pose_from_xyz_rpy([0.3, 0.0, 0.0], rpy),
+                taken: 0.1,
+                step: 0.05,
+            }],
+        };
+        let shift = step([0.0; 3]);
+        for radius in [1.0, f64::INFINITY] {
+            assert!((shift.largest_step(radius, 0.001) - 0.15).abs() < 1e-12);
+            assert!((shift.largest_step(radius, 0.2) - 0.6).abs() < 1e-12);
+        }
+        assert_eq!(step([0.0, 0.0, 0.1]).largest_step(f64::INFINITY, 0.001), f64::INFINITY);
+    }
+
+    #[test]
     fn a_turn_moves_what_is_far_away() {
         let turn = clearance_geometry::math::pose_from_xyz_rpy([0.0; 3], [0.0, 0.0, 0.1]);
-        let obstacle_motion = ObstacleMotion { frame: String::new(), motions: vec![(turn, 0.1)] };
+        let obstacle_motion = ObstacleMotion {
+            frame: String::new(),
+            motions: vec![FrameMotion { way: turn, taken: 0.1, step: 0.1 }],
+        };
         let way = obstacle_motion.displacement(&Point::new(2.0, 0.0, 0.0), 0.1);
         assert!(
             (way.norm() - 0.2).abs() < 1e-3 && way.norm() <= obstacle_motion.largest_displacement(2.0, 0.1)

@@ -8,7 +8,7 @@ use clearance_geometry::math::Pose;
 use clearance_robot::quoted;
 use clearance_scene::{AnchorFrames, PathLink, RootPoseLoss, TrackedFrame, TransformTree};
 
-use super::obstacle_motion::{FramePoses, ObstacleMotion};
+use super::obstacle_motion::{FrameMotion, FramePoses, ObstacleMotion};
 use super::world_source::{Observation, WorldSource};
 use super::{Now, Reason, Time};
 
@@ -67,14 +67,15 @@ impl RootLocationWatch {
     }
 
     /// Motion of a frame relative to the root, from the moving transforms on the path to it.
-    fn motions(&mut self, tracked: &TrackedFrame, tracks: &BTreeMap<String, FramePoses>) -> Vec<(Pose, f64)> {
+    fn motions(&mut self, tracked: &TrackedFrame, tracks: &BTreeMap<String, FramePoses>) -> Vec<FrameMotion> {
         let pose_rf = tracked.path.pose();
         let moved = tracked.path.live_links().filter_map(|PathLink { name, pose_pf, stamp }| {
             let known = || tracks.get(name).cloned().unwrap_or_default();
             let track = self.tracks.entry(name.to_owned()).or_insert_with(known);
             track.note(stamp, pose_pf);
-            let (before, taken) = track.before()?;
-            Some((pose_rf * tracked.path.pose_with(name, before).inverse(), taken))
+            let (before, taken, step) = track.before()?;
+            let way = pose_rf * tracked.path.pose_with(name, before).inverse();
+            Some(FrameMotion { way, taken, step })
         });
         moved.collect()
     }

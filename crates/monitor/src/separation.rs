@@ -35,12 +35,13 @@ impl Separation {
         }
     }
 
-    /// A pair at a distance (m) that the robot reduces at this rate (m/s), if that is known.
+    /// A pair at a distance (m), with the rates (m/s) at which the robot brings its nearest points together, and at most
+    /// any of its points, if they are known.
     pub(super) fn of_pair(
         settings: &SeparationSettings,
         bodies: (BodyId, BodyId),
         distance: f64,
-        approach_speed: Option<f64>,
+        [approach_speed, largest]: [Option<f64>; 2],
     ) -> Self {
         let speed = approach_speed.unwrap_or(settings.robot_speed);
         Self {
@@ -49,7 +50,7 @@ impl Separation {
             approach_speed,
             allowed_speed: settings.allowed_speed(distance),
             protective_distance: settings.protective_distance(speed.greater(0.0)),
-            share: settings.share(distance, approach_speed),
+            share: settings.share(distance, approach_speed, largest),
         }
     }
 

@@ -61,21 +61,22 @@ impl SeparationSettings {
         self.protective_distance(self.robot_speed) + self.deceleration * self.reaction_time.powi(2) / 2.0
     }
 
-    /// Share of the speed that a pair requests which the robot brings together at `rate` (m/s), if that is known.
+    /// Share of the speed that a pair requests. The robot brings its nearest points together at `rate` (m/s), and any of
+    /// its points at most at `largest`, if they are known.
     ///
     /// The scale multiplies a command that is not known. It may be the largest speed in the direction of the other
     /// body, whatever the robot does now.
     #[must_use]
-    pub fn share(&self, distance: f64, rate: Option<f64>) -> f64 {
+    pub fn share(&self, distance: f64, rate: Option<f64>, largest: Option<f64>) -> f64 {
         let allowed = self.allowed_speed(distance);
-        if rate.is_some_and(|rate| self.moves_away(rate, allowed)) {
+        if largest.is_some_and(|rate| self.moves_away(rate, allowed)) {
             return 1.0;
         }
         let commanded = self.robot_speed.greater(rate.unwrap_or(0.0));
         (allowed / commanded).lesser(1.0)
     }
 
-    /// Whether a pair moves apart so fast that commands cannot make it approach faster than allowed before a lower
+    /// Whether all points of a pair move apart so fast that commands cannot make it approach faster than allowed before a lower
     /// scale takes effect.
     fn moves_away(&self, rate: f64, allowed: f64) -> bool {
         self.acceleration > 0.0 && rate < -REST && rate + self.acceleration * self.reaction_time <= allowed

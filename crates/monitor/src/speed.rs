@@ -19,7 +19,9 @@ use clearance_scene::BodyId;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use super::approach_rate::{PosesAtOtherTime, approach_rate, carrier, poses_after_step};
+use super::approach_rate::{
+    PosesAtOtherTime, approach_rate, carrier, largest_approach_rate, poses_after_step,
+};
 use super::separation_settings::SeparationSettings;
 use super::speed_settings::{SpeedDistances, SpeedSettings};
 use super::{CheckedState, Separation, Status, Time};
@@ -109,7 +111,12 @@ impl SpeedGovernor {
             match rule {
                 Rule::Nothing => {}
                 Rule::Distances(distances) => requests.add(pair, rate, distances, settings),
-                Rule::Separation(separation) => requests.add_separation(pair, rate, separation),
+                Rule::Separation(separation) => {
+                    let other = other.as_ref();
+                    let largest =
+                        other.and_then(|other| largest_approach_rate(checker, pair, checked_state, other));
+                    requests.add_separation(pair, [rate, largest], separation);
+                }
             }
         }
         requests
@@ -171,9 +178,15 @@ impl Requests {
         self.share = self.share.lesser(distances.share(pair.distance, rate, settings.reaction_time));
     }
 
-    /// Adds a pair whose separation is monitored. An unknown rate counts as the largest one.
-    fn add_separation(&mut self, pair: &PairDistance, rate: Option<f64>, settings: &SeparationSettings) {
-        let separation = Separation::of_pair(settings, (pair.a, pair.b), pair.distance, rate);
+    /// Adds a pair whose separation is monitored, with the rates of its nearest points and of any points. An unknown
+    /// rate counts as the largest one.
+    fn add_separation(
+        &mut self,
+        pair: &PairDistance,
+        rates: [Option<f64>; 2],
+        settings: &SeparationSettings,
+    ) {
+        let separation = Separation::of_pair(settings, (pair.a, pair.b), pair.distance, rates);
         self.share = self.share.lesser(separation.share);
         self.separation = Some(self.separation.map_or(separation, |lowest| lowest.lower(separation)));
     }

@@ -15,7 +15,7 @@ use super::between_states::{BetweenStates, CurrentState, StateTime};
 use super::check_budget::CheckBudget;
 use super::distance_bounds::DistanceBounds;
 use super::joint_state_merger::{JointStateMerger, MergedState};
-use super::look_ahead::{LookAheadEvaluator, LookAheadInput};
+use super::look_ahead::{LookAheadEvaluator, LookAheadInput, obstacles_may_move};
 use super::obstacle_motion::ObstacleMotion;
 use super::state_contacts::ContactQuery;
 use super::{CheckedState, LeftOut, MonitorSettings, Reason, Revision, Status};
@@ -132,8 +132,8 @@ impl StateEvaluator {
         if ahead.is_late && settings.look_ahead_horizon > 0.0 {
             left_out = left_out.max(LeftOut::LookAhead);
         }
-        let (look_ahead, warning) = self.look_ahead.look_in_time(checker, &ahead, settings);
-        warnings.extend(warning);
+        let (look_ahead, of_look_ahead) = self.look_ahead.look_in_time(checker, &ahead, settings);
+        warnings.extend(of_look_ahead);
         let contacts = ContactQuery {
             checker,
             configuration: &configuration,
@@ -156,7 +156,7 @@ impl StateEvaluator {
             configuration,
             poses,
             look_ahead,
-            obstacles_may_move: settings.moving_obstacles().is_some(),
+            obstacles_may_move: look_ahead.is_some() && obstacles_may_move(checker, settings),
             velocities,
             rates: rates.filter(|_| are_of_joints),
             measured,

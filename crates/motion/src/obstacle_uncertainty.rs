@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use clearance_geometry::math::Extremes;
+use clearance_scene::World;
 use serde::{Deserialize, Serialize};
 
 /// Rounding of a displacement: a few operations.
@@ -50,6 +51,12 @@ fn of_obstacle(name: Option<&str>) -> String {
 }
 
 impl SpeedLimit {
+    /// True if the obstacle stands.
+    #[must_use]
+    pub fn is_zero(&self) -> bool {
+        *self == Self::default()
+    }
+
     /// Upper bound (m) on the displacement of any point of the obstacle after a time (s).
     #[must_use]
     pub fn displacement(&self, time: f64) -> f64 {
@@ -67,15 +74,29 @@ impl ObstacleLimits {
     /// True if no obstacle may move.
     #[must_use]
     pub fn is_zero(&self) -> bool {
-        let stands = |limit: &SpeedLimit| *limit == SpeedLimit::default();
-        stands(&self.default) && self.by_name.values().all(stands)
+        self.all().all(SpeedLimit::is_zero)
     }
 
-    /// Upper bound (m) on the displacement of any obstacle after a time (s).
+    fn all(&self) -> impl Iterator<Item = &SpeedLimit> {
+        self.by_name.values().chain([&self.default])
+    }
+
+    /// Upper bound (m) on the displacement of any obstacle of a world after a time (s).
     #[must_use]
-    pub fn largest_displacement(&self, time: f64) -> f64 {
-        let all = self.by_name.values().chain([&self.default]);
+    pub fn largest_displacement(&self, world: &World, time: f64) -> f64 {
+        let named = self.by_name.iter().filter(|(name, _)| world.id(name).is_some());
+        let all = named.map(|(_, limit)| limit).chain([&self.default]);
         all.map(|limit| limit.displacement(time)).fold(0.0, f64::greater)
+    }
+
+    /// True if every motion that the other limits allow is allowed by these, too.
+    #[must_use]
+    pub fn cover(&self, other: &Self) -> bool {
+        let allows = |limit: SpeedLimit, other: SpeedLimit| {
+            limit.speed >= other.speed && limit.acceleration >= other.acceleration
+        };
+        let mut names = self.by_name.keys().chain(other.by_name.keys());
+        allows(self.default, other.default) && names.all(|name| allows(self.of(name), other.of(name)))
     }
 
     /// Rejects limits that are negative or not finite.
@@ -115,8 +136,8 @@ impl ObstacleUncertainty {
     pub fn new(limits: Arc<ObstacleLimits>, time: [f64; 2]) -> Result<Self, LimitError> {
         limits.check()?;
         let [from, to] = time;
-        let is_valid =
-            0.0 <= from && from <= to && to.is_finite() && limits.largest_displacement(to).is_finite();
+        let is_ordered = 0.0 <= from && from <= to && to.is_finite();
+        let is_valid = is_ordered && limits.all().all(|limit| limit.displacement(to).is_finite());
         if is_valid { Ok(Self { limits, time }) } else { Err(LimitError::Time(time)) }
     }
 
@@ -126,10 +147,10 @@ impl ObstacleUncertainty {
         self.limits.of(name).displacement(self.time_at(t))
     }
 
-    /// Upper bound (m) on the unknown displacement of any obstacle at t.
+    /// Upper bound (m) on the unknown displacement of any obstacle of a world at t.
     #[must_use]
-    pub fn largest(&self, t: f64) -> f64 {
-        self.limits.largest_displacement(self.time_at(t))
+    pub fn largest(&self, world: &World, t: f64) -> f64 {
+        self.limits.largest_displacement(world, self.time_at(t))
     }
 
     /// True if no obstacle can have moved.
@@ -171,7 +192,10 @@ impl TryFrom<UncertaintyText> for ObstacleUncertainty {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use clearance_geometry::math::Pose;
     use clearance_geometry::testing::Random;
+    use clearance_geometry::{Primitive, Shape};
+    use clearance_scene::Obstacle;
 
     /// A point that starts at the speed limit, or slower, and accelerates by random accelerations within the limit.
     #[test]
@@ -202,8 +226,25 @@ mod tests {
         for t in [0.0, 0.3, 1.0] {
             assert!((part.of("cart", t) - whole.of("cart", 0.25 + 0.5 * t)).abs() < 1e-12);
         }
-        assert!((whole.largest(1.0) - (0.5 * 2.1 + 2.1 * 2.1)).abs() < 1e-12, "the cart accelerates");
+        let mut world = World::default();
+        assert!((whole.largest(&world, 1.0) - 1.6 * 2.1).abs() < 1e-12, "there is no cart");
+        let shape = Shape::Primitive(Primitive::Sphere { radius: 0.1 });
+        world.add(Obstacle::of_shape("cart", Pose::identity(), shape)).unwrap();
+        assert!((whole.largest(&world, 1.0) - (0.5 * 2.1 + 2.1 * 2.1)).abs() < 1e-12, "the cart accelerates");
         assert_eq!(ObstacleUncertainty::try_from(whole.text()), Ok(whole));
+    }
+
+    #[test]
+    fn limits_cover_what_is_slower() {
+        let limits = |default: f64, cart: Option<f64>| {
+            let of = |speed| SpeedLimit { speed, acceleration: 0.0 };
+            let by_name = cart.map(|speed| ("cart".to_owned(), of(speed))).into_iter().collect();
+            ObstacleLimits { default: of(default), by_name }
+        };
+        assert!(limits(1.0, None).cover(&limits(1.0, Some(0.5))));
+        assert!(limits(1.0, Some(0.5)).cover(&limits(0.5, None)));
+        assert!(!limits(1.0, Some(0.5)).cover(&limits(1.0, None)));
+        assert!(!limits(1.0, None).cover(&limits(0.5, Some(2.0))));
     }
 
     #[test]

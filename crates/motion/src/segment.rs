@@ -178,11 +178,12 @@ impl MotionSegment {
         Ok(self)
     }
 
-    /// Adds the moving obstacles of another segment, and what is not known about them.
+    /// Adds the moving obstacles of another segment, and what is not known about them unless limits are given.
     #[must_use]
     pub fn with_obstacles_of(self, other: &Self) -> Self {
         let size = other.obstacles.iter().map(MovingObstacle::size).fold(self.size, f64::greater);
-        Self { size, obstacles: other.obstacles.clone(), uncertainty: other.uncertainty.clone(), ..self }
+        let uncertainty = self.uncertainty.clone().or_else(|| other.uncertainty.clone());
+        Self { size, obstacles: other.obstacles.clone(), uncertainty, ..self }
     }
 
     /// Obstacles may move as their limits allow, in addition to the motion of [`Self::obstacles`].
@@ -268,7 +269,8 @@ impl MotionSegment {
     #[must_use]
     pub fn standing_at_start(&self) -> Self {
         let start: Vec<f64> = self.starts().collect();
-        Self { obstacles: Vec::new(), ..self.nominal().between(&start, &start) }
+        let uncertainty = self.uncertainty.as_ref().map(|uncertainty| uncertainty.part([0.0, 0.0]));
+        Self { obstacles: Vec::new(), uncertainty, ..self.nominal().between(&start, &start) }
     }
 
     /// The same without tolerances and unknown motion of obstacles.

@@ -8,7 +8,7 @@
 use clearance_geometry::math::{Extremes, Point, Pose};
 
 use super::moving_obstacle::NO_DISPLACEMENT;
-use super::{MotionSegment, MovingObstacle};
+use super::{MotionSegment, MovingObstacle, ObstacleUncertainty};
 
 /// Largest gap (rad, m, relative to the size of the value) that rounding explains; a larger one means a different motion.
 const LARGEST_GAP: f64 = 1e-9;
@@ -48,6 +48,8 @@ pub enum JoinError {
         /// Displacement between the two segments, in the root frame.
         by: Pose,
     },
+    /// Less is unknown about obstacles in the second segment than at the end of the first.
+    ObstacleLimits,
 }
 
 /// The join from `before` to `after`.
@@ -65,6 +67,9 @@ pub fn join(before: &MotionSegment, after: &MotionSegment) -> Result<Join, JoinE
             return Err(JoinError::Position { position, from: *from, to: *to });
         }
     }
+    if !limits_continue(before.uncertainty(), after.uncertainty()) {
+        return Err(JoinError::ObstacleLimits);
+    }
     let (movers, obstacles_join) = obstacles(before, after)?;
     if obstacles_join && ends.iter().zip(&starts).all(|([from, rounding], to)| from == to && *rounding == 0.0)
     {
@@ -77,6 +82,15 @@ pub fn join(before: &MotionSegment, after: &MotionSegment) -> Result<Join, JoinE
     };
     let tube = (0..ends.len()).map(tolerance).collect();
     Ok(Join::Gap(Box::new(after.between(&from, &starts).into_gap(tube, movers, before.size()))))
+}
+
+/// True if nothing is known about obstacles in the second segment that was not known at the end of the first.
+fn limits_continue(before: Option<&ObstacleUncertainty>, after: Option<&ObstacleUncertainty>) -> bool {
+    match (before, after) {
+        (None, None) => true,
+        (Some(before), Some(after)) => after.continues(before),
+        (Some(_), None) | (None, Some(_)) => false,
+    }
 }
 
 /// A quaternion and its negative are the same rotation: selects the one nearer to the other configuration's.

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use clearance_robot::{Configuration, ConfigurationError, NamedJoints, RobotModel};
+use clearance_scene::World;
 
 use super::{
     ContinuousDirection, HeldTurn, JoinError, LimitError, MotionSegment, ObstacleLimits, ObstacleUncertainty,
@@ -63,8 +64,8 @@ pub enum TrajectoryError {
     ObstacleJump { segment: usize, name: String },
     #[error("obstacles are to move, but the trajectory has no times: give its points time_from_start")]
     NoClock,
-    #[error("the motion takes {0} s, but must take a positive time")]
-    Duration(f64),
+    #[error("how far obstacles may have moved in segment {0} does not continue from the segment before")]
+    ObstacleLimits(usize),
     #[error(
         "obstacle '{name}' has poses from time {} to {}, but the motion lasts from {} to {}", poses[0], poses[1], motion[0], motion[1]
     )]
@@ -87,6 +88,7 @@ impl TrajectoryError {
             }
             JoinError::Position { from, to, .. } => Self::Jump { segment, jump: (to - from).abs() },
             JoinError::Obstacle { name, .. } => Self::ObstacleJump { segment, name },
+            JoinError::ObstacleLimits => Self::ObstacleLimits(segment),
         }
     }
 }
@@ -168,46 +170,33 @@ impl Trajectory {
         Ok(Self { segments, times: self.times, parts: self.parts })
     }
 
-    /// Obstacles may move as their limits allow: their poses are those of the world at `latency` (s) before the first point. Also those of
-    /// [`Self::with_obstacles`] may deviate from their motion so far.
+    /// Obstacles of `world` may move as their limits allow, in addition to [`Self::with_obstacles`]. Their poses are those of
+    /// the world at `latency` (s) before the time 0 of the trajectory.
     ///
     /// # Errors
-    /// If the trajectory has no times, also if it has a single segment, or a number is negative or not finite.
+    /// If the trajectory has no times, the world has no obstacle of a name in the limits, or a number is negative or not
+    /// finite.
     pub fn with_obstacle_limits(
         self,
+        world: &World,
         limits: &Arc<ObstacleLimits>,
         latency: f64,
     ) -> Result<Self, TrajectoryError> {
-        if limits.is_zero() {
-            return Ok(self);
-        }
         if self.times.is_empty() {
             return Err(TrajectoryError::NoClock);
         }
-        let begin = self.times[0] - latency;
-        let bounded = |(segment, motion): (usize, MotionSegment)| {
-            let time = [segment, segment + 1].map(|point| self.times[point] - begin);
+        if let Some(name) = limits.by_name.keys().find(|name| world.id(name).is_none()) {
+            let error = SegmentError::UnknownObstacle(name.clone());
+            return Err(TrajectoryError::Segment { segment: 0, error });
+        }
+        let limited = |(segment, motion): (usize, MotionSegment)| {
+            let time = [segment, segment + 1].map(|point| latency + self.times[point]);
             let uncertainty = ObstacleUncertainty::new(Arc::clone(limits), time);
             let of_segment = |error: LimitError| TrajectoryError::Segment { segment, error: error.into() };
             Ok(motion.with_uncertainty(uncertainty.map_err(of_segment)?))
         };
-        let segments = self.segments.into_iter().enumerate().map(bounded).collect::<Result<_, _>>()?;
+        let segments = self.segments.into_iter().enumerate().map(limited).collect::<Result<_, _>>()?;
         Ok(Self { segments, times: self.times, parts: self.parts })
-    }
-
-    /// A single segment that takes this time (s), if it has no times.
-    ///
-    /// # Errors
-    /// If there are several segments, or the time is not a positive number.
-    pub fn lasting(self, duration: f64) -> Result<Self, TrajectoryError> {
-        if !(duration.is_finite() && duration > 0.0) {
-            return Err(TrajectoryError::Duration(duration));
-        }
-        match (self.segments.len(), self.times.is_empty()) {
-            (1, true) => Ok(Self { times: vec![0.0, duration], ..self }),
-            (_, true) => Err(TrajectoryError::NoClock),
-            (_, false) => Ok(self),
-        }
     }
 
     /// A remark if the first point is later than the start of the trajectory.

@@ -3,7 +3,7 @@
 //! A segment must start with exactly the numbers with which the last one ended. If it does not, because an end is the rounded sum of a
 //! polynomial or of an obstacle's motion, the straight motion across the gap is proven free here, without the certificate.
 
-use clearance_motion::{Join, JoinError, MotionSegment, ObstacleUncertainty, join};
+use clearance_motion::{Join, JoinError, MotionSegment, join};
 
 use super::Rejection;
 use super::proof_interval::ProofInterval;
@@ -21,20 +21,8 @@ pub(super) fn check(
     last: &MotionSegment,
     kinematics: &SegmentKinematics,
 ) -> Result<(), Rejection> {
-    if !continues(last.uncertainty(), kinematics.motion.uncertainty()) {
-        return Err(Rejection::ObstacleLimits { segment });
-    }
     let joined = join(last, &kinematics.motion).map_err(|error| join_rejection(model, segment, error))?;
     prove(model, (segment, margin), joined)
-}
-
-/// True if nothing is known about obstacles in the second segment that was not known at the end of the first.
-fn continues(last: Option<&ObstacleUncertainty>, next: Option<&ObstacleUncertainty>) -> bool {
-    match (last, next) {
-        (None, None) => true,
-        (Some(last), Some(next)) => next.continues(last),
-        (Some(_), None) | (None, Some(_)) => false,
-    }
 }
 
 /// Rejects a first segment whose obstacles do not start where the world has them.
@@ -60,6 +48,7 @@ fn join_rejection(model: &VerifierModel, segment: usize, error: JoinError) -> Re
             Rejection::Jump { segment, position, from, to }
         }
         JoinError::Obstacle { name, .. } => Rejection::ObstacleJump { segment, name },
+        JoinError::ObstacleLimits => Rejection::ObstacleLimits { segment },
         JoinError::Length { before, after } => Rejection::JoinLength { segment, before, after },
     }
 }

@@ -6,6 +6,7 @@ mod command_line;
 mod joins;
 mod margins;
 mod mutations;
+mod obstacle_limits;
 
 use clearance::checker::{CollisionChecker, MotionOptions};
 use clearance::geometry::math::{Point, Pose, Vector};

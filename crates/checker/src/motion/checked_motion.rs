@@ -90,7 +90,8 @@ impl<'c> CheckedMotion<'c> {
 
     /// Upper bound (m) on the unknown displacement of any obstacle at t.
     pub fn largest_uncertainty(&self, t: f64) -> f64 {
-        self.segment.uncertainty().map_or(0.0, |uncertainty| uncertainty.largest(t))
+        let world = self.pairs.world().world();
+        self.segment.uncertainty().map_or(0.0, |uncertainty| uncertainty.largest(world, t))
     }
 
     /// The places of moving obstacles, ascending.

@@ -103,7 +103,7 @@ pub enum MotionVerdict {
 pub enum UndecidedReason {
     /// A pair comes nearer than the tolerance, and no contact was found.
     Tolerance,
-    /// A pair may touch within the tracking tolerance.
+    /// A pair may touch within the tracking tolerance, or as obstacles may move.
     Tube,
     /// The deadline has passed.
     Deadline,
@@ -138,7 +138,7 @@ impl std::fmt::Display for UndecidedReason {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
             Self::Tolerance => "nearer than the tolerance",
-            Self::Tube => "may touch within the tracking tolerance",
+            Self::Tube => "may touch within the tracking tolerance, or as obstacles may move",
             Self::Deadline => "deadline exceeded",
             Self::Canceled => "canceled",
             Self::Budget => "budget used up",

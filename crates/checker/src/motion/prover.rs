@@ -294,10 +294,11 @@ impl<'a, 'w> Prover<'a, 'w> {
         if !motion.is_finite() {
             return self.leave_open(interval, distance, UndecidedReason::Overflow);
         }
-        let grows = segment.uncertainty().is_some();
-        let is_short = (segment.widens() || grows) && to - from <= SHORT_SHARE * to;
-        // what is not known about obstacles is less in the first half, even if the robot stands
-        let is_still = motion <= self.tolerance() && !(grows && to > LEAST_END);
+        let is_short = to - from <= SHORT_SHARE * to;
+        // what is not known about an obstacle is less in the first half, even if the robot stands
+        let grows = self.motion.uncertainty(pair, to) > 0.0 && to > LEAST_END && !is_short;
+        let is_still = motion <= self.tolerance() && !grows;
+        let is_short = segment.widens() && is_short;
         if is_still || cannot_be_split || is_short {
             if segment.is_loose() {
                 self.leave_open(interval, distance, UndecidedReason::Tube);

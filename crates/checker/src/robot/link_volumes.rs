@@ -1,8 +1,8 @@
 //! Volumes around the robot's parts at one level of their hierarchies, for visualisation.
 
-use clearance_geometry::math::{Extremes, Pose};
+use clearance_geometry::math::{Extremes, MatrixPose, Pose};
 use clearance_proximity::VolumeShape;
-use clearance_robot::{LinkId, LinkPoses};
+use clearance_robot::{LinkId, LinkPoses, Reach};
 use clearance_scene::BodyId;
 
 use super::robot_body::RobotBody;
@@ -34,13 +34,17 @@ pub fn link_volumes(robot: &RobotGeometry, level: usize) -> impl Iterator<Item =
     })
 }
 
+/// Capsule around a body of the robot (root frame), without padding.
+pub fn bounding_capsule(robot_body: &RobotBody, poses: &LinkPoses) -> Reach {
+    let pose_rb = poses.pose(robot_body.link()) * robot_body.pose_bl().inverse();
+    robot_body.reach_at(&MatrixPose::from(&pose_rb))
+}
+
 /// Upper bound (m) on the distance of any point of the robot and its attached objects from its root, padding included.
 pub fn extent(robot: &RobotGeometry, poses: &LinkPoses) -> f64 {
     let of_part = |robot_body: &RobotBody| {
-        let pose_rb = poses.pose(robot_body.link()) * robot_body.pose_bl().inverse();
-        let capsule = robot_body.capsule();
-        let ends = [capsule.a, capsule.b].map(|end| (pose_rb * end).coords.norm());
-        ends[0].greater(ends[1]) + capsule.radius + robot_body.padding()
+        let Reach { ends, radius } = bounding_capsule(robot_body, poses);
+        ends[0].norm().greater(ends[1].norm()) + radius + robot_body.padding()
     };
     robot.parts().iter().map(of_part).fold(0.0, f64::greater)
 }

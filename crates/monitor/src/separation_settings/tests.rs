@@ -29,6 +29,11 @@ fn settings() -> impl Strategy<Value = SeparationSettings> {
     )
 }
 
+/// Share of two points on one line.
+fn share_of(settings: &SeparationSettings, distance: f64, rate: Option<f64>) -> f64 {
+    settings.share(distance, rate, rate)
+}
+
 /// Published numbers, with the deceleration that follows from the stopping time.
 #[test]
 fn published_examples() {
@@ -63,11 +68,11 @@ fn the_scale_follows_the_distance() {
         (0.2, Some(-0.39), 0.0),
         (0.2, Some(-0.41), 1.0),
     ] {
-        let found = CELL.share(distance, rate);
+        let found = share_of(&CELL, distance, rate);
         assert!((found - share).abs() < 1e-9, "{distance} m, {rate:?} m/s: {found}");
     }
     let unknown = SeparationSettings { acceleration: 0.0, ..CELL };
-    assert_eq!(unknown.share(0.2, Some(-5.0)), 0.0, "motion away counts as rest");
+    assert_eq!(share_of(&unknown, 0.2, Some(-5.0)), 0.0, "motion away counts as rest");
 }
 
 #[test]
@@ -162,7 +167,7 @@ fn a_scale_needs_more_distance_than_one_stop() {
     let encounter = |share| Encounter { settings: &slow, share, distance: 3.0, period, delay };
     let nearest = encounter(of_one_stop).least_distance(&[1.0; 40], &[0.0]);
     assert!(nearest < slow.margin - 0.03, "{nearest}");
-    let nearest = encounter(|settings, distance, rate| settings.share(distance, Some(rate)))
+    let nearest = encounter(|settings, distance, rate| share_of(settings, distance, Some(rate)))
         .least_distance(&[1.0; 40], &[0.0]);
     assert!(nearest >= slow.margin, "{nearest}");
 }
@@ -192,7 +197,7 @@ proptest! {
         walks in prop::collection::vec(prop_oneof![3 => Just(1.0), 1 => -1.0..1.0f64], 12),
     ) {
         let (period, delay) = steps(&settings, share_of_period);
-        let share = |settings: &SeparationSettings, distance, rate| settings.share(distance, Some(rate));
+        let share = |settings: &SeparationSettings, distance, rate| share_of(settings, distance, Some(rate));
         let distance = settings.margin + distance;
         let encounter = Encounter { settings: &settings, share, distance, period, delay };
         let nearest = encounter.least_distance(&commands, &walks);
@@ -204,10 +209,10 @@ proptest! {
         settings in settings(), distance in 0.0..4.0f64, nearer in 0.0..1.0f64,
         rate in -3.0..5.0f64, faster in 0.0..5.0f64,
     ) {
-        let share = settings.share(distance, Some(rate));
+        let share = share_of(&settings, distance, Some(rate));
         prop_assert!((0.0..=1.0).contains(&share));
-        prop_assert!(settings.share(distance * nearer, Some(rate)) <= share);
-        prop_assert!(settings.share(distance, Some(rate + faster)) <= share);
-        prop_assert_eq!(settings.share(distance, None), settings.share(distance, Some(0.0)));
+        prop_assert!(share_of(&settings, distance * nearer, Some(rate)) <= share);
+        prop_assert!(share_of(&settings, distance, Some(rate + faster)) <= share);
+        prop_assert_eq!(share_of(&settings, distance, None), share_of(&settings, distance, Some(0.0)));
     }
 }

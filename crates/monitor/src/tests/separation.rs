@@ -2,7 +2,7 @@
 
 use clearance_geometry::math::Pose;
 use clearance_geometry::{Primitive, Shape};
-use clearance_scene::{BodyId, Obstacle};
+use clearance_scene::{BodyId, Obstacle, ObstacleShape};
 
 use super::*;
 
@@ -83,7 +83,26 @@ fn what_moves_towards_the_person_is_slowed_and_what_moves_away_is_not() {
     assert!(rate < -0.1 && away == 1.0, "{away} at {rate} m/s");
 }
 
-/// Without velocities, the first state has no rate; the second one has that of the difference.
+/// Two persons that one sensor reports as one obstacle: the tip leaves the nearer one towards the other.
+#[test]
+fn what_leaves_one_part_of_an_obstacle_is_slowed_before_another() {
+    let at_place = |x: f64, y: f64| ObstacleShape {
+        pose_os: Pose::translation(x, y, 0.0),
+        shape: Shape::Primitive(Primitive::sphere(0.1).unwrap()),
+    };
+    let share = |shapes: Vec<ObstacleShape>| {
+        let mut monitor = beside(vec![Obstacle::new("persons", shapes)], MONITORED, 1);
+        let evaluation = evaluation(&mut monitor, 0.0, BENT, &[0.0, 0.5]);
+        (evaluation.speed_scale, evaluation.separation.unwrap())
+    };
+    let (alone, separation) = share(vec![at_place(3.0, 0.0)]);
+    assert!(alone == 1.0 && separation.approach_speed.unwrap() < -0.1);
+    let (beside_another, separation) = share(vec![at_place(3.0, 0.0), at_place(1.8, 2.0)]);
+    assert!(separation.approach_speed.unwrap() < -0.1, "the nearer one is left");
+    assert_eq!(beside_another, separation.allowed_speed);
+}
+
+/// Without velocities, the first state has no rate; the second one has that of the difference, which is no bound.
 #[test]
 fn an_unknown_rate_counts_as_the_largest_one() {
     let mut monitor = beside(person(), MONITORED, 1);
@@ -94,7 +113,7 @@ fn an_unknown_rate_counts_as_the_largest_one() {
     assert!((first.speed_scale - separation.allowed_speed).abs() < 1e-12);
     let away = monitor.on_joint_state(state(0.1, [0.0, 0.7]), at(0.1));
     assert!(away.separation.unwrap().approach_speed.unwrap() < -0.1);
-    assert_eq!(away.speed_scale, 1.0);
+    assert_eq!(away.speed_scale, away.separation.unwrap().allowed_speed);
 }
 
 #[test]

@@ -10,6 +10,9 @@ use clearance_geometry::math::Extremes;
 
 use super::{Chain, Source, Step};
 
+/// Distance (m) beyond the limits of a prismatic joint up to which there are bounds: encoders report such positions.
+const BEYOND_LIMITS: f64 = 0.01;
+
 /// For each position of a robot: maximum change (m) of any distance per unit of the position.
 #[derive(Clone, Debug, Default)]
 pub struct DisplacementRates {
@@ -57,6 +60,7 @@ impl Chain {
                 Step::Shift(_, source) => {
                     travel.add(source.index, source.multiplier.abs());
                     stretch = range(source.index).map_or(f64::INFINITY, |range| {
+                        let range = [range[0] - BEYOND_LIMITS, range[1] + BEYOND_LIMITS];
                         travel.ranges.push((source.index, range));
                         farthest(source, range)
                     });

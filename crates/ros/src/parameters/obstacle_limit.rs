@@ -7,19 +7,21 @@ const LARGEST: SpeedLimit = SpeedLimit { speed: 100.0, acceleration: 1000.0 };
 
 /// Reads a text; the name may contain spaces.
 pub fn obstacle_limit(text: &str) -> Result<(String, SpeedLimit), String> {
-    let mut parts = text.trim().rsplitn(3, char::is_whitespace);
-    let (acceleration, speed, name) = (parts.next(), parts.next(), parts.next().map(str::trim));
-    let (Some(acceleration), Some(speed), Some(name)) = (acceleration, speed, name.filter(|n| !n.is_empty()))
-    else {
+    let last = |text: &str| {
+        let (rest, word) = text.trim().rsplit_once(char::is_whitespace)?;
+        Some((rest.trim().to_owned(), word.to_owned()))
+    };
+    let parts = last(text).and_then(|(rest, acceleration)| Some((last(&rest)?, acceleration)));
+    let Some(((name, speed), acceleration)) = parts else {
         return Err("it must have the form 'NAME SPEED ACCELERATION'".to_owned());
     };
     let number = |what: &str, text: &str, to: f64| {
         let number = text.parse::<f64>().ok().filter(|number| (0.0..=to).contains(number));
         number.ok_or_else(|| format!("the {what} must be a number from 0 to {to}, but is '{text}'"))
     };
-    let speed = number("speed (m/s)", speed, LARGEST.speed)?;
-    let acceleration = number("acceleration (m/s2)", acceleration, LARGEST.acceleration)?;
-    Ok((name.to_owned(), SpeedLimit { speed, acceleration }))
+    let speed = number("speed (m/s)", &speed, LARGEST.speed)?;
+    let acceleration = number("acceleration (m/s2)", &acceleration, LARGEST.acceleration)?;
+    Ok((name, SpeedLimit { speed, acceleration }))
 }
 
 #[cfg(test)]
@@ -30,7 +32,10 @@ mod tests {
     fn names_may_contain_spaces() {
         let limit = |speed, acceleration| SpeedLimit { speed, acceleration };
         assert_eq!(obstacle_limit("cart 0.5 2").unwrap(), ("cart".to_owned(), limit(0.5, 2.0)));
-        assert_eq!(obstacle_limit(" fork lift 1e0 0 ").unwrap(), ("fork lift".to_owned(), limit(1.0, 0.0)));
+        assert_eq!(
+            obstacle_limit(" fork lift  1e0\t 0 ").unwrap(),
+            ("fork lift".to_owned(), limit(1.0, 0.0))
+        );
     }
 
     #[test]

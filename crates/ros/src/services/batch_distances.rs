@@ -1,32 +1,36 @@
 //! Least distances and first times within a distance of the motions of a batch, as lists. No I/O.
 
 use clearance_checker::{
-    CollisionChecker, LeastClearance, MotionClearance, MotionReport, MotionVerdict, UndecidedReason,
+    CollisionChecker, LeastClearance, MotionClearance, MotionReport, MotionVerdict, PairKind, UndecidedReason,
 };
 
 use crate::messages::clearance_srvs::{BatchClearances, BatchEvents, CheckMotionsResponse};
 use crate::services::body_list::{BodyList, NOBODY};
 
-/// Adds the least distances along the next motion.
+/// Adds the least distances along the next motion; `None` if it was not searched before the deadline.
 pub fn add_clearance(
     lists: &mut BatchClearances,
-    found: &MotionClearance,
+    found: Option<&MotionClearance>,
     checker: &CollisionChecker,
     bodies: &mut BodyList,
 ) {
-    let of_self = Least::new(found.nearest_self.as_ref(), checker, bodies);
+    let least = |kind| match found {
+        Some(found) => Least::new(found.nearest_of(kind), checker, bodies),
+        None => Least::unknown(checker.checks(kind)),
+    };
+    let [of_self, of_world] = PairKind::ALL.map(least);
     lists.self_lower.push(of_self.lower);
     lists.self_upper.push(of_self.upper);
     lists.self_t.push(of_self.t);
     lists.self_pair_a.push(of_self.pair[0]);
     lists.self_pair_b.push(of_self.pair[1]);
-    let of_world = Least::new(found.nearest_world.as_ref(), checker, bodies);
     lists.world_lower.push(of_world.lower);
     lists.world_upper.push(of_world.upper);
     lists.world_t.push(of_world.t);
     lists.world_pair_a.push(of_world.pair[0]);
     lists.world_pair_b.push(of_world.pair[1]);
-    lists.clearance_reasons.push(reason_constant(found.unfinished));
+    let unfinished = found.map_or(Some(UndecidedReason::Deadline), |found| found.unfinished);
+    lists.clearance_reasons.push(reason_constant(unfinished));
 }
 
 /// Adds the first time of the next motion at which a pair is within the distance; `None` if the motion was not checked before
@@ -84,5 +88,11 @@ impl Least {
         let mut index = |body| bodies.index(checker, body);
         let pair = nearest.map_or([NOBODY; 2], |nearest| [index(nearest.pair.a), index(nearest.pair.b)]);
         Self { lower, upper, t, pair }
+    }
+
+    /// Nothing is known about pairs that are checked.
+    fn unknown(are_checked: bool) -> Self {
+        let lower = if are_checked { 0.0 } else { f64::INFINITY };
+        Self { lower, upper: f64::INFINITY, t: f64::NAN, pair: [NOBODY; 2] }
     }
 }

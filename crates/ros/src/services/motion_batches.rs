@@ -209,7 +209,8 @@ fn check(
         let is_over = || options.deadline.is_some_and(|deadline| Instant::now() >= deadline);
         response.add((!is_over()).then(|| checker.check_motion_with(segment, options, workspace)).as_ref());
         if terms.with_clearance {
-            response.add_clearance(&checker.clearance_along(segment, &of_clearance, workspace));
+            let found = (!is_over()).then(|| checker.clearance_along(segment, &of_clearance, workspace));
+            response.add_clearance(found.as_ref());
         }
         if terms.event_distance > 0.0 {
             let distance = terms.event_distance;
@@ -273,7 +274,7 @@ impl<'a> BatchResponse<'a> {
         };
     }
 
-    fn add_clearance(&mut self, found: &MotionClearance) {
+    fn add_clearance(&mut self, found: Option<&MotionClearance>) {
         add_clearance(&mut self.response.clearances, found, self.checker, &mut self.bodies);
     }
 
