@@ -210,7 +210,7 @@ impl<'c> Summary<'c> {
         ))
     }
 
-    /// What is not known about obstacles in the last segment: never less than in the segments before.
+    /// Limits of obstacles in the last segment, in which their poses have been unknown for the longest time.
     fn limits(&self) -> Option<&'c UncertaintyText> {
         self.certificate.segments.last()?.motion.obstacle_uncertainty.as_ref()
     }

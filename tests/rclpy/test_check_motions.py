@@ -179,9 +179,12 @@ def test_a_timeout_leaves_motions_undecided_and_never_free(cell):
     assert list(response.t_free) == [0.0] * 3
 
 
-def test_a_batch_of_the_most_motions_arrives_whole(cell):
+@pytest.mark.parametrize("more", [{}, {"with_clearance": True, "event_distance": 0.05}])
+def test_a_batch_of_the_most_motions_arrives_whole(cell, more):
     motions = [((0, pi * i / MOST), (0, pi * (i + 1) / MOST)) for i in range(MOST)]
-    response = cell.batches.check(motions)
+    response = cell.batches.check(motions, **more)
+    if more:
+        assert len(response.world_lower) == len(response.event_t_reached) == MOST
 
     assert len(response.verdicts) == len(response.t_free) == len(response.pair_a) == MOST
     first = next(i for i, verdict in enumerate(response.verdicts) if verdict != FREE)

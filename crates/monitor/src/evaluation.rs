@@ -139,7 +139,7 @@ pub struct Evaluation {
     pub checked_state: Option<Arc<CheckedState>>,
     /// The same, but also present if only the world has become stale: the robot's configuration is still known.
     pub robot_state: Option<Arc<CheckedState>>,
-    /// What is proven about the motion since the previous evaluated state. A contact that is proven makes this
+    /// Result of the check of the motion since the previous evaluated state. A contact that is proven makes this
     /// evaluation COLLIDING, but not the next one of the same state.
     pub motion_since_previous: MotionSincePrevious,
     /// Allowed share of the robot's speed, in [0, 1]; 0 unless the status is FREE.

@@ -8,7 +8,7 @@ use clearance_scene::BodyId;
 
 use super::Time;
 
-/// What is proven about the motion from the previous evaluated state to the current one.
+/// Proof or contact: result for the motion from the previous evaluated state to the current one.
 ///
 /// The motion is the straight line in joint space, with tolerances of the joints if the settings give some.
 #[derive(Clone, Debug, PartialEq)]

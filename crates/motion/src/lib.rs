@@ -28,6 +28,7 @@ mod obstacle_uncertainty;
 mod part_hashes;
 mod sample_deviation;
 mod segment;
+mod segment_error;
 mod segment_join;
 mod trajectory;
 mod trajectory_document;
@@ -51,7 +52,8 @@ pub use obstacle_uncertainty::{
 pub use part_hashes::{certificate_parts, mesh_model_name};
 pub use sample_deviation::sample_deviation;
 pub use segment::floating;
-pub use segment::{MotionSegment, SegmentError, SegmentText};
+pub use segment::{MotionSegment, SegmentText};
+pub use segment_error::SegmentError;
 pub use segment_join::{Join, JoinError, join};
 pub use trajectory::{Trajectory, TrajectoryError, TrajectoryPoint};
 pub use trajectory_start::{START_TOLERANCE, StartMismatch};

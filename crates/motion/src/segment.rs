@@ -2,12 +2,12 @@
 
 use clearance_geometry::constants::LARGEST_COORDINATE;
 use clearance_geometry::math::{Extremes, Rotation, UnitVector, Vector};
-use clearance_robot::{Configuration, ConfigurationError, Deviation, JointKind, RobotModel};
+use clearance_robot::{Configuration, Deviation, JointKind, RobotModel};
 use clearance_scene::World;
 use serde::{Deserialize, Serialize};
 
-use super::MovingObstacle;
-use super::obstacle_uncertainty::{LimitError, ObstacleUncertainty, UncertaintyText};
+use super::obstacle_uncertainty::{ObstacleUncertainty, UncertaintyText};
+use super::{MovingObstacle, SegmentError};
 
 /// Coefficients of a polynomial of degree five, the constant first.
 pub type Polynomial = [f64; 6];
@@ -43,38 +43,6 @@ pub struct Turn {
     /// Rotation axis, in the frame of the joint.
     pub axis: UnitVector,
     pub angle: f64,
-}
-
-/// Reason why numbers are not a valid motion.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[allow(missing_docs, reason = "the message of each variant describes it and its fields")]
-pub enum SegmentError {
-    #[error("the motion has {given} positions, but the robot has {expected}")]
-    WrongLength { given: usize, expected: usize },
-    #[error("joint '{0}': its motion is not finite")]
-    NotFinite(String),
-    #[error(transparent)]
-    Start(#[from] ConfigurationError),
-    #[error(
-        "a joint goes as far as {0:e}, farther than the {LARGEST_COORDINATE:e} that can be computed with"
-    )]
-    TooFar(f64),
-    #[error("the horizon must be zero or more seconds, but is {0}")]
-    Horizon(f64),
-    #[error("floating joint '{0}' can only go straight")]
-    FloatingPolynomial(String),
-    #[error("tracking tolerance of joint '{joint}' is {value}, but must be finite and not negative")]
-    Tube { joint: String, value: f64 },
-    #[error("floating joint '{0}' can have no tracking tolerance: give it 0, or leave it out")]
-    FloatingTube(String),
-    #[error("obstacle '{0}' is to move, but the world has no such obstacle")]
-    UnknownObstacle(String),
-    #[error("obstacle '{0}' is to move in two ways")]
-    ObstacleTwice(String),
-    #[error("obstacle '{0}' moves by numbers that are not finite or no rotation")]
-    Obstacle(String),
-    #[error(transparent)]
-    Limit(#[from] LimitError),
 }
 
 /// File format of a segment.
@@ -291,7 +259,7 @@ impl MotionSegment {
         !self.tube.is_empty() || !self.spread.is_empty() || self.uncertainty.is_some()
     }
 
-    /// What is not known about the motion of the obstacles; `None` if they stand, or move exactly as [`Self::obstacles`].
+    /// Limits of the unknown motion of obstacles; `None` if they stand, or move exactly as [`Self::obstacles`].
     #[must_use]
     pub fn uncertainty(&self) -> Option<&ObstacleUncertainty> {
         self.uncertainty.as_ref()

@@ -54,7 +54,7 @@ pub enum VolumeSelectionError {
     Unknown {
         /// Empty, or text such as `link 'hand': `.
         of: String,
-        /// What exists.
+        /// The kinds that exist.
         why: UnknownVolumeKind,
     },
     /// A link or the kind for all bodies is given twice, or an element is empty.
