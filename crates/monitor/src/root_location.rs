@@ -4,7 +4,6 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use clearance_geometry::math::Pose;
 use clearance_robot::quoted;
 use clearance_scene::{AnchorFrames, PathLink, RootPoseLoss, TrackedFrame, TransformTree};
 
