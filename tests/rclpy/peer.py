@@ -100,7 +100,7 @@ class Peer:
         with ExitStack() as paused:
             # rclpy crashes now and then when a participant is destroyed while another one of the process waits
             for other in Peer._alive:
-                paused.enter_context(other._paused())
+                paused.enter_context(other.paused())
             self._executor.shutdown()
             self.node.destroy_node()
             rclpy.shutdown(context=self._context)
@@ -108,7 +108,7 @@ class Peer:
             self._check()
 
     @contextmanager
-    def _paused(self):
+    def paused(self):
         """The thread of the callbacks stands still meanwhile."""
         stands, goes_on = threading.Event(), threading.Event()
 

@@ -22,6 +22,8 @@ SETTINGS = {
 }
 BENT = 0.6
 NEAR = {"joint1": 0.0, "joint2": BENT}
+# The ball is at the same place, and the tip is parallel to the x axis.
+PARALLEL = {"joint1": BENT, "joint2": -BENT}
 TOUCHING = {"joint1": 0.0, "joint2": 3.14}
 FAR = {"joint1": 3.0, "joint2": 0.0}
 
@@ -65,8 +67,12 @@ def test_the_speed_falls_towards_a_person_and_not_away_from_one(monitored):
     cell.moving(NEAR, [0.0, -0.5])
     speed.becomes(allowed(DISTANCE) / ROBOT_SPEED)
     assert -0.5 * RATE > 0.4
-    cell.moving(NEAR, [0.0, 0.5])
+    # the tip is translated: all its points move away
+    cell.moving(PARALLEL, [1.0, -1.0])
     speed.becomes(1.0)
+    # it turns: the nearest point moves away, and others approach
+    cell.moving(NEAR, [0.0, 0.5])
+    speed.becomes(allowed(DISTANCE) / ROBOT_SPEED)
     cell.moving(NEAR, [0.0, -3.0])
     speed.becomes(allowed(DISTANCE) / (-3.0 * RATE))
     fast = separation(lambda message: message.approach_speed > 1.0, "a fast approach")

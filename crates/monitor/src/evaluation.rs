@@ -8,6 +8,7 @@ use clearance_geometry::math::Extremes;
 use clearance_robot::{Configuration, LinkPoses, quoted};
 use clearance_scene::AnchorFrames;
 
+use super::contact_history::ContactHistory;
 use super::motion_since_previous::{MotionSincePrevious, Passage};
 use super::obstacle_motion::ObstacleMotion;
 use super::state_contacts::ContactsOfPair;
@@ -142,6 +143,8 @@ pub struct Evaluation {
     /// Result of the check of the motion since the previous evaluated state. A contact that is proven makes this
     /// evaluation COLLIDING, but not the next one of the same state.
     pub motion_since_previous: MotionSincePrevious,
+    /// Contacts counted since the start, and what happened since the last heartbeat message.
+    pub history: ContactHistory,
     /// Allowed share of the robot's speed, in [0, 1]; 0 unless the status is FREE.
     pub speed_scale: f64,
     /// Separation of the pair that requests the lowest speed; `None` unless separation is monitored and the status is

@@ -48,6 +48,7 @@ mod approach_rate;
 mod between_states;
 mod check_budget;
 pub mod cloud;
+mod contact_history;
 mod contact_watch;
 mod contribution;
 mod distance_bounds;
@@ -79,6 +80,7 @@ mod world_updates;
 mod tests;
 
 pub use clearance_scene::Time;
+pub use contact_history::{BodyKind, ContactHistory, LeastKnown, NamedBody, NamedPair, SinceHeartbeat};
 pub use evaluation::{CheckedState, Evaluation, Expiry, LeftOut, Revision};
 pub use input::{JointStateInput, SourceId};
 pub use joint_state_history::JointStateHistory;

@@ -10,6 +10,7 @@ use clearance_scene::TransformTree;
 
 use super::between_states::{BetweenStates, StateTime};
 use super::check_budget::CheckBudget;
+use super::contact_history::{ContactCounter, ContactHistory};
 use super::contact_watch::ContactWatch;
 use super::contribution::Contributions;
 use super::joint_state_merger::JointStateMerger;
@@ -57,6 +58,7 @@ pub struct Monitor {
     check_budget: CheckBudget,
     between_states: BetweenStates,
     contact_watch: ContactWatch,
+    contact_counter: ContactCounter,
     /// Messages that make up the robot's state, regardless of the result.
     contributions: Contributions,
     /// Time (s) by which the clock was set back since the last joint state, if it was.
@@ -95,6 +97,7 @@ impl Monitor {
             check_budget: CheckBudget::default(),
             between_states: BetweenStates::default(),
             contact_watch: ContactWatch::default(),
+            contact_counter: ContactCounter::default(),
             contributions: Contributions::default(),
             set_back: None,
             transform_joints: TransformJoints::default(),
@@ -433,13 +436,14 @@ impl Monitor {
         let of_motion =
             evaluator.and_then(|evaluator| motion_since_previous.warning(&evaluator.revision.checker));
         let warnings = warnings.chain(of_contacts.map(str::to_owned)).chain(of_motion);
-        Evaluation {
+        let mut evaluation = Evaluation {
             checked_state: robot_state.clone().filter(|_| status.reason().is_none()),
             status,
             robot_state,
             is_swapping: self.is_swapping(),
             stale_world,
             motion_since_previous,
+            history: ContactHistory::default(),
             speed_scale: self.speed_governor.share(),
             separation: self.speed_governor.separation(),
             left_out: self.check_result.left_out,
@@ -448,7 +452,10 @@ impl Monitor {
             revision: evaluator.map(|evaluator| Arc::clone(&evaluator.revision)),
             warnings: warnings.collect(),
             expiry: self.expiry(now),
-        }
+        };
+        let period = self.settings.heartbeat_period();
+        evaluation.history = self.contact_counter.add(&evaluation, now.steady, period);
+        evaluation
     }
 
     /// Warning about a joint state without positions that was received recently.

@@ -5,8 +5,8 @@ use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use clearance_checker::{CollisionChecker, CollisionReport, Question, Workspace};
 use clearance_monitor::{
-    CheckedState, ContactsOfPair, Evaluation, Expiry, LeftOut, MonitorSettings, MotionSincePrevious,
-    Revision, Status,
+    CheckedState, ContactHistory, ContactsOfPair, Evaluation, Expiry, LeftOut, MonitorSettings,
+    MotionSincePrevious, Revision, Status,
 };
 use clearance_robot::{Configuration, ConfigurationError, JointKind, LinkPoses, RobotModel};
 use serde::{Deserialize, Serialize};
@@ -143,6 +143,7 @@ impl StateControl {
             is_swapping: false,
             stale_world: None,
             motion_since_previous: MotionSincePrevious::default(),
+            history: ContactHistory::default(),
             revision: Some(Arc::clone(&self.revision)),
             warnings,
             expiry: Expiry::default(),

@@ -5,6 +5,7 @@
 mod between_states;
 mod check_budget;
 mod contact;
+mod contact_history;
 mod contacts;
 mod held;
 mod incomplete;

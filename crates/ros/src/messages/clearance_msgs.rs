@@ -122,6 +122,30 @@ pub struct PassedThrough {
     pub proven: bool,
 }
 
+/// What happened since the previous message of the heartbeat topic. The default claims nothing.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SinceHeartbeat {
+    pub messages: u32,
+    pub all_free: bool,
+    pub least_distance: f64,
+    pub least_distance_pair: BodyPair,
+    pub least_distance_stamp: Time,
+    pub touched_pairs: Vec<BodyPair>,
+}
+
+impl Default for SinceHeartbeat {
+    fn default() -> Self {
+        Self {
+            messages: 0,
+            all_free: false,
+            least_distance: f64::NAN,
+            least_distance_pair: BodyPair::default(),
+            least_distance_stamp: Time::default(),
+            touched_pairs: Vec::new(),
+        }
+    }
+}
+
 /// Numbers of pairs that were not checked, by reason.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SkippedPairs {
@@ -161,6 +185,9 @@ pub struct CollisionState {
     pub motion_since_previous: u8,
     pub motion_since_previous_reason: String,
     pub passed_through: Vec<PassedThrough>,
+    pub contacts_begun: u64,
+    pub contacts_ended: u64,
+    pub since_heartbeat: SinceHeartbeat,
 }
 
 impl CollisionState {

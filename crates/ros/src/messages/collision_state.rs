@@ -1,7 +1,10 @@
 //! Conversion of evaluations to ROS messages, except markers and diagnostics; and of joint state messages to monitor
 //! input.
 use clearance_checker::{CollisionChecker, CollisionReport, PairDistance, PairKind};
-use clearance_monitor::{ContactsOfPair, Evaluation, MotionSincePrevious, PASSED_THROUGH, Status};
+use clearance_monitor::{
+    BodyKind, ContactHistory, ContactsOfPair, Evaluation, MotionSincePrevious, NamedPair, PASSED_THROUGH,
+    Status,
+};
 use clearance_scene::BodyId;
 use ros2_interfaces_jazzy_serde::std_msgs::msg::Header;
 
@@ -13,6 +16,9 @@ use crate::messages::time_and_geometry::stamp_message;
 
 /// Maximum number of pairs in one message: `RustDDS` loses messages of more than about 250 kB.
 pub const PAIRS_TOLD: usize = 1000;
+
+/// Maximum number of pairs listed as touching since the last heartbeat message, for the same reason.
+const TOUCHED_PAIRS_TOLD: usize = 200;
 
 /// Type of the checked geometry, as reported in messages.
 const FIDELITY: &str = "mesh";
@@ -53,6 +59,7 @@ pub fn collision_state(evaluation: &Evaluation) -> CollisionState {
         message.reason = reason.to_string();
         reason.code().clone_into(&mut message.reason_code);
     }
+    add_history(&mut message, &evaluation.history);
     let Some(revision) = &evaluation.revision else {
         return message;
     };
@@ -107,6 +114,28 @@ fn add_motion(message: &mut CollisionState, checker: &CollisionChecker, evaluati
     if let Some(passage) = evaluation.contact_since_previous() {
         PASSED_THROUGH.clone_into(&mut message.reason_code);
         message.reason = evaluation.passage_text(passage).unwrap_or_default();
+    }
+}
+
+/// Adds the contacts counted since the start, and what happened since the last heartbeat message.
+fn add_history(message: &mut CollisionState, history: &ContactHistory) {
+    message.contacts_begun = history.begun;
+    message.contacts_ended = history.ended;
+    let since = &history.since_heartbeat;
+    let to = &mut message.since_heartbeat;
+    to.messages = since.evaluations;
+    to.all_free = since.all_free && message.status != CollisionState::UNKNOWN;
+    if let Some(least) = &since.least {
+        to.least_distance = least.distance;
+        to.least_distance_pair = least.pair.as_deref().map(named_pair_message).unwrap_or_default();
+        to.least_distance_stamp = stamp_message(least.stamp);
+    }
+    to.touched_pairs = since.touched.iter().take(TOUCHED_PAIRS_TOLD).map(named_pair_message).collect();
+    if since.touched.len() > TOUCHED_PAIRS_TOLD {
+        let all = since.touched.len();
+        message.warnings.push(format!(
+            "only {TOUCHED_PAIRS_TOLD} of {all} pairs that touched since the last heartbeat are listed"
+        ));
     }
 }
 
@@ -175,11 +204,20 @@ fn distance_field(kind: PairKind) -> &'static str {
 
 /// Kind of a body, as a constant of the message.
 #[must_use]
-pub fn body_type(body: BodyId) -> u8 {
-    match body {
-        BodyId::Link(_) => BodyPair::LINK,
-        BodyId::Attached(_) => BodyPair::ATTACHED,
-        BodyId::Obstacle(_) => BodyPair::OBSTACLE,
+pub fn body_type(body: impl Into<BodyKind>) -> u8 {
+    match body.into() {
+        BodyKind::Link => BodyPair::LINK,
+        BodyKind::Attached => BodyPair::ATTACHED,
+        BodyKind::Obstacle => BodyPair::OBSTACLE,
+    }
+}
+
+fn named_pair_message([a, b]: &NamedPair) -> BodyPair {
+    BodyPair {
+        body_a: a.name.clone(),
+        type_a: body_type(a.kind),
+        body_b: b.name.clone(),
+        type_b: body_type(b.kind),
     }
 }
 
@@ -225,6 +263,7 @@ mod tests {
             is_swapping: false,
             stale_world: None,
             motion_since_previous: clearance_monitor::MotionSincePrevious::default(),
+            history: clearance_monitor::ContactHistory::default(),
             revision: None,
             warnings: [].into(),
             expiry: Expiry::default(),

@@ -15,8 +15,9 @@ macro_rules! ours {
     };
 }
 
-const OURS: [(&str, &str); 6] =
-    ours! { "BodyPair" "CollisionState" "Contact" "PairDistance" "PassedThrough" "SkippedPairs" };
+const OURS: [(&str, &str); 7] = ours! {
+    "BodyPair" "CollisionState" "Contact" "PairDistance" "PassedThrough" "SinceHeartbeat" "SkippedPairs"
+};
 
 /// Definition of each message, by its full name.
 static DECLARATIONS: LazyLock<BTreeMap<&'static str, &'static str>> = LazyLock::new(|| {

@@ -309,6 +309,7 @@ mod tests {
             is_swapping: false,
             stale_world: None,
             motion_since_previous: clearance_monitor::MotionSincePrevious::default(),
+            history: clearance_monitor::ContactHistory::default(),
             revision: None,
             warnings: Arc::from([]),
             expiry: Expiry::default(),

@@ -77,7 +77,7 @@ pub enum RecordStep {
 }
 
 /// The part of a result that was not computed in time, which depends on the machine.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Late {
     #[default]

@@ -24,6 +24,7 @@ use crate::topics::retreat_topic::RetreatFeed;
 /// All publishers of the node's results.
 pub struct Publishers {
     state: Publisher<CollisionState>,
+    heartbeat_state: Publisher<CollisionState>,
     is_free: Publisher<Bool>,
     distance: Publisher<Float64>,
     self_distance: Publisher<Float64>,
@@ -71,6 +72,7 @@ impl Publishers {
         let separation = TypeName::new("clearance_msgs", "Separation");
         Ok(Self {
             state: publisher(middleware, names, "~/state", state)?,
+            heartbeat_state: publisher(middleware, names, "~/heartbeat_state", state)?,
             is_free: publisher(middleware, names, "~/is_free", TypeName::new("std_msgs", "Bool"))?,
             distance: publisher(middleware, names, "~/distance", float64)?,
             self_distance: publisher(middleware, names, "~/self_distance", float64)?,
@@ -98,8 +100,13 @@ impl Publishers {
         // the topics that stop a robot are published first
         note(self.is_free.publish(Bool { data: evaluation.status.is_free() }));
         note(self.speed_scale.publish(Float64 { data: evaluation.speed_scale }));
-        note(self.state.publish(collision_state(evaluation)));
+        let state = collision_state(evaluation);
+        let heartbeat_state = evaluation.history.is_heartbeat.then(|| state.clone());
+        note(self.state.publish(state));
         let state_at = Instant::now();
+        if let Some(state) = heartbeat_state {
+            note(self.heartbeat_state.publish(state));
+        }
         note(self.distance.publish(Float64 { data: evaluation.distance() }));
         note(self.self_distance.publish(Float64 { data: evaluation.distance_of(PairKind::SelfPair) }));
         note(self.world_distance.publish(Float64 { data: evaluation.distance_of(PairKind::WorldPair) }));

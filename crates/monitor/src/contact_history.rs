@@ -1,0 +1,203 @@
+//! Contacts counted since the start, and what happened since the last heartbeat message: for subscribers that receive
+//! only some of the evaluations.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+use std::time::Duration;
+
+use clearance_checker::CollisionChecker;
+use clearance_scene::BodyId;
+
+use super::motion_since_previous::{MotionSincePrevious, NoMotion};
+use super::{Evaluation, Revision, Status, Time};
+
+/// Type of a body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum BodyKind {
+    /// A link of the robot.
+    Link,
+    /// An object attached to a link.
+    Attached,
+    /// An obstacle.
+    Obstacle,
+}
+
+impl From<BodyId> for BodyKind {
+    fn from(body: BodyId) -> Self {
+        match body {
+            BodyId::Link(_) => Self::Link,
+            BodyId::Attached(_) => Self::Attached,
+            BodyId::Obstacle(_) => Self::Obstacle,
+        }
+    }
+}
+
+/// A body by its name, which stays the same when the world changes.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct NamedBody {
+    /// Name of the link, object or obstacle.
+    pub name: String,
+    /// What it is the name of.
+    pub kind: BodyKind,
+}
+
+/// Two bodies by their names.
+pub type NamedPair = [NamedBody; 2];
+
+fn named((a, b): (BodyId, BodyId), checker: &CollisionChecker) -> NamedPair {
+    [a, b].map(|body| NamedBody { name: checker.body_name(body).to_owned(), kind: body.into() })
+}
+
+/// Contacts counted since the start, and the time since the last heartbeat message.
+#[derive(Clone, Debug, Default)]
+pub struct ContactHistory {
+    /// Number of contacts that have begun: a pair collides that did not collide before.
+    pub begun: u64,
+    /// Number of contacts that have ended: the pair does not collide any more.
+    pub ended: u64,
+    /// What happened since the last heartbeat message.
+    pub since_heartbeat: SinceHeartbeat,
+    /// Whether this evaluation is one for the heartbeat topic.
+    pub is_heartbeat: bool,
+}
+
+/// What happened since the last heartbeat message, the current evaluation included.
+#[derive(Clone, Debug)]
+pub struct SinceHeartbeat {
+    /// Number of evaluations.
+    pub evaluations: u32,
+    /// Whether each was FREE, and the motion between any two successive states was proven free.
+    pub all_free: bool,
+    /// The least known distance; `None` if none was known.
+    pub least: Option<LeastKnown>,
+    /// Pairs that collided, or were proven to touch between two states.
+    pub touched: Arc<BTreeSet<NamedPair>>,
+}
+
+/// The least distance of several evaluations.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LeastKnown {
+    /// The distance (m): 0 if a pair touched, infinite if nothing was within the distance limit.
+    pub distance: f64,
+    /// Its pair, where the distance is finite.
+    pub pair: Option<Arc<NamedPair>>,
+    /// Stamp of the state.
+    pub stamp: Time,
+}
+
+impl Default for SinceHeartbeat {
+    fn default() -> Self {
+        Self { evaluations: 0, all_free: true, least: None, touched: Arc::default() }
+    }
+}
+
+impl SinceHeartbeat {
+    fn add(&mut self, evaluation: &Evaluation) {
+        self.evaluations = self.evaluations.saturating_add(1);
+        let proves_motion = matches!(
+            evaluation.motion_since_previous,
+            MotionSincePrevious::ProvenFree | MotionSincePrevious::NotChecked(NoMotion::NoNewState)
+        );
+        self.all_free &= evaluation.status == Status::Free && proves_motion;
+        let (Some(checked_state), Some(revision)) = (&evaluation.checked_state, &evaluation.revision) else {
+            return;
+        };
+        let colliding = checked_state.report.colliding_pairs.first().copied();
+        let passed = || evaluation.motion_since_previous.passed_through().and_then(|passage| passage.pair);
+        let (distance, pair) = match (colliding.or_else(passed), &checked_state.report.nearest) {
+            (Some(pair), _) => (0.0, Some(pair)),
+            (None, Some(nearest)) => (nearest.distance, Some((nearest.a, nearest.b))),
+            (None, None) => (f64::INFINITY, None),
+        };
+        if self.least.as_ref().is_none_or(|least| distance < least.distance) {
+            let pair = pair.map(|pair| Arc::new(named(pair, &revision.checker)));
+            self.least = Some(LeastKnown { distance, pair, stamp: evaluation.stamp.unwrap_or_default() });
+        }
+    }
+
+    fn touch(&mut self, pair: &NamedPair) {
+        if !self.touched.contains(pair) {
+            Arc::make_mut(&mut self.touched).insert(pair.clone());
+        }
+    }
+}
+
+/// Counts contacts from evaluation to evaluation.
+#[derive(Debug, Default)]
+pub(super) struct ContactCounter {
+    history: ContactHistory,
+    /// Pairs in contact.
+    open: BTreeSet<NamedPair>,
+    /// When the next heartbeat message is due; `None`: at once.
+    due: Option<Duration>,
+}
+
+impl ContactCounter {
+    /// Adds an evaluation that is published at this time (steady clock).
+    pub fn add(&mut self, evaluation: &Evaluation, now: Duration, period: Duration) -> ContactHistory {
+        if self.history.is_heartbeat {
+            self.history.since_heartbeat = SinceHeartbeat::default();
+        }
+        self.history.since_heartbeat.add(evaluation);
+        self.count(evaluation);
+        self.history.is_heartbeat = self.is_due(now, period);
+        self.history.clone()
+    }
+
+    /// Whether a heartbeat message is due: in the mean once in each period.
+    fn is_due(&mut self, now: Duration, period: Duration) -> bool {
+        let due = self.due.unwrap_or(now);
+        // a longer period that was set before does not delay the next message
+        if now < due.min(now + period) {
+            self.due = Some(due.min(now + period));
+            return false;
+        }
+        let next = due + period;
+        self.due = Some(if next > now { next } else { now + period });
+        true
+    }
+
+    /// Contacts of an UNKNOWN state are not known: they neither begin nor end.
+    fn count(&mut self, evaluation: &Evaluation) {
+        let (Some(checked_state), Some(revision)) = (&evaluation.checked_state, &evaluation.revision) else {
+            return;
+        };
+        let report = &checked_state.report;
+        let passage = evaluation.motion_since_previous.passed_through().and_then(|passage| passage.pair);
+        if report.colliding_pairs.is_empty() && passage.is_none() && self.open.is_empty() {
+            return;
+        }
+        let name = |pair| named(pair, &revision.checker);
+        let colliding: BTreeSet<NamedPair> = report.colliding_pairs.iter().copied().map(name).collect();
+        self.count_passage(passage.map(name), &colliding);
+        self.end_contacts(&colliding, revision, report);
+        for pair in colliding {
+            self.history.since_heartbeat.touch(&pair);
+            self.history.begun += u64::from(self.open.insert(pair));
+        }
+    }
+
+    /// A pair that touched between two states, and at neither, has had a contact of its own.
+    fn count_passage(&mut self, pair: Option<NamedPair>, colliding: &BTreeSet<NamedPair>) {
+        let Some(pair) = pair else { return };
+        self.history.since_heartbeat.touch(&pair);
+        if !self.open.contains(&pair) && !colliding.contains(&pair) {
+            self.history.begun += 1;
+            self.history.ended += 1;
+        }
+    }
+
+    /// Ends the contacts of pairs that are decided and do not collide.
+    fn end_contacts(
+        &mut self,
+        colliding: &BTreeSet<NamedPair>,
+        revision: &Revision,
+        report: &clearance_checker::CollisionReport,
+    ) {
+        let undecided = report.undecided.iter().map(|pair| named((pair.a, pair.b), &revision.checker));
+        let undecided: BTreeSet<NamedPair> = undecided.collect();
+        let before = self.open.len();
+        self.open.retain(|pair| colliding.contains(pair) || undecided.contains(pair));
+        self.history.ended += (before - self.open.len()) as u64;
+    }
+}
