@@ -8,7 +8,7 @@ use clearance_scene::BodyId;
 
 use super::CheckedState;
 use super::obstacle_motion::ObstacleMotion;
-use super::speed_settings::SpeedSettings;
+use super::settings::MonitorSettings;
 
 /// Time step (s) over which links are moved by their velocities: far above rounding errors, short enough for a straight
 /// motion.
@@ -17,7 +17,7 @@ const STEP: f64 = 1e-5;
 /// Below this distance (m) the direction between two points is undefined.
 const LEAST_DISTANCE: f64 = 1e-9;
 
-/// Largest approach distance (m) that the range of `slowdown_range` adds to the slow-down distance.
+/// Largest motion (m) of the robot that the range of `slowdown_range` adds to the slow-down distance.
 const LONGEST_MOTION: f64 = 1.0;
 
 /// State of the robot with its velocities.
@@ -33,10 +33,14 @@ pub(super) struct MovingState<'s> {
 pub(super) fn slowdown_range(
     checker: &CollisionChecker,
     moving: &MovingState,
-    settings: &SpeedSettings,
+    settings: &MonitorSettings,
 ) -> f64 {
     let by_distances = range_of_distances(checker, moving, settings);
-    settings.separation.as_ref().map_or(by_distances, |separation| by_distances.greater(separation.range()))
+    settings
+        .speed
+        .separation
+        .as_ref()
+        .map_or(by_distances, |separation| by_distances.greater(separation.range()))
 }
 
 /// Distance (m) up to which pairs may slow the robot down by their distances: moving bodies may be nearer once the
@@ -44,22 +48,22 @@ pub(super) fn slowdown_range(
 fn range_of_distances(
     checker: &CollisionChecker,
     &MovingState { configuration, poses, rates, obstacle_motions }: &MovingState,
-    settings: &SpeedSettings,
+    settings: &MonitorSettings,
 ) -> f64 {
-    let reach = settings.reach();
+    let (reach, reaction_time) = (settings.speed.reach(), settings.speed.reaction_time);
     if reach == 0.0 {
         return reach;
     }
     let positions = configuration.positions();
     let later = |rates: &[f64]| -> Vec<f64> {
-        positions.iter().zip(rates).map(|(q, rate)| q + settings.reaction_time * rate).collect()
+        positions.iter().zip(rates).map(|(q, rate)| q + reaction_time * rate).collect()
     };
     let of_joints = rates.map_or(0.0, |rates| checker.travel(positions, &later(rates)));
     let moving = obstacle_motions.iter().filter(|obstacle_motion| !obstacle_motion.is_none());
-    let of_root = moving.map(|obstacle_motion| {
-        obstacle_motion.largest_displacement(checker.extent(poses), settings.reaction_time)
-    });
-    reach + (of_joints + of_root.fold(0.0, f64::greater)).lesser(LONGEST_MOTION)
+    let of_root = moving
+        .map(|obstacle_motion| obstacle_motion.largest_displacement(checker.extent(poses), reaction_time));
+    let of_robot = (of_joints + of_root.fold(0.0, f64::greater)).lesser(LONGEST_MOTION);
+    reach + of_robot + settings.largest_obstacle_motion(checker.world())
 }
 
 /// Link poses at another time.

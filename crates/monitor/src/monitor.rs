@@ -334,7 +334,7 @@ impl Monitor {
                     status,
                     checked_state.as_ref(),
                     stamp,
-                    &self.settings.speed,
+                    &self.settings,
                 );
             }
             None => self.speed_governor.stop(),

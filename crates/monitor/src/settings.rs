@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use clearance_motion::ObstacleLimits;
 use clearance_proximity::Effort;
+use clearance_scene::World;
 
 use super::SpeedSettings;
 
@@ -117,6 +118,20 @@ impl MonitorSettings {
     #[must_use]
     pub fn moving_obstacles(&self) -> Option<&Arc<ObstacleLimits>> {
         Some(&self.obstacle_limits).filter(|limits| !limits.is_zero())
+    }
+
+    /// Upper bound (m) on the motion of an obstacle on its own until the speed scale has an effect.
+    pub(super) fn obstacle_motion(&self, obstacle: &str) -> f64 {
+        self.obstacle_limits.of(obstacle).displacement(self.obstacle_latency + self.speed.reaction_time)
+    }
+
+    /// The same for all obstacles of a world.
+    pub(super) fn largest_obstacle_motion(&self, world: &World) -> f64 {
+        let time = self.obstacle_latency + self.speed.reaction_time;
+        let matters = self.speed.world.reach() > 0.0;
+        self.moving_obstacles()
+            .filter(|_| matters)
+            .map_or(0.0, |limits| limits.largest_displacement(world, time))
     }
 
     /// Longest time between two published evaluations.

@@ -3,7 +3,8 @@
 //!
 //! Each near pair requests a share: 1 from the slow-down distance on, 0 up to the stop distance, linear between them.
 //! The distance of an approaching pair is reduced by its motion in the reaction time, also from beyond the slow-down
-//! distance. A pair that moves apart requests no reduction. The least share counts. If the approach rate of a near pair
+//! distance. So is the distance of an obstacle that may move, by its largest motion in that time. A pair that the robot
+//! moves apart requests no reduction. The least share counts. If the approach rate of a near pair
 //! is unknown, the share does not rise, except for a first state, which counts as at rest. The share falls once a
 //! number of states in a row, the trigger count, request less: to the largest of their requests. It rises once a number
 //! of states, the release count, request more: to the least of their requests. If the status is not FREE, it is 0 at
@@ -24,7 +25,7 @@ use super::approach_rate::{
 };
 use super::separation_settings::SeparationSettings;
 use super::speed_settings::{SpeedDistances, SpeedSettings};
-use super::{CheckedState, Separation, Status, Time};
+use super::{CheckedState, MonitorSettings, Separation, Status, Time};
 
 /// Computes the speed scale from successive states.
 #[derive(Debug, Default)]
@@ -68,7 +69,7 @@ impl SpeedGovernor {
         status: &Status,
         checked_state: Option<&Arc<CheckedState>>,
         stamp: Option<Time>,
-        settings: &SpeedSettings,
+        settings: &MonitorSettings,
     ) {
         let (Status::Free, Some(checked_state)) = (status, checked_state) else {
             self.stop();
@@ -82,7 +83,7 @@ impl SpeedGovernor {
         // a state that is evaluated again, or with unknown approach rates, never raises the share; a first state has
         // distances only
         if (is_new && (are_known || self.last.is_none())) || requested < self.share {
-            self.follow(requested, settings);
+            self.follow(requested, &settings.speed);
         }
         // of states with the same stamp the first is kept: later motion is measured from it
         if is_new {
@@ -96,7 +97,7 @@ impl SpeedGovernor {
         checker: &CollisionChecker,
         checked_state: &CheckedState,
         stamp: Option<Time>,
-        settings: &SpeedSettings,
+        settings: &MonitorSettings,
     ) -> Requests {
         let pairs = checked_state.report.pair_distances.iter().chain(&checked_state.approaching_pairs);
         let rules = pairs.map(|pair| (pair, rule_of(pair, checker, checked_state, settings)));
@@ -105,12 +106,20 @@ impl SpeedGovernor {
         let other = near
             .peek()
             .and_then(|_| poses_after_step(checker.robot(), checked_state).or_else(|| self.before(stamp)));
-        let mut requests = Requests::none(settings);
+        let mut requests = Requests::none(&settings.speed);
         for (pair, rule) in near {
             let rate = other.as_ref().and_then(|other| approach_rate(checker, pair, checked_state, other));
             match rule {
                 Rule::Nothing => {}
-                Rule::Distances(distances) => requests.add(pair, rate, distances, settings),
+                Rule::Distances { distances, obstacle_motion } => {
+                    let share = |rate| {
+                        let reaction_time = settings.speed.reaction_time;
+                        distances.share(pair.distance, rate, reaction_time, obstacle_motion)
+                    };
+                    // a pair beyond that distance requests no reduction even if its rate is unknown
+                    let matters = pair.distance <= distances.reach() + obstacle_motion;
+                    requests.add(share(rate), rate.is_some() || !matters);
+                }
                 Rule::Separation(separation) => {
                     let other = other.as_ref();
                     let largest =
@@ -165,17 +174,10 @@ impl Requests {
         Self { share: 1.0, are_known: true, separation }
     }
 
-    /// Adds a pair whose share follows from slow-down and stop distance.
-    fn add(
-        &mut self,
-        pair: &PairDistance,
-        rate: Option<f64>,
-        distances: SpeedDistances,
-        settings: &SpeedSettings,
-    ) {
-        // a pair beyond that distance requests no reduction even if its rate is unknown
-        self.are_known &= rate.is_some() || pair.distance > distances.reach();
-        self.share = self.share.lesser(distances.share(pair.distance, rate, settings.reaction_time));
+    /// Adds the share of a pair, and whether its approach rate is known or does not matter.
+    fn add(&mut self, share: f64, is_known: bool) {
+        self.are_known &= is_known;
+        self.share = self.share.lesser(share);
     }
 
     /// Adds a pair whose separation is monitored, with the rates of its nearest points and of any points. An unknown
@@ -196,7 +198,11 @@ impl Requests {
 enum Rule<'s> {
     /// The pair requests no reduction.
     Nothing,
-    Distances(SpeedDistances),
+    /// Slow-down and stop distance; the other body moves by at most `obstacle_motion` (m) on its own.
+    Distances {
+        distances: SpeedDistances,
+        obstacle_motion: f64,
+    },
     Separation(&'s SeparationSettings),
 }
 
@@ -205,7 +211,7 @@ impl Rule<'_> {
     fn concerns(&self, pair: &PairDistance, checked_state: &CheckedState) -> bool {
         let reach = match self {
             Self::Nothing => return false,
-            Self::Distances(distances) => distances.reach(),
+            Self::Distances { distances, .. } => distances.reach(),
             Self::Separation(separation) => separation.range(),
         };
         reach > 0.0 && pair.distance <= reach.greater(checked_state.slowdown_range) || pair.distance <= 0.0
@@ -216,16 +222,20 @@ fn rule_of<'s>(
     pair: &PairDistance,
     checker: &CollisionChecker,
     checked_state: &CheckedState,
-    settings: &'s SpeedSettings,
+    settings: &'s MonitorSettings,
 ) -> Rule<'s> {
+    let speed = &settings.speed;
     let (body, obstacle) = match (pair.a, pair.b) {
         (BodyId::Obstacle(_), body) => (body, pair.a),
         (body, BodyId::Obstacle(_)) => (body, pair.b),
-        _ => return Rule::Distances(settings.own),
+        _ => return Rule::Distances { distances: speed.own, obstacle_motion: 0.0 },
     };
-    match &settings.separation {
-        None => Rule::Distances(settings.world),
-        Some(separation) if separation.rests(checker.body_name(obstacle)) => Rule::Distances(settings.world),
+    let name = checker.body_name(obstacle);
+    let by_distances =
+        || Rule::Distances { distances: speed.world, obstacle_motion: settings.obstacle_motion(name) };
+    match &speed.separation {
+        None => by_distances(),
+        Some(separation) if separation.rests(name) => by_distances(),
         // where the root stays in place, a body that is fixed to it cannot approach
         Some(_) if checked_state.obstacle_motions.is_empty() && is_fixed(checker, body) => Rule::Nothing,
         Some(separation) => Rule::Separation(separation),
@@ -261,7 +271,7 @@ mod tests {
             // 0.1 s at 0.5 m/s
             (0.2, Some(0.5), 0.25),
             (0.2, Some(2.0), 0.0),
-            // a pair that moves apart is never slowed down
+            // a robot that moves away is never slowed down
             (0.2, Some(-0.1), 1.0),
             (0.01, Some(-0.1), 1.0),
             // beyond the slow-down distance: pairs that will soon be within it
@@ -269,7 +279,7 @@ mod tests {
             (0.31, Some(2.0), 0.05),
             (0.6, Some(2.0), 1.0),
         ] {
-            let found = DISTANCES.share(distance, rate, 0.1);
+            let found = DISTANCES.share(distance, rate, 0.1, 0.0);
             assert!((found - share).abs() < 1e-12, "{distance} m, {rate:?} m/s: {found}");
         }
     }
@@ -277,11 +287,11 @@ mod tests {
     #[test]
     fn without_distances_only_contact_stops() {
         let off = SpeedDistances::default();
-        assert_eq!(off.share(0.0, None, 0.1), 0.0);
-        assert_eq!(off.share(1e-6, Some(5.0), 0.1), 1.0);
+        assert_eq!(off.share(0.0, None, 0.1, 0.0), 0.0);
+        assert_eq!(off.share(1e-6, Some(5.0), 0.1, 0.5), 1.0);
         // a stop distance larger than the slow-down distance makes a step
         let step = SpeedDistances { slowdown: 0.1, stop: 0.2 };
-        assert_eq!([step.share(0.2, None, 0.1), step.share(0.21, None, 0.1)], [0.0, 1.0]);
+        assert_eq!([step.share(0.2, None, 0.1, 0.0), step.share(0.21, None, 0.1, 0.0)], [0.0, 1.0]);
     }
 
     fn following(trigger_count: u32, release_count: u32, requested: &[f64]) -> Vec<f64> {
@@ -324,10 +334,10 @@ mod tests {
         #[test]
         fn nearer_and_faster_is_never_freer(
             distance in 0.0..1.0f64, nearer in 0.0..1.0f64, rate in 0.0..5.0f64, faster in 0.0..5.0f64,
-            slowdown in 0.0..1.0f64, stop in 0.0..1.0f64, reaction_time in 0.0..1.0f64,
+            slowdown in 0.0..1.0f64, stop in 0.0..1.0f64, reaction_time in 0.0..1.0f64, obstacle_motion in 0.0..0.5f64,
         ) {
             let distances = SpeedDistances { slowdown, stop };
-            let share = |distance, rate| distances.share(distance, Some(rate), reaction_time);
+            let share = |distance, rate| distances.share(distance, Some(rate), reaction_time, obstacle_motion);
             let here = share(distance, rate);
             prop_assert!((0.0..=1.0).contains(&here));
             prop_assert!(share(distance * nearer, rate) <= here);

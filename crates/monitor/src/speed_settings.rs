@@ -60,14 +60,21 @@ impl SpeedDistances {
         self.slowdown.greater(self.stop)
     }
 
-    /// Share that a pair requests which approaches at `rate` (m/s), if that is known.
-    pub(super) fn share(self, distance: f64, rate: Option<f64>, reaction_time: f64) -> f64 {
+    /// Share that a pair requests which the robot brings together at `rate` (m/s), if that is known. The other body moves
+    /// by at most `obstacle_motion` (m) on its own in the reaction time.
+    pub(super) fn share(
+        self,
+        distance: f64,
+        rate: Option<f64>,
+        reaction_time: f64,
+        obstacle_motion: f64,
+    ) -> f64 {
         let rate = rate.unwrap_or(0.0);
         let is_off = self.reach() == 0.0 && distance > 0.0;
         if is_off || rate < -REST {
             return 1.0;
         }
-        let left = distance - rate.greater(0.0) * reaction_time;
+        let left = distance - rate.greater(0.0) * reaction_time - obstacle_motion;
         if left <= self.stop {
             0.0
         } else if left >= self.slowdown {

@@ -80,7 +80,7 @@ impl StateEvaluator {
             rates: rates.as_deref(),
             obstacle_motions: &obstacle_motions,
         };
-        let slowdown_range = slowdown_range(checker, &moving, &settings.speed);
+        let slowdown_range = slowdown_range(checker, &moving, settings);
         let influence_distance = settings.influence_distance.greater(slowdown_range);
         let limit = settings.distance_limit;
         let survey = Question::Survey { influence_distance, limit };

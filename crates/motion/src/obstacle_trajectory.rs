@@ -30,6 +30,8 @@ const CLEAR_TURN: f64 = std::f64::consts::PI - 0.01;
 pub enum PosesError {
     #[error("two poses at least are needed, but there are {0}")]
     TooFew(usize),
+    #[error("{poses} poses need as many times, but there are {times}")]
+    TimeCount { times: usize, poses: usize },
     #[error("pose {pose}: its time {time} is negative, not finite, or not after that of the last pose")]
     Time { pose: usize, time: f64 },
     #[error(

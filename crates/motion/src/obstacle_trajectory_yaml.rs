@@ -88,21 +88,38 @@ impl ObstacleText {
 
     fn even(&self, obstacle: &Obstacle) -> Result<ObstacleTrajectory, ObstacleTextError> {
         let [linear, angular] = [self.linear, self.angular].map(Option::unwrap_or_default);
-        let centre = match (self.centre, &*obstacle.shapes) {
+        ObstacleTrajectory::of_twist(obstacle, self.centre, linear, angular)
+    }
+}
+
+impl ObstacleTrajectory {
+    /// As [`Self::even`], for an obstacle of the world. Without a centre (m), its only shape turns about its own centre.
+    ///
+    /// # Errors
+    /// If a number is not finite or too large, or a centre is needed: the obstacle turns, and it has several shapes or is a
+    /// plane.
+    pub fn of_twist(
+        obstacle: &Obstacle,
+        centre: Option<[f64; 3]>,
+        linear: [f64; 3],
+        angular: [f64; 3],
+    ) -> Result<Self, ObstacleTextError> {
+        let name = || obstacle.name.to_string();
+        let centre = match (centre, &*obstacle.shapes) {
             (Some(centre), _) => centre,
             (None, [shape]) if !matches!(shape.shape, Shape::Plane(_)) => {
                 (obstacle.pose_ro * shape.pose_os).translation.vector.into()
             }
             // without rotation all points move alike
             (None, _) if angular == [0.0; 3] => [0.0; 3],
-            (None, _) => return Err(ObstacleTextError::NoCentre(self.name.clone())),
+            (None, _) => return Err(ObstacleTextError::NoCentre(name())),
         };
         for (what, numbers) in [("linear", linear), ("angular", angular), ("centre", centre)] {
             if !numbers.iter().all(|x| x.abs() <= LARGEST_COORDINATE) {
-                return Err(ObstacleTextError::Number { name: self.name.clone(), what: what.to_owned() });
+                return Err(ObstacleTextError::Number { name: name(), what: what.to_owned() });
             }
         }
-        Ok(ObstacleTrajectory::even(&self.name, Point::from(centre), linear, angular))
+        Ok(Self::even(&obstacle.name, Point::from(centre), linear, angular))
     }
 }
 

@@ -56,6 +56,8 @@ pub enum TrajectoryError {
     Names(ConfigurationError),
     #[error("point {point}: time_from_start {time} s does not come after {previous} s")]
     Time { point: usize, time: f64, previous: f64 },
+    #[error("{given} times for {expected} points")]
+    TimeCount { given: usize, expected: usize },
     #[error("point {0} has velocities but the trajectory has no times")]
     NoTimes(usize),
     #[error("segment {segment} begins {jump} rad or m off where the last one ends")]
@@ -168,6 +170,22 @@ impl Trajectory {
     pub fn map<E>(self, change: impl FnMut(MotionSegment) -> Result<MotionSegment, E>) -> Result<Self, E> {
         let segments = self.segments.into_iter().map(change).collect::<Result<_, _>>()?;
         Ok(Self { segments, times: self.times, parts: self.parts })
+    }
+
+    /// The same trajectory with the times (s) of its points: from 0 on, each later than the one before.
+    pub fn with_times(self, times: Vec<f64>) -> Result<Self, TrajectoryError> {
+        let (given, expected) = (times.len(), self.segments.len() + 1);
+        if given != expected {
+            return Err(TrajectoryError::TimeCount { given, expected });
+        }
+        let previous = std::iter::once(None).chain(times.iter().copied().map(Some));
+        for (point, (previous, &time)) in previous.zip(&times).enumerate() {
+            let is_later = previous.map_or(time >= 0.0, |previous| time > previous);
+            if !(is_later && time.is_finite()) {
+                return Err(TrajectoryError::Time { point, time, previous: previous.unwrap_or(0.0) });
+            }
+        }
+        Ok(Self { times, ..self })
     }
 
     /// Obstacles of `world` may move as their limits allow, in addition to [`Self::with_obstacles`]. Their poses are those of

@@ -1,5 +1,9 @@
 //! The speed scale.
 
+use clearance_geometry::math::Pose;
+use clearance_geometry::{Primitive, Shape};
+use clearance_motion::{ObstacleLimits, SpeedLimit};
+use clearance_scene::Obstacle;
 use proptest::prelude::*;
 
 use super::*;
@@ -42,6 +46,67 @@ fn the_speed_is_that_of_the_distance_and_the_way_to_it() {
     assert_eq!(share(&[0.0, 3.0]), 0.0);
     assert_eq!(share(&[0.0, -0.3]), 1.0);
     assert_eq!(governed(SPEED).on_joint_state(state(0.0, FREE), at(0.0)).speed_scale, 1.0);
+}
+
+/// A ball of 10 cm that is this far (m) from the robot's outstretched one.
+fn beside_a_ball(gap: f64) -> Arc<Revision> {
+    let mut world = World::default();
+    let ball = Shape::Primitive(Primitive::Sphere { radius: 0.1 });
+    world.add(Obstacle::of_shape("cart", Pose::translation(2.2 + gap, 0.0, 0.0), ball)).unwrap();
+    let robot = RobotModel::from_urdf(URDF, &MeshFiles::default()).unwrap();
+    let checker = CollisionChecker::new(Arc::new(robot), &world, Settings::default()).unwrap();
+    Arc::new(Revision::new(checker, 1, 1))
+}
+
+#[test]
+fn an_obstacle_that_may_move_counts_as_nearer() {
+    let world = SpeedDistances { slowdown: 0.5, stop: 0.1 };
+    let limit = |speed, acceleration| SpeedLimit { speed, acceleration };
+    let cart = |of| [("cart".to_owned(), of)].into();
+    let share = |gap: f64, limits: ObstacleLimits| {
+        let mut monitor = Monitor::new(MonitorSettings::default(), stopwatch);
+        monitor.set_checker(beside_a_ball(gap));
+        monitor.set_settings(MonitorSettings {
+            speed: SpeedSettings { world, ..SPEED },
+            obstacle_limits: Arc::new(limits),
+            obstacle_latency: 0.1,
+            ..MonitorSettings::default()
+        });
+        monitor.on_joint_state(moving(0.0, FREE, &[0.0, 0.0]), at(0.0)).speed_scale
+    };
+    let all = |default| ObstacleLimits { default, ..ObstacleLimits::default() };
+    // within 0.2 s: 1 m/s · 0.2 s + 2 m/s² · (0.2 s)² / 2 = 0.24 m
+    let named = ObstacleLimits { default: limit(5.0, 0.0), by_name: cart(limit(1.0, 2.0)) };
+    for (gap, limits, expected) in [
+        (0.4, all(limit(0.0, 0.0)), 0.75),
+        (0.4, all(limit(1.0, 2.0)), 0.15),
+        (0.4, named.clone(), 0.15),
+        (0.6, all(limit(0.0, 0.0)), 1.0),
+        (0.6, named.clone(), 0.65),
+        (0.8, named, 1.0),
+        (0.3, all(limit(1.6, 0.0)), 0.0),
+    ] {
+        let found = share(gap, limits);
+        assert!((found - expected).abs() < 1e-9, "{gap} m: {found}, not {expected}");
+    }
+}
+
+/// A robot that moves away from an obstacle is not slowed down, also if the obstacle may follow.
+#[test]
+fn moving_away_from_what_may_follow_is_not_slowed() {
+    let mut monitor = Monitor::new(MonitorSettings::default(), stopwatch);
+    monitor.set_checker(beside_a_ball(0.4));
+    let world = SpeedDistances { slowdown: 0.5, stop: 0.1 };
+    let default = SpeedLimit { speed: 10.0, acceleration: 0.0 };
+    monitor.set_settings(MonitorSettings {
+        speed: SpeedSettings { world, ..SPEED },
+        obstacle_limits: Arc::new(ObstacleLimits { default, ..ObstacleLimits::default() }),
+        ..MonitorSettings::default()
+    });
+    let mut share =
+        |seconds, elbow: f64| monitor.on_joint_state(moving(seconds, [0.0, 0.4], &[0.0, elbow]), at(seconds));
+    assert_eq!(share(0.0, 1.0).speed_scale, 1.0);
+    assert_eq!(share(0.1, -1.0).speed_scale, 0.0);
 }
 
 /// Where the robot is slowed down, distances are exact: points that are only nearly the nearest ones have other

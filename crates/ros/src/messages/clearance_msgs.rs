@@ -5,7 +5,7 @@
 
 use ros2_client::Message;
 use ros2_interfaces_jazzy_serde::builtin_interfaces::msg::Time;
-use ros2_interfaces_jazzy_serde::geometry_msgs::msg::{Point, Vector3};
+use ros2_interfaces_jazzy_serde::geometry_msgs::msg::{Point, Pose, Twist, Vector3};
 use ros2_interfaces_jazzy_serde::std_msgs::msg::Header;
 use serde::{Deserialize, Serialize};
 
@@ -120,6 +120,24 @@ pub struct PassedThrough {
     pub previous_stamp: Time,
     pub stamp: Time,
     pub proven: bool,
+}
+
+/// Known motion of an obstacle: a constant twist, or poses with times.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct MovingObstacle {
+    pub name: String,
+    pub twist: Twist,
+    pub centre: Vec<Point>,
+    pub poses: Vec<Pose>,
+    pub times: Vec<f64>,
+}
+
+/// How fast an obstacle may move whose path is not known.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ObstacleLimit {
+    pub name: String,
+    pub speed: f64,
+    pub acceleration: f64,
 }
 
 /// What happened since the previous message of the heartbeat topic. The default claims nothing.

@@ -10,7 +10,9 @@ use ros2_interfaces_jazzy_serde::geometry_msgs::msg::{Point, Vector3};
 use ros2_interfaces_jazzy_serde::trajectory_msgs::msg::JointTrajectory;
 use serde::{Deserialize, Serialize};
 
-use crate::messages::clearance_msgs::{BodyPair, DistanceEvent, LeastDistance, PairDistance};
+use crate::messages::clearance_msgs::{
+    BodyPair, DistanceEvent, LeastDistance, MovingObstacle, ObstacleLimit, PairDistance,
+};
 
 /// Request: is the straight motion in joint space free of collisions?
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -19,6 +21,7 @@ pub struct CheckMotionRequest {
     pub start: Vec<f64>,
     pub goal: Vec<f64>,
     pub terms: MotionTerms,
+    pub duration: f64,
 }
 
 /// Request: is a trajectory free of collisions?
@@ -41,6 +44,9 @@ pub struct MotionTerms {
     pub with_clearance: bool,
     pub event_distance: f64,
     pub margin: f64,
+    pub moving_obstacles: Vec<MovingObstacle>,
+    pub obstacle_limits: Vec<ObstacleLimit>,
+    pub obstacle_latency: f64,
 }
 
 impl MotionTerms {

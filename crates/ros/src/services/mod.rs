@@ -14,6 +14,7 @@ pub mod parameter_services; // the standard parameter services
 pub mod recovery_requests; // evaluation of requests for free states
 pub mod rejection; // reasons for which requests are rejected
 pub mod request_context; // robot, world and configuration for a request
+mod requested_obstacles; // moving obstacles in motion requests
 pub mod scene_services; // `get_planning_scene`, `apply_planning_scene`, `clear_octomap`, `check_state_validity`
 pub mod state_requests; // evaluation of state requests
 pub mod state_services; // `~/check_states`, `~/get_distances` and `~/find_free_state`

@@ -26,8 +26,8 @@ impl DistanceRequest<'_> {
         if terms.with_clearance {
             let options = clearance_options(options);
             let found = checker.clearance_along_trajectory(trajectory, &options, workspace);
-            distances.self_clearance = least_distance(checker, found.nearest_self.as_ref());
-            distances.world_clearance = least_distance(checker, found.nearest_world.as_ref());
+            distances.self_clearance = least_distance(checker, trajectory, found.nearest_self.as_ref());
+            distances.world_clearance = least_distance(checker, trajectory, found.nearest_world.as_ref());
             found
                 .unfinished
                 .map_or("", UndecidedReason::code)
@@ -61,15 +61,20 @@ fn event_options(options: &MotionOptions) -> MotionOptions {
 }
 
 /// Message of a least distance; `None` if no such pairs are checked.
-fn least_distance(checker: &CollisionChecker, least: Option<&LeastClearance>) -> LeastDistance {
+fn least_distance(
+    checker: &CollisionChecker,
+    trajectory: &Trajectory,
+    least: Option<&LeastClearance>,
+) -> LeastDistance {
     let Some(LeastClearance { lower, upper, nearest }) = least else {
         return LeastDistance { lower: f64::INFINITY, ..LeastDistance::default() };
     };
     let bounds = LeastDistance { lower: *lower, upper: *upper, ..LeastDistance::default() };
     let Some(NearestMoment { segment, t, time, pair }) = nearest else { return bounds };
+    let (segment, t) = trajectory.origin(*segment, *t);
     LeastDistance {
-        segment: count(*segment),
-        t: *t,
+        segment: count(segment),
+        t,
         time: time.unwrap_or(f64::NAN),
         nearest: distance_message(checker, pair),
         ..bounds
@@ -83,12 +88,13 @@ fn event(checker: &CollisionChecker, trajectory: &Trajectory, report: &Trajector
         MotionVerdict::Undecided { t, pair, reason, .. } => (DistanceEvent::UNDECIDED, t, pair, Some(reason)),
     };
     let [time_farther, time_reached] = t.map(|t| trajectory.time(report.segment, t).unwrap_or(f64::NAN));
+    let [(segment, t_farther), (_, t_reached)] = t.map(|t| trajectory.origin(report.segment, t));
     DistanceEvent {
         result,
         reason_code: reason.map_or("", UndecidedReason::code).to_owned(),
-        segment: count(report.segment),
-        t_farther: t[0],
-        t_reached: t[1],
+        segment: count(segment),
+        t_farther,
+        t_reached,
         time_farther,
         time_reached,
         pair: pair.map(|(a, b)| pair_message(checker, a, b)).unwrap_or_default(),

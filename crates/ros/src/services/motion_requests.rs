@@ -23,6 +23,7 @@ use crate::messages::time_and_geometry::point_message;
 use crate::services::motion_distances::DistanceRequest;
 use crate::services::rejection::{Rejection, bad_request, shortened};
 use crate::services::request_context::{RequestContext, deadline, not_negative, of_equal_length, revisions};
+use crate::services::requested_obstacles::with_requested_obstacles;
 use crate::topics::swept_volume_markers::{most_intervals, no_markers, swept_volume_markers};
 
 /// Maximum size of a certificate that is sent (bytes): `RustDDS` loses messages of more than about 250 kB.
@@ -157,7 +158,7 @@ impl RequestContext<'_> {
         request: &CheckMotionRequest,
         default_direction: ContinuousDirection,
     ) -> Result<RequestedMotion, Rejection> {
-        let CheckMotionRequest { joint_names, start, goal, terms } = request;
+        let CheckMotionRequest { joint_names, start, goal, terms, duration } = request;
         if joint_names.is_empty() {
             return Err(bad_request("joint_names is empty"));
         }
@@ -187,12 +188,9 @@ impl RequestContext<'_> {
             notes.extend(held.iter().map(|held| format!("{held}; it is checked as given")));
         }
         let segment = MotionSegment::straight(self.robot(), &ends[0], &ends[1]);
-        let trajectory =
-            Trajectory::of_segments(vec![segment]).map_err(|error| bad_request(error.to_string()))?;
-        Ok(RequestedMotion {
-            trajectory: self.loosened(trajectory, joint_names, &terms.joint_tolerances)?,
-            notes,
-        })
+        let trajectory = timed(segment, *duration)?;
+        let trajectory = self.loosened(trajectory, joint_names, &terms.joint_tolerances)?;
+        Ok(RequestedMotion { trajectory: self.among_moving_obstacles(trajectory, terms)?, notes })
     }
 
     /// The ends of a motion by half a turn at most, and the joints that cannot move so.
@@ -224,8 +222,18 @@ impl RequestContext<'_> {
             Trajectory::from_points_with_direction(self.robot(), joints, &points, &rest, direction)
                 .map_err(|error| bad_request(format!("trajectory: {error}")))?;
         let trajectory = self.loosened(trajectory, joints, &request.terms.joint_tolerances)?;
+        let trajectory = self.among_moving_obstacles(trajectory, &request.terms)?;
         let notes = note.into_iter().chain(trajectory.late_start_note()).collect();
         Ok(RequestedMotion { trajectory, notes })
+    }
+
+    /// Lets obstacles move as the request says.
+    fn among_moving_obstacles(
+        &self,
+        trajectory: Trajectory,
+        terms: &MotionTerms,
+    ) -> Result<Trajectory, Rejection> {
+        with_requested_obstacles(trajectory, terms, self.checker.world())
     }
 
     /// Adds tolerances (rad, m), one for each of `joints`; an empty list keeps the motion exact.
@@ -246,6 +254,17 @@ impl RequestContext<'_> {
             .map(|segment| segment.with_tube(self.robot(), tube.clone()))
             .map_err(|error| reject(&error))
     }
+}
+
+/// A motion that takes so many seconds; 0: it has no times.
+fn timed(segment: MotionSegment, duration: f64) -> Result<Trajectory, Rejection> {
+    not_negative("duration", "s", duration)?;
+    let trajectory =
+        Trajectory::of_segments(vec![segment]).map_err(|error| bad_request(error.to_string()))?;
+    if duration == 0.0 {
+        return Ok(trajectory);
+    }
+    trajectory.with_times(vec![0.0, duration]).map_err(|error| bad_request(format!("duration: {error}")))
 }
 
 /// Rejects more volumes than fit into one message.
@@ -346,9 +365,11 @@ fn response(
             t = found;
         }
     }
-    [motion.t_free, motion.t_contact] = t;
     let [time_free, time_contact] = t.map(|t| trajectory.time(report.segment, t).unwrap_or(f64::NAN));
-    let segment = u32::try_from(report.segment).unwrap_or(u32::MAX);
+    // moving obstacles may have split segments of the request
+    let [(segment, t_free), (_, t_contact)] = t.map(|t| trajectory.origin(report.segment, t));
+    [motion.t_free, motion.t_contact] = [t_free, t_contact];
+    let segment = u32::try_from(segment).unwrap_or(u32::MAX);
     let turns = turns(trajectory.continuous_turns(checker.robot()));
     CheckTrajectoryResponse { motion, segment, time_free, time_contact, turns, ..Default::default() }
 }

@@ -34,9 +34,11 @@ pub struct Goal {
 pub struct StartedGoal {
     pub id: GoalId,
     pub watch: Watch,
-    /// Time (s) at the end of each segment; empty if the trajectory has no times.
-    ends: Vec<f64>,
-    segments: usize,
+    /// Time (s) of each point; if the trajectory has no times, its number.
+    points: Vec<f64>,
+    /// The same, with the times at which moving obstacles split the segments.
+    parts: Vec<f64>,
+    is_timed: bool,
 }
 
 pub struct TrajectoryAction {
@@ -186,21 +188,40 @@ impl StartedGoal {
         let points = &goal.request.trajectory.points;
         let seconds = |(sec, nanosec): (i32, u32)| f64::from(sec) + 1e-9 * f64::from(nanosec);
         let times = points.iter().map(|p| seconds((p.time_from_start.sec, p.time_from_start.nanosec)));
-        let timed = points.iter().any(|p| p.time_from_start.sec != 0 || p.time_from_start.nanosec != 0);
-        let ends = if timed { times.collect() } else { Vec::new() };
-        Self { id: goal.id, watch: goal.watch.clone(), ends, segments: points.len().saturating_sub(1) }
+        let is_timed = points.iter().any(|p| p.time_from_start.sec != 0 || p.time_from_start.nanosec != 0);
+        let points: Vec<f64> =
+            if is_timed { times.collect() } else { (0..points.len()).map(as_time).collect() };
+        let end = points.last().copied().unwrap_or(0.0);
+        let obstacles = &goal.request.terms.moving_obstacles;
+        let splits = obstacles.iter().flat_map(|obstacle| &obstacle.times).copied();
+        let begin = points.first().copied().unwrap_or(0.0);
+        let mut parts: Vec<f64> =
+            points.iter().copied().chain(splits.filter(|time| begin < *time && *time < end)).collect();
+        parts.sort_unstable_by(f64::total_cmp);
+        parts.dedup();
+        Self { id: goal.id, watch: goal.watch.clone(), points, parts, is_timed }
     }
 
-    fn feedback(&self, free: usize) -> CheckTrajectoryFeedback {
-        let count = |number: usize| u32::try_from(number).unwrap_or(u32::MAX);
-        let share = f64::from(count(free)) / f64::from(count(self.segments.max(1)));
+    /// Feedback once so many parts of the trajectory are free.
+    fn feedback(&self, free_parts: usize) -> CheckTrajectoryFeedback {
+        let time_free = self.parts.get(free_parts).copied().unwrap_or(f64::NAN);
+        let segments_free = self.points.partition_point(|time| *time <= time_free).saturating_sub(1);
+        let segments = self.points.len().saturating_sub(1);
         CheckTrajectoryFeedback {
-            segments_free: count(free),
-            segments: count(self.segments),
-            t_free: share,
-            time_free: self.ends.get(free).copied().unwrap_or(f64::NAN),
+            segments_free: count(segments_free),
+            segments: count(segments),
+            t_free: as_time(segments_free) / as_time(segments.max(1)),
+            time_free: if self.is_timed { time_free } else { f64::NAN },
         }
     }
+}
+
+fn count(number: usize) -> u32 {
+    u32::try_from(number).unwrap_or(u32::MAX)
+}
+
+fn as_time(number: usize) -> f64 {
+    f64::from(count(number))
 }
 
 #[cfg(test)]
@@ -209,8 +230,27 @@ mod tests {
     use ros2_interfaces_jazzy_serde::trajectory_msgs::msg::JointTrajectoryPoint;
 
     use super::*;
+    use crate::messages::clearance_msgs::MovingObstacle;
+
+    /// A moving obstacle splits the second segment twice, and has poses before and after the trajectory.
+    #[test]
+    fn feedback_counts_segments_of_the_request() {
+        let mut goal = goal(&[1, 2, 4]);
+        let obstacle = MovingObstacle { times: vec![0.0, 2.5, 3.0, 9.0], ..MovingObstacle::default() };
+        goal.request.terms.moving_obstacles.push(obstacle);
+        let started = StartedGoal::of(&goal);
+        let free = |parts| {
+            let feedback = started.feedback(parts);
+            (feedback.segments_free, feedback.time_free)
+        };
+        assert_eq!([0, 1, 2, 3, 4].map(free), [(0, 1.0), (1, 2.0), (1, 2.5), (1, 3.0), (2, 4.0)]);
+    }
 
     fn started(seconds: &[i32]) -> StartedGoal {
+        StartedGoal::of(&goal(seconds))
+    }
+
+    fn goal(seconds: &[i32]) -> Goal {
         let mut request = CheckTrajectoryRequest::default();
         request.trajectory.points = (seconds.iter())
             .map(|&sec| JointTrajectoryPoint {
@@ -218,7 +258,7 @@ mod tests {
                 ..JointTrajectoryPoint::default()
             })
             .collect();
-        StartedGoal::of(&Goal { id: GoalId::ZERO, request, watch: Watch::default() })
+        Goal { id: GoalId::ZERO, request, watch: Watch::default() }
     }
 
     #[test]
@@ -228,6 +268,8 @@ mod tests {
         assert_eq!((published.t_free, published.time_free), (0.5, 3.0));
         let published = started(&[0, 0, 0]).feedback(2);
         assert!(published.t_free == 1.0 && published.time_free.is_nan());
+        let published = started(&[0]).feedback(0);
+        assert!(published.t_free == 0.0 && published.segments == 0);
         let published = started(&[]).feedback(0);
         assert!(published.t_free == 0.0 && published.segments == 0);
     }

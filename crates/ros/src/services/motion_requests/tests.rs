@@ -45,7 +45,7 @@ fn evaluation(positions: &[f64]) -> Evaluation {
 
 fn from_to(start: &[f64], goal: &[f64]) -> CheckMotionRequest {
     let [start, goal] = [start, goal].map(<[f64]>::to_vec);
-    CheckMotionRequest { joint_names: names(&JOINTS), start, goal, terms: MotionTerms::default() }
+    CheckMotionRequest { joint_names: names(&JOINTS), start, goal, ..CheckMotionRequest::default() }
 }
 
 fn ask_all(request: &CheckMotionRequest) -> CheckTrajectoryResponse {
@@ -352,7 +352,7 @@ fn continuous_joints_go_the_shortest_way_from_the_current_state() {
     ] {
         let terms = MotionTerms { continuous_joint_direction: requested_direction, ..MotionTerms::default() };
         let (joint_names, start, goal) = (names(&["j"]), start.to_vec(), vec![-3.0]);
-        let request = CheckMotionRequest { joint_names, start, goal, terms };
+        let request = CheckMotionRequest { joint_names, start, goal, terms, duration: 0.0 };
         let CheckTrajectoryResponse { motion, turns, .. } =
             evaluate_motion(&request, default_direction, Some(&evaluation), &mut None).response;
         assert_eq!(motion.verdict, verdict, "{request:?}");
