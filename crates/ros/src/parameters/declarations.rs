@@ -213,7 +213,7 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             "m/s2",
             (0.0, 1000.0),
             |p| &mut p.obstacle_acceleration,
-            "Largest acceleration of any point of an obstacle, for ~/time_to_contact; obstacle_limits has limits of single ones.",
+            "Largest acceleration of any point of an obstacle, for ~/time_to_contact and ~/speed_scale; obstacle_limits has limits of single ones.",
         ),
         double(
             "obstacle_latency",
@@ -236,7 +236,7 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             "m/s",
             (0.0, 100.0),
             |p| &mut p.obstacle_speed,
-            "Largest speed of any point of an obstacle at the time of the joint state, for ~/time_to_contact; 0 and no acceleration: obstacles stand.",
+            "Largest speed of any point of an obstacle at the time of the joint state, for ~/time_to_contact and ~/speed_scale; 0 and no acceleration: obstacles stand.",
         ),
         double(
             "octomap_ttl",
