@@ -104,7 +104,7 @@ impl ObstacleTrajectory {
         linear: [f64; 3],
         angular: [f64; 3],
     ) -> Result<Self, ObstacleTextError> {
-        let name = || obstacle.name.to_string();
+        let name = || obstacle.name.clone();
         let centre = match (centre, &*obstacle.shapes) {
             (Some(centre), _) => centre,
             (None, [shape]) if !matches!(shape.shape, Shape::Plane(_)) => {

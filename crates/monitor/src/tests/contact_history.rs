@@ -133,7 +133,7 @@ impl Expected {
         let colliding: BTreeSet<_> = report.colliding_pairs.iter().copied().collect();
         let passed = evaluation.motion_since_previous.passed_through().and_then(|passage| passage.pair);
         let through =
-            passed.filter(|pair| !self.colliding.contains(pair) && !colliding.contains(pair)).is_some();
+            passed.is_some_and(|pair| !self.colliding.contains(&pair) && !colliding.contains(&pair));
         self.begun += colliding.difference(&self.colliding).count() as u64 + u64::from(through);
         self.ended += self.colliding.difference(&colliding).count() as u64 + u64::from(through);
         let since = &mut self.since_heartbeat;
