@@ -2,7 +2,7 @@
 
 use clearance_geometry::math::{Extremes, Pose, Vector};
 use clearance_geometry::{Primitive, Shape};
-use clearance_scene::{Obstacle, Transform, TransformTree};
+use clearance_scene::{AttachedObject, Obstacle, Transform, TransformTree};
 use std::sync::OnceLock;
 
 use super::*;
@@ -188,6 +188,31 @@ fn links_that_pass_through_each_other_are_reported() {
         assert_eq!(is_proven(&evaluation), is_passed);
         assert_eq!(pair(&evaluation), if is_passed { names("post", "ball") } else { None });
     }
+}
+
+/// The ball holds a rod that reaches a metre below it, where there is a wall; later it has put the rod down.
+#[test]
+fn an_attached_object_that_passes_a_wall_is_reported() {
+    let carrying = |world_number: u64, holds: bool| {
+        let mut world = World::default();
+        world.add(wall("wall0", [1.0, 0.0, -1.0])).unwrap();
+        if holds {
+            let rod = Shape::Primitive(Primitive::cuboid([0.01, 0.01, 1.0]).unwrap());
+            let rod = Obstacle::of_shape("rod", Pose::translation(1.0, 0.0, -0.5), rod);
+            let touch_links = vec!["ball".to_owned()];
+            world.attach(AttachedObject::grasped(&rod, "ball", &Pose::identity(), touch_links)).unwrap();
+        }
+        let checker = CollisionChecker::new(robot(), &world, Settings::default()).unwrap();
+        Arc::new(Revision::new(checker, 1, world_number))
+    };
+    let mut monitor = sweeper(settings());
+    monitor.set_checker(carrying(1, true));
+    assert_eq!(code(&send(&mut monitor, 0.0, -0.4)), "FREE");
+    let evaluation = send(&mut monitor, 0.02, 0.4);
+    assert_eq!((code(&evaluation), pair(&evaluation)), ("COLLIDING", names("rod", "wall0")));
+    assert!(is_proven(&evaluation));
+    monitor.set_checker(carrying(2, false));
+    assert_eq!(code(&send(&mut monitor, 0.04, -0.4)), "FREE");
 }
 
 #[test]
