@@ -14,6 +14,8 @@ pub enum Answer {
     /// The least distance (m), unless it is beyond the limit of the question.
     Distance(Option<f64>),
     Edge(MotionVerdict),
+    /// Bounds (m) on the least distance along an edge.
+    Least([f64; 2]),
 }
 
 impl std::fmt::Display for Answer {
@@ -31,6 +33,7 @@ impl std::fmt::Display for Answer {
             Self::Edge(MotionVerdict::Free) => f.write_str("1"),
             Self::Edge(MotionVerdict::Contact { .. }) => f.write_str("0"),
             Self::Edge(MotionVerdict::Undecided { .. }) => f.write_str("undecided"),
+            Self::Least([lower, upper]) => write!(f, "{lower} {upper}"),
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use clearance::checker::{MotionOptions, MotionOrder, MotionVerdict};
+use clearance::checker::{MotionClearanceOptions, MotionOptions, MotionOrder, MotionVerdict};
 use clearance::motion::MotionSegment;
 use clearance::{CollisionChecker, Configuration, RobotModel, Workspace};
 
@@ -46,4 +46,11 @@ pub fn verdict(
     let segment = MotionSegment::straight(checker.robot(), from, to);
     let options = MotionOptions { tolerance: TOLERANCE, order, ..Default::default() };
     checker.check_motion_with(&segment, &options, workspace).verdict
+}
+
+/// Bounds (m) on the least distance along an edge, with the default tolerance.
+pub fn least_distance(checker: &CollisionChecker, [from, to]: &Edge, workspace: &mut Workspace) -> [f64; 2] {
+    let segment = MotionSegment::straight(checker.robot(), from, to);
+    let found = checker.clearance_along(&segment, &MotionClearanceOptions::default(), workspace);
+    [found.lower(), found.upper()]
 }

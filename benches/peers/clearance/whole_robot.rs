@@ -148,7 +148,13 @@ impl WholeRobot {
     pub fn ask(&mut self, question: &str, set: &str, mut hear: impl FnMut(Answer)) -> Outcome<bool> {
         let Self { checker, workspace, states, edges, among, .. } = self;
         let order = match question {
-            "edge" => Some(MotionOrder::Earliest),
+            "edge-least" => {
+                for edge in first_few(edges, set)? {
+                    hear(Answer::Least(edges::least_distance(checker, edge, workspace)));
+                }
+                return Ok(true);
+            }
+            "edge" | "edge-least-proof" => Some(MotionOrder::Earliest),
             "edge-any" => Some(MotionOrder::Any),
             _ => None,
         };

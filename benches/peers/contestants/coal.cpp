@@ -58,6 +58,10 @@ class Contestant {
       const auto& edges = edges_.at(set.substr(0, colon));
       const bool any = question.rfind("edge-any-", 0) == 0;
       const double step = neutral::number(question.substr(question.rfind('-') + 1));
+      if (question.rfind("edge-least-", 0) == 0) {
+        for (size_t i = 0; i < first_few(edges.size()); ++i) hear(least_along(edges[i], step));
+        return true;
+      }
       for (size_t i = 0; i < first_few(edges.size()); ++i) hear(edge_free(edges[i], step, any));
       return true;
     }
@@ -189,6 +193,19 @@ class Contestant {
       if (!free()) return false;
     }
     return true;
+  }
+
+  // The least distance at samples along an edge, none farther than `step` from the next: each up to the least so far.
+  double least_along(const neutral::Edge& edge, double step) {
+    const size_t steps = edge.steps(step);
+    double least = std::numeric_limits<double>::max();
+    for (size_t i = 0; i <= steps && least > 0; ++i) {
+      edge.at(static_cast<double>(i) / static_cast<double>(steps), sample_);
+      place(sample_);
+      const double found = distance(least);
+      if (found >= 0) least = found;
+    }
+    return least;
   }
 
   // Coal's own query of every pair, without the sphere test before it.

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from .child import Child, Failed
-from .edge_measures import EdgeAgreement, EdgeMeasure, EdgeMeasured, EdgePeer, EdgesMeasured, asked
+from .edge_measures import LEAST, EdgeAgreement, EdgeMeasure, EdgeMeasured, EdgePeer, EdgesMeasured, asked
 from .edge_sets import JUDGED_EVERY, draw_edges, name_of
 from .race import Voice, race
 
@@ -71,12 +71,17 @@ class EdgeComparison:
             self.problems.append("clearance cannot be asked about edges")
             return EdgeMeasured(count)
         measured = EdgeMeasured(count, undecided=ours.count("undecided"))
+        of_distances = measure.question == LEAST
         judge = f"coal_cpp every {JUDGED_EVERY} rad"
-        measured.agreements.append(_agreement(judge, True, ours, [_expected(measure.kind)] * count))
+        if not of_distances:
+            measured.agreements.append(_agreement(judge, True, ours, [_expected(measure.kind)] * count))
         voices = [Voice("clearance", self.clearance)]
         for peer in measure.peers:
             if peer.contestant in self._children and (theirs := self._responses(peer, measure.question, some)):
-                measured.agreements.append(_agreement(peer.name, peer.samples, ours, theirs))
+                if of_distances and peer.contestant != "clearance":
+                    measured.agreements.append(_agreement_of_distances(peer.name, ours, theirs))
+                elif not of_distances:
+                    measured.agreements.append(_agreement(peer.name, peer.samples, ours, theirs))
                 voices.append(Voice(peer.name, self._children[peer.contestant], peer.manner))
         measured.timings = race(voices, measure.question, some, count, self.extent.rounds, self.extent.patience)
         return measured
@@ -102,3 +107,13 @@ def _agreement(voice: str, samples: bool, ours: list[str], theirs: list[str]) ->
     return EdgeAgreement(
         voice, len(pairs), len(hits) if samples else 0, len(missed), 0 if samples else len(hits), example
     )
+
+
+def _agreement_of_distances(voice: str, ours: list[str], theirs: list[str]) -> EdgeAgreement:
+    """The least distance of samples is never below the proven bound, and the measured one not above it by more than the tolerance."""
+    bounds = [[float(word) for word in words.split()] for words in ours]
+    pairs = [(lower, upper, float(found)) for (lower, upper), found in zip(bounds, theirs, strict=True)]
+    nearer = [i for i, (lower, _, found) in enumerate(pairs) if found < lower - 1e-6]
+    farther = [i for i, (_, upper, found) in enumerate(pairs) if upper > found + max(1e-3, 0.01 * found) + 1e-6]
+    wrong = nearer + farther
+    return EdgeAgreement(voice, len(pairs), len(wrong), 0, 0, f"edge {wrong[0]}" if wrong else "")

@@ -38,6 +38,11 @@ FCL = EdgePeer("python_fcl_ca", "python_fcl", "-pairs", samples=False)
 FCL_SPHERES = EdgePeer("python_fcl_ca_spheres", "python_fcl", "-spheres", samples=False)
 CAST = EdgePeer("tesseract_cast", "tesseract_cast", "-whole", samples=False)
 CASTS = EdgePeer("tesseract_cast_0.05", "tesseract_cast", "-0.05", samples=False)
+COAL_LEAST = EdgePeer("coal_cpp_least_0.01", "coal_cpp", "-0.01")
+PROOF = EdgePeer("clearance_proof", "clearance", "-proof")
+
+# Its answers are bounds on a distance, and those of samples are distances.
+LEAST = "edge-least"
 
 EDGE_MEASURES = {
     "every 0.02": EdgeMeasure(
@@ -59,6 +64,13 @@ EDGE_MEASURES = {
         "edge-any",
         (PINOCCHIO,),
     ),
+    "least": EdgeMeasure(
+        "Least distance along free edges, against distances every 0.01 rad, and against the proof that the edge is free",
+        "free",
+        (0.1, 0.5, 2.0),
+        LEAST,
+        (COAL_LEAST, PROOF),
+    ),
 }
 
 EDGE_VOICES = {
@@ -66,6 +78,8 @@ EDGE_VOICES = {
     COAL.name: "`coal_cpp`, along edges sampled every 0.01 rad, stopping at the first hit",
     FCL.name: "FCL's conservative advancement through python-fcl for every pair; transforms are given",
     FCL_SPHERES.name: "the same, only for pairs whose spheres can meet on the way",
+    COAL_LEAST.name: "`coal_cpp`, distances along edges sampled every 0.01 rad, each up to the least so far",
+    PROOF.name: "this library's proof that the edge is free, without a distance",
     CAST.name: "Tesseract's Bullet cast, one for a whole edge; transforms are given",
     CASTS.name: "the same, a cast every 0.05 rad",
 }
