@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clearance::motion::{
-    ContinuousDirection, MotionSegment, ObstacleTrajectory, Trajectory, TrajectoryTextError, shortest_turns,
+    ContinuousDirection, MotionSegment, ObstacleMotions, Trajectory, TrajectoryTextError, shortest_turns,
 };
 use clearance::robot::{Configuration, RobotModel};
 use clearance::scene::World;
@@ -42,6 +42,9 @@ pub struct MotionInputArgs {
 
     /// Obstacles that move during the motion: YAML or JSON, a list "moving_obstacles" of obstacles by "name", each with a twist ("linear" in
     /// m/s, "angular" in rad/s about "centre") or with "poses" ("time" in s, "position", "orientation"), in the root frame.
+    ///
+    /// A list "obstacle_limits" of a "speed" in m/s and an "acceleration" in m/s2, by "name" or for all others, lets obstacles move in
+    /// addition: the proof then holds for every such motion. "obstacle_latency" in s: their poses are older than the start.
     ///
     /// Times are those of the trajectory, which then needs time_from_start. A twist starts at time 0. At its first pose an obstacle is
     /// at its pose in the world. A straight motion lasts from time 0 to 1, so a twist is the displacement during the whole motion.
@@ -116,9 +119,9 @@ impl MotionInputArgs {
         let file = path.display();
         let bad = |e: &dyn std::fmt::Display| Failure::Input(format!("{file}: {e}"));
         let text = input_files::read_text(path, STATES_LIMIT).map_err(Failure::input)?;
-        let obstacles = ObstacleTrajectory::list_from_yaml(&text, world).map_err(|e| bad(&e))?;
+        let obstacles = ObstacleMotions::from_yaml(&text, world).map_err(|e| bad(&e))?;
         (trajectories.iter())
-            .map(|t| t.clone().with_obstacles(world, &obstacles).map_err(|e| bad(&e)))
+            .map(|t| t.clone().with_obstacle_motions(world, &obstacles).map_err(|e| bad(&e)))
             .collect()
     }
 

@@ -196,11 +196,59 @@ fn a_bar_that_turns_strikes_what_it_sweeps_over() {
     }
 }
 
+/// The gap between the ball and the tip is 1.8 m.
+#[test]
+fn a_motion_is_free_for_every_motion_of_obstacles_within_limits() {
+    for (text, is_free) in [
+        ("obstacle_limits: [{name: ball, speed: 1.5}]", true),
+        ("obstacle_limits: [{name: ball, speed: 1.5, acceleration: 0.7}]", false),
+        ("{obstacle_limits: [{name: ball, speed: 1.5}], obstacle_latency: 0.3}", false),
+        ("obstacle_limits: [{name: ball, speed: 1.5}, {name: two, speed: 50}]", false),
+        ("obstacle_limits: [{speed: 1.5}]", true),
+        (
+            "{obstacle_limits: [{name: ball, speed: 1}], moving_obstacles: [{name: ball, linear: [0, -0.7, 0]}]}",
+            true,
+        ),
+        (
+            "{obstacle_limits: [{name: ball, speed: 1}], moving_obstacles: [{name: ball, linear: [0, -0.9, 0]}]}",
+            false,
+        ),
+    ] {
+        let case = Case::new(text);
+        let answer = case.answer(&STILL);
+        assert_eq!(answer["verdict"], if is_free { "free" } else { "undecided" }, "{text}: {answer}");
+        assert!(is_free || answer["reason"] == "tube", "{answer}");
+        let certificate = case.path("certificate.json");
+        let proven = case.motion(&[&STILL[..], &["--certificate", &certificate]].concat());
+        assert_eq!(proven.status.success(), is_free);
+        let verified = case.run("verify", &[&certificate, "--moving-obstacles"]);
+        assert_eq!(verified.status.success(), is_free, "{verified:?}");
+    }
+}
+
+/// The verifier accepts a certificate for the motions of obstacles that it covers.
+#[test]
+fn a_certificate_with_limits_is_for_these_or_lower_ones() {
+    let case = Case::new("obstacle_limits: [{name: ball, speed: 1.5}]");
+    let certificate = case.path("certificate.json");
+    assert!(case.motion(&[&STILL[..], &["--certificate", &certificate]].concat()).status.success());
+    for (name, speed, is_covered) in [("same", 1.5, true), ("lower", 1.0, true), ("higher", 1.6, false)] {
+        let moving = case.write(name, &format!("obstacle_limits: [{{name: ball, speed: {speed}}}]"));
+        let verified = case.run("verify", &[&STILL[..], &["--moving", &moving, &certificate]].concat());
+        assert_eq!(verified.status.success(), is_covered, "{name}: {verified:?}");
+    }
+}
+
 #[test]
 fn broken_files_are_rejected_by_name() {
-    let cases: [(&str, &[&str]); 15] = [
+    let cases: [(&str, &[&str]); 20] = [
         ("moving_obstacles: []", &["moving.yaml", "empty"]),
         ("obstacles: []", &["moving.yaml", "obstacles"]),
+        ("obstacle_limits: [{name: bal, speed: 1}]", &["'bal'", "no such obstacle"]),
+        ("obstacle_limits: [{name: ball, speed: -1}]", &["'ball'", "speed", "-1"]),
+        ("obstacle_limits: [{name: ball, acceleration: 1}]", &["moving.yaml", "speed"]),
+        ("obstacle_limits: [{speed: 1}, {speed: 2}]", &["two limits", "all other obstacles"]),
+        ("{obstacle_limits: [{speed: 1}], obstacle_latency: -1}", &["obstacle_latency", "-1"]),
         ("moving_obstacles: [{name: ball}]", &["'ball'", "linear", "poses"]),
         ("moving_obstacles: [{name: bal, linear: [0, 0, 1]}]", &["'bal'", "no such obstacle"]),
         (

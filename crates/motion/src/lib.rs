@@ -45,7 +45,7 @@ pub use fingerprint::Fingerprint;
 pub use model_fingerprint::{model_fingerprint, world_fingerprint};
 pub use moving_obstacle::MovingObstacle;
 pub use obstacle_trajectory::{ObstacleTrajectory, PosesError};
-pub use obstacle_trajectory_yaml::ObstacleTextError;
+pub use obstacle_trajectory_yaml::{ObstacleMotions, ObstacleTextError};
 pub use obstacle_uncertainty::{
     LimitError, ObstacleLimits, ObstacleUncertainty, SpeedLimit, UncertaintyText,
 };

@@ -1,5 +1,7 @@
 //! Reader of moving obstacle files.
 
+use std::sync::Arc;
+
 use clearance_files::yaml;
 use clearance_geometry::Shape;
 use clearance_geometry::constants::LARGEST_COORDINATE;
@@ -7,12 +9,40 @@ use clearance_geometry::math::{Point, Pose, pose_from_xyz_quaternion};
 use clearance_scene::{Obstacle, World};
 use serde::Deserialize;
 
-use super::{ObstacleTrajectory, PosesError};
+use super::{
+    LimitError, ObstacleLimits, ObstacleTrajectory, PosesError, SpeedLimit, Trajectory, TrajectoryError,
+};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct FileText {
+    #[serde(default)]
     moving_obstacles: Vec<ObstacleText>,
+    #[serde(default)]
+    obstacle_limits: Vec<LimitText>,
+    #[serde(default)]
+    obstacle_latency: f64,
+}
+
+/// Without a name: the limit of all obstacles without one of their own.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LimitText {
+    name: Option<String>,
+    speed: f64,
+    #[serde(default)]
+    acceleration: f64,
+}
+
+/// Motions of obstacles from a file: those that are known, and limits of all others.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ObstacleMotions {
+    /// Obstacles whose motion is known.
+    pub trajectories: Vec<ObstacleTrajectory>,
+    /// How fast obstacles may move besides.
+    pub limits: Arc<ObstacleLimits>,
+    /// Time (s) by which the poses of the obstacles are older than the start of the trajectory.
+    pub latency: f64,
 }
 
 #[derive(Deserialize)]
@@ -45,8 +75,14 @@ pub enum ObstacleTextError {
     /// The message of the parser contains the location.
     #[error("{0}")]
     Text(String),
-    #[error("moving_obstacles is empty")]
+    #[error("moving_obstacles and obstacle_limits are empty")]
     Empty,
+    #[error("obstacle_limits: there are two limits of {0}")]
+    TwoLimits(String),
+    #[error("obstacle_limits: {0}")]
+    Limit(LimitError),
+    #[error("obstacle_latency is {0} s, but must be finite and not negative")]
+    Latency(f64),
     #[error("obstacle '{0}' is to move, but the world has no such obstacle")]
     Unknown(String),
     #[error("obstacle '{0}': give linear or angular (and centre), or poses, but not both")]
@@ -59,17 +95,65 @@ pub enum ObstacleTextError {
     Poses { name: String, error: PosesError },
 }
 
-impl ObstacleTrajectory {
-    /// Reads YAML or JSON: `moving_obstacles`, a list of obstacles of `world` by `name`. Each has either a twist (`linear` in m/s,
+impl ObstacleMotions {
+    /// Reads YAML or JSON. `moving_obstacles` is a list of obstacles of `world` by `name`. Each has either a twist (`linear` in m/s,
     /// `angular` in rad/s, `centre` in m; missing values are zero, and a missing centre is the centre of the obstacle's only shape,
     /// unless that is a plane), or `poses`, each with a `time` (s), a `position` (m) and an `orientation` (x, y, z, w; the identity if
-    /// missing). All are in the robot's root frame and in the trajectory's time, see [`Self::even`] and [`Self::through`].
-    pub fn list_from_yaml(text: &str, world: &World) -> Result<Vec<Self>, ObstacleTextError> {
+    /// missing). All are in the robot's root frame and in the trajectory's time, see [`ObstacleTrajectory::even`] and
+    /// [`ObstacleTrajectory::through`]. `obstacle_limits` is a list of limits: the `speed` (m/s) and the `acceleration`
+    /// (m/s², 0 if missing) of the obstacle with this `name`, or of all others. `obstacle_latency` (s, 0 if missing) belongs
+    /// to the limits.
+    pub fn from_yaml(text: &str, world: &World) -> Result<Self, ObstacleTextError> {
         let text: FileText = yaml::from_text(text).map_err(ObstacleTextError::Text)?;
-        if text.moving_obstacles.is_empty() {
+        if text.moving_obstacles.is_empty() && text.obstacle_limits.is_empty() {
             return Err(ObstacleTextError::Empty);
         }
-        text.moving_obstacles.into_iter().map(|o| o.read(world)).collect()
+        let latency = text.obstacle_latency;
+        if !(latency.is_finite() && latency >= 0.0) {
+            return Err(ObstacleTextError::Latency(latency));
+        }
+        let limits = Arc::new(read_limits(text.obstacle_limits)?);
+        let trajectories =
+            text.moving_obstacles.into_iter().map(|o| o.read(world)).collect::<Result<_, _>>()?;
+        Ok(Self { trajectories, limits, latency })
+    }
+}
+
+fn read_limits(texts: Vec<LimitText>) -> Result<ObstacleLimits, ObstacleTextError> {
+    let (mut default, mut limits) = (None, ObstacleLimits::default());
+    for LimitText { name, speed, acceleration } in texts {
+        let limit = SpeedLimit { speed, acceleration };
+        let before = match &name {
+            None => default.replace(limit),
+            Some(name) => limits.by_name.insert(name.clone(), limit),
+        };
+        if before.is_some() {
+            let name = name.map_or_else(|| "all other obstacles".to_owned(), |name| format!("'{name}'"));
+            return Err(ObstacleTextError::TwoLimits(name));
+        }
+    }
+    let limits = ObstacleLimits { default: default.unwrap_or_default(), ..limits };
+    limits.check().map_err(ObstacleTextError::Limit)?;
+    Ok(limits)
+}
+
+impl Trajectory {
+    /// The same trajectory among obstacles that move so. A single segment without times lasts from time 0 to 1.
+    pub fn with_obstacle_motions(
+        self,
+        world: &World,
+        motions: &ObstacleMotions,
+    ) -> Result<Self, TrajectoryError> {
+        let ObstacleMotions { trajectories, limits, latency } = motions;
+        let has_limits = !limits.is_zero();
+        let has_no_times = self.time(0, 0.0).is_none();
+        let timed = if has_limits && has_no_times && self.segments().len() == 1 {
+            self.with_times(vec![0.0, 1.0])?
+        } else {
+            self
+        };
+        let moved = timed.with_obstacles(world, trajectories)?;
+        if has_limits { moved.with_obstacle_limits(world, limits, *latency) } else { Ok(moved) }
     }
 }
 
