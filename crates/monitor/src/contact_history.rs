@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Duration;
 
-use clearance_checker::CollisionChecker;
+use clearance_checker::{CollisionChecker, CollisionReport};
 use clearance_scene::BodyId;
 
 use super::motion_since_previous::{MotionSincePrevious, NoMotion};
@@ -192,7 +192,7 @@ impl ContactCounter {
         &mut self,
         colliding: &BTreeSet<NamedPair>,
         revision: &Revision,
-        report: &clearance_checker::CollisionReport,
+        report: &CollisionReport,
     ) {
         let undecided = report.undecided.iter().map(|pair| named((pair.a, pair.b), &revision.checker));
         let undecided: BTreeSet<NamedPair> = undecided.collect();
