@@ -241,13 +241,14 @@ fn a_certificate_with_limits_is_for_these_or_lower_ones() {
 
 #[test]
 fn broken_files_are_rejected_by_name() {
-    let cases: [(&str, &[&str]); 20] = [
+    let cases: [(&str, &[&str]); 21] = [
         ("moving_obstacles: []", &["moving.yaml", "empty"]),
         ("obstacles: []", &["moving.yaml", "obstacles"]),
         ("obstacle_limits: [{name: bal, speed: 1}]", &["'bal'", "no such obstacle"]),
         ("obstacle_limits: [{name: ball, speed: -1}]", &["'ball'", "speed", "-1"]),
         ("obstacle_limits: [{name: ball, acceleration: 1}]", &["moving.yaml", "speed"]),
         ("obstacle_limits: [{speed: 1}, {speed: 2}]", &["two limits", "all other obstacles"]),
+        ("{obstacle_latency: 1, moving_obstacles: [{name: ball, linear: [0, 0, 1]}]}", &["obstacle_latency"]),
         ("{obstacle_limits: [{speed: 1}], obstacle_latency: -1}", &["obstacle_latency", "-1"]),
         ("moving_obstacles: [{name: ball}]", &["'ball'", "linear", "poses"]),
         ("moving_obstacles: [{name: bal, linear: [0, 0, 1]}]", &["'bal'", "no such obstacle"]),

@@ -79,6 +79,7 @@ def test_free_holds_for_every_motion_within_the_limits(beside):
     assert verdict(1.0, limit(0.7, 1.0)) == (UNDECIDED, "tube")
     assert verdict(2.0, limit(5.0), limit(0.3, name="cart")) == (FREE, "")
     assert verdict(0.0, limit(0.7)) == (ERROR, "bad_request")
+    assert "duration" in motions.check(REST, REST, moving_obstacles=[twist(1.0)]).message
     assert verdict(1.0, limit(0.7, name="car")) == (ERROR, "bad_request")
 
 

@@ -9,7 +9,7 @@ use clearance_checker::{CollisionChecker, CollisionReport};
 use clearance_scene::BodyId;
 
 use super::motion_since_previous::{MotionSincePrevious, NoMotion};
-use super::{Evaluation, Revision, Status, Time};
+use super::{Evaluation, MonitorSettings, Revision, Status, Time};
 
 /// Type of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -35,20 +35,23 @@ impl From<BodyId> for BodyKind {
 /// A body by its name, which stays the same when the world changes.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct NamedBody {
-    /// Name of the link, object or obstacle.
-    pub name: String,
     /// What it is the name of.
     pub kind: BodyKind,
+    /// Name of the link, object or obstacle.
+    pub name: String,
 }
 
-/// Two bodies by their names.
+/// Two bodies by their names, in ascending order.
 pub type NamedPair = [NamedBody; 2];
 
 fn named((a, b): (BodyId, BodyId), checker: &CollisionChecker) -> NamedPair {
-    [a, b].map(|body| NamedBody { name: checker.body_name(body).to_owned(), kind: body.into() })
+    let mut pair =
+        [a, b].map(|body| NamedBody { kind: body.into(), name: checker.body_name(body).to_owned() });
+    pair.sort();
+    pair
 }
 
-/// Contacts counted since the start, and the time since the last heartbeat message.
+/// Contacts counted since the start, and what happened since the last heartbeat message.
 #[derive(Clone, Debug, Default)]
 pub struct ContactHistory {
     /// Number of contacts that have begun: a pair collides that did not collide before.
@@ -59,6 +62,8 @@ pub struct ContactHistory {
     pub since_heartbeat: SinceHeartbeat,
     /// Whether this evaluation is one for the heartbeat topic.
     pub is_heartbeat: bool,
+    /// Number of the current or next heartbeat message, counted from 1.
+    pub heartbeat: u64,
 }
 
 /// What happened since the last heartbeat message, the current evaluation included.
@@ -66,7 +71,8 @@ pub struct ContactHistory {
 pub struct SinceHeartbeat {
     /// Number of evaluations.
     pub evaluations: u32,
-    /// Whether each was FREE, and the motion between any two successive states was proven free.
+    /// Whether each was FREE, and the motion between any two successive states was proven free. It says nothing about the
+    /// time after the last state.
     pub all_free: bool,
     /// The least known distance; `None` if none was known.
     pub least: Option<LeastKnown>,
@@ -92,22 +98,24 @@ impl Default for SinceHeartbeat {
 }
 
 impl SinceHeartbeat {
-    fn add(&mut self, evaluation: &Evaluation) {
+    fn add(&mut self, evaluation: &Evaluation, checks_between_states: bool) {
         self.evaluations = self.evaluations.saturating_add(1);
-        let proves_motion = matches!(
-            evaluation.motion_since_previous,
-            MotionSincePrevious::ProvenFree | MotionSincePrevious::NotChecked(NoMotion::NoNewState)
-        );
+        let proves_motion = checks_between_states
+            && matches!(
+                evaluation.motion_since_previous,
+                MotionSincePrevious::ProvenFree | MotionSincePrevious::NotChecked(NoMotion::NoNewState)
+            );
         self.all_free &= evaluation.status == Status::Free && proves_motion;
-        let (Some(checked_state), Some(revision)) = (&evaluation.checked_state, &evaluation.revision) else {
-            return;
-        };
-        let colliding = checked_state.report.colliding_pairs.first().copied();
-        let passed = || evaluation.motion_since_previous.passed_through().and_then(|passage| passage.pair);
-        let (distance, pair) = match (colliding.or_else(passed), &checked_state.report.nearest) {
+        let Some(revision) = &evaluation.revision else { return };
+        let report = evaluation.checked_state.as_ref().map(|checked_state| &checked_state.report);
+        let colliding = report.and_then(|report| report.colliding_pairs.first().copied());
+        let (distance, pair) = match (colliding.or(passed_pair(evaluation)), report) {
             (Some(pair), _) => (0.0, Some(pair)),
-            (None, Some(nearest)) => (nearest.distance, Some((nearest.a, nearest.b))),
-            (None, None) => (f64::INFINITY, None),
+            (None, None) => return,
+            (None, Some(CollisionReport { nearest: Some(nearest), .. })) => {
+                (nearest.distance, Some((nearest.a, nearest.b)))
+            }
+            (None, Some(_)) => (f64::INFINITY, None),
         };
         if self.least.as_ref().is_none_or(|least| distance < least.distance) {
             let pair = pair.map(|pair| Arc::new(named(pair, &revision.checker)));
@@ -122,6 +130,11 @@ impl SinceHeartbeat {
     }
 }
 
+/// The pair that is proven to have touched since the previous state, also if the status is UNKNOWN.
+fn passed_pair(evaluation: &Evaluation) -> Option<(BodyId, BodyId)> {
+    evaluation.motion_since_previous.passed_through()?.pair
+}
+
 /// Counts contacts from evaluation to evaluation.
 #[derive(Debug, Default)]
 pub(super) struct ContactCounter {
@@ -134,13 +147,19 @@ pub(super) struct ContactCounter {
 
 impl ContactCounter {
     /// Adds an evaluation that is published at this time (steady clock).
-    pub fn add(&mut self, evaluation: &Evaluation, now: Duration, period: Duration) -> ContactHistory {
-        if self.history.is_heartbeat {
+    pub fn add(
+        &mut self,
+        evaluation: &Evaluation,
+        now: Duration,
+        settings: &MonitorSettings,
+    ) -> ContactHistory {
+        if self.history.is_heartbeat || self.history.heartbeat == 0 {
             self.history.since_heartbeat = SinceHeartbeat::default();
+            self.history.heartbeat += 1;
         }
-        self.history.since_heartbeat.add(evaluation);
+        self.history.since_heartbeat.add(evaluation, settings.check_between_states);
         self.count(evaluation);
-        self.history.is_heartbeat = self.is_due(now, period);
+        self.history.is_heartbeat = self.is_due(now, settings.heartbeat_period());
         self.history.clone()
     }
 
@@ -159,17 +178,18 @@ impl ContactCounter {
 
     /// Contacts of an UNKNOWN state are not known: they neither begin nor end.
     fn count(&mut self, evaluation: &Evaluation) {
-        let (Some(checked_state), Some(revision)) = (&evaluation.checked_state, &evaluation.revision) else {
-            return;
+        let Some(revision) = &evaluation.revision else { return };
+        let name = |pair| named(pair, &revision.checker);
+        let passage = passed_pair(evaluation).map(name);
+        let Some(checked_state) = &evaluation.checked_state else {
+            return self.count_passage(passage, &BTreeSet::new());
         };
         let report = &checked_state.report;
-        let passage = evaluation.motion_since_previous.passed_through().and_then(|passage| passage.pair);
         if report.colliding_pairs.is_empty() && passage.is_none() && self.open.is_empty() {
             return;
         }
-        let name = |pair| named(pair, &revision.checker);
         let colliding: BTreeSet<NamedPair> = report.colliding_pairs.iter().copied().map(name).collect();
-        self.count_passage(passage.map(name), &colliding);
+        self.count_passage(passage, &colliding);
         self.end_contacts(&colliding, revision, report);
         for pair in colliding {
             self.history.since_heartbeat.touch(&pair);

@@ -453,8 +453,7 @@ impl Monitor {
             warnings: warnings.collect(),
             expiry: self.expiry(now),
         };
-        let period = self.settings.heartbeat_period();
-        evaluation.history = self.contact_counter.add(&evaluation, now.steady, period);
+        evaluation.history = self.contact_counter.add(&evaluation, now.steady, &self.settings);
         evaluation
     }
 

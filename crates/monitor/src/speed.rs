@@ -231,11 +231,10 @@ fn rule_of<'s>(
         _ => return Rule::Distances { distances: speed.own, obstacle_motion: 0.0 },
     };
     let name = checker.body_name(obstacle);
-    let by_distances =
-        || Rule::Distances { distances: speed.world, obstacle_motion: settings.obstacle_motion(name) };
+    let by_distances = |obstacle_motion| Rule::Distances { distances: speed.world, obstacle_motion };
     match &speed.separation {
-        None => by_distances(),
-        Some(separation) if separation.rests(name) => by_distances(),
+        None => by_distances(settings.obstacle_motion(name)),
+        Some(separation) if separation.rests(name) => by_distances(0.0),
         // where the root stays in place, a body that is fixed to it cannot approach
         Some(_) if checked_state.obstacle_motions.is_empty() && is_fixed(checker, body) => Rule::Nothing,
         Some(separation) => Rule::Separation(separation),

@@ -116,6 +116,7 @@ impl Trajectory {
         obstacles: &[ObstacleTrajectory],
     ) -> Result<Self, TrajectoryError> {
         let clock = self.clock()?;
+        check_pieces(self.segments().len(), obstacles)?;
         for obstacle in obstacles {
             covers(obstacle, [clock[0], clock[clock.len() - 1]])?;
         }
@@ -140,10 +141,24 @@ impl Trajectory {
     }
 }
 
+/// Times (s) that differ by less are equal: those of ROS are in nanoseconds.
+const SAME_TIME: f64 = 1e-9;
+
+/// Most pieces of motions of obstacles in one trajectory.
+const MOST_PIECES: usize = 200_000;
+
+/// Rejects so many poses that they take too much memory.
+fn check_pieces(segments: usize, obstacles: &[ObstacleTrajectory]) -> Result<(), TrajectoryError> {
+    let poses: usize = obstacles.iter().map(|obstacle| obstacle.times().len()).sum();
+    let pieces = (segments + poses).saturating_mul(obstacles.len());
+    let most = MOST_PIECES;
+    if pieces <= most { Ok(()) } else { Err(TrajectoryError::TooManyPieces { pieces, most }) }
+}
+
 /// Rejects poses that begin too late or end too early.
 fn covers(obstacle: &ObstacleTrajectory, motion: [f64; 2]) -> Result<(), TrajectoryError> {
     let (Some(&from), Some(&to)) = (obstacle.times().first(), obstacle.times().last()) else { return Ok(()) };
-    if from <= motion[0] && motion[1] <= to {
+    if from <= motion[0] + SAME_TIME && motion[1] <= to + SAME_TIME {
         return Ok(());
     }
     Err(TrajectoryError::ObstacleTimes { name: obstacle.name.clone(), poses: [from, to], motion })

@@ -77,12 +77,12 @@ pub enum ObstacleTextError {
     Text(String),
     #[error("moving_obstacles and obstacle_limits are empty")]
     Empty,
-    #[error("obstacle_limits: there are two limits of {0}")]
-    TwoLimits(String),
     #[error("obstacle_limits: {0}")]
     Limit(LimitError),
     #[error("obstacle_latency is {0} s, but must be finite and not negative")]
     Latency(f64),
+    #[error("obstacle_latency belongs to obstacle_limits, and there are none")]
+    LatencyWithoutLimits,
     #[error("obstacle '{0}' is to move, but the world has no such obstacle")]
     Unknown(String),
     #[error("obstacle '{0}': give linear or angular (and centre), or poses, but not both")]
@@ -112,29 +112,18 @@ impl ObstacleMotions {
         if !(latency.is_finite() && latency >= 0.0) {
             return Err(ObstacleTextError::Latency(latency));
         }
-        let limits = Arc::new(read_limits(text.obstacle_limits)?);
+        if latency > 0.0 && text.obstacle_limits.is_empty() {
+            return Err(ObstacleTextError::LatencyWithoutLimits);
+        }
+        let limits = text
+            .obstacle_limits
+            .into_iter()
+            .map(|LimitText { name, speed, acceleration }| (name, SpeedLimit { speed, acceleration }));
+        let limits = Arc::new(ObstacleLimits::from_list(limits).map_err(ObstacleTextError::Limit)?);
         let trajectories =
             text.moving_obstacles.into_iter().map(|o| o.read(world)).collect::<Result<_, _>>()?;
         Ok(Self { trajectories, limits, latency })
     }
-}
-
-fn read_limits(texts: Vec<LimitText>) -> Result<ObstacleLimits, ObstacleTextError> {
-    let (mut default, mut limits) = (None, ObstacleLimits::default());
-    for LimitText { name, speed, acceleration } in texts {
-        let limit = SpeedLimit { speed, acceleration };
-        let before = match &name {
-            None => default.replace(limit),
-            Some(name) => limits.by_name.insert(name.clone(), limit),
-        };
-        if before.is_some() {
-            let name = name.map_or_else(|| "all other obstacles".to_owned(), |name| format!("'{name}'"));
-            return Err(ObstacleTextError::TwoLimits(name));
-        }
-    }
-    let limits = ObstacleLimits { default: default.unwrap_or_default(), ..limits };
-    limits.check().map_err(ObstacleTextError::Limit)?;
-    Ok(limits)
 }
 
 impl Trajectory {

@@ -42,12 +42,16 @@ pub struct ObstacleLimits {
 pub enum LimitError {
     #[error("the {what} limit of {} is {value}, but must be finite and not negative", of_obstacle(name.as_deref()))]
     Value { name: Option<String>, what: &'static str, value: f64 },
+    #[error("there are two limits of {}", of_obstacle(.0.as_deref()))]
+    Twice(Option<String>),
+    #[error("within {time} s the motion of {} is larger than any number", of_obstacle(name.as_deref()))]
+    Overflow { name: Option<String>, time: f64 },
     #[error("the poses of the obstacles are known from {} s to {} s: these must be finite, and in order", .0[0], .0[1])]
     Time([f64; 2]),
 }
 
 fn of_obstacle(name: Option<&str>) -> String {
-    name.map_or_else(|| "all obstacles".to_owned(), |name| format!("obstacle '{name}'"))
+    name.map_or_else(|| "all other obstacles".to_owned(), |name| format!("obstacle '{name}'"))
 }
 
 impl SpeedLimit {
@@ -65,6 +69,28 @@ impl SpeedLimit {
 }
 
 impl ObstacleLimits {
+    /// From limits by name; a limit without a name is for all obstacles without one of their own.
+    ///
+    /// # Errors
+    /// If an obstacle has two limits, or a number is negative or not finite.
+    pub fn from_list(
+        list: impl IntoIterator<Item = (Option<String>, SpeedLimit)>,
+    ) -> Result<Self, LimitError> {
+        let (mut default, mut limits) = (None, Self::default());
+        for (name, limit) in list {
+            let before = match &name {
+                None => default.replace(limit),
+                Some(name) => limits.by_name.insert(name.clone(), limit),
+            };
+            if before.is_some() {
+                return Err(LimitError::Twice(name));
+            }
+        }
+        limits.default = default.unwrap_or_default();
+        limits.check()?;
+        Ok(limits)
+    }
+
     /// The limit of an obstacle.
     #[must_use]
     pub fn of(&self, name: &str) -> SpeedLimit {
@@ -78,7 +104,12 @@ impl ObstacleLimits {
     }
 
     fn all(&self) -> impl Iterator<Item = &SpeedLimit> {
-        self.by_name.values().chain([&self.default])
+        self.named().map(|(_, limit)| limit)
+    }
+
+    /// All limits, the one without a name last.
+    fn named(&self) -> impl Iterator<Item = (Option<&String>, &SpeedLimit)> {
+        self.by_name.iter().map(|(name, limit)| (Some(name), limit)).chain([(None, &self.default)])
     }
 
     /// Upper bound (m) on the displacement of any obstacle of a world after a time (s).
@@ -101,8 +132,7 @@ impl ObstacleLimits {
 
     /// Rejects limits that are negative or not finite.
     pub fn check(&self) -> Result<(), LimitError> {
-        let named = self.by_name.iter().map(|(name, limit)| (Some(name), limit));
-        for (name, limit) in named.chain([(None, &self.default)]) {
+        for (name, limit) in self.named() {
             for (what, value) in [("speed", limit.speed), ("acceleration", limit.acceleration)] {
                 if !(value.is_finite() && value >= 0.0) {
                     return Err(LimitError::Value { name: name.cloned(), what, value });
@@ -136,9 +166,13 @@ impl ObstacleUncertainty {
     pub fn new(limits: Arc<ObstacleLimits>, time: [f64; 2]) -> Result<Self, LimitError> {
         limits.check()?;
         let [from, to] = time;
-        let is_ordered = 0.0 <= from && from <= to && to.is_finite();
-        let is_valid = is_ordered && limits.all().all(|limit| limit.displacement(to).is_finite());
-        if is_valid { Ok(Self { limits, time }) } else { Err(LimitError::Time(time)) }
+        if !(0.0 <= from && from <= to && to.is_finite()) {
+            return Err(LimitError::Time(time));
+        }
+        if let Some((name, _)) = limits.named().find(|(_, limit)| !limit.displacement(to).is_finite()) {
+            return Err(LimitError::Overflow { name: name.cloned(), time: to });
+        }
+        Ok(Self { limits, time })
     }
 
     /// Upper bound (m) on the unknown displacement of an obstacle at t, which never decreases with t.

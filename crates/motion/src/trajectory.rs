@@ -40,6 +40,15 @@ pub struct TrajectoryPoint {
     pub time_from_start: f64,
 }
 
+impl TrajectoryPoint {
+    /// Seconds of a ROS duration, correctly rounded: 300,000,000 ns are 0.3.
+    #[must_use]
+    #[expect(clippy::cast_precision_loss, reason = "more than a hundred days are rounded to nanoseconds")]
+    pub fn seconds(sec: i32, nanosec: i64) -> f64 {
+        (i64::from(sec) * 1_000_000_000 + nanosec) as f64 / 1e9
+    }
+}
+
 /// Reason why points are not a valid trajectory.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[allow(missing_docs, reason = "the message of each variant describes it and its fields")]
@@ -56,6 +65,12 @@ pub enum TrajectoryError {
     Names(ConfigurationError),
     #[error("point {point}: time_from_start {time} s does not come after {previous} s")]
     Time { point: usize, time: f64, previous: f64 },
+    #[error("times have to be set before moving obstacles")]
+    ObstaclesBeforeTimes,
+    #[error(
+        "{pieces} pieces of motions of obstacles are more than {most}: each pose of an obstacle splits the motion of all"
+    )]
+    TooManyPieces { pieces: usize, most: usize },
     #[error("{given} times for {expected} points")]
     TimeCount { given: usize, expected: usize },
     #[error("point {0} has velocities but the trajectory has no times")]
@@ -173,7 +188,15 @@ impl Trajectory {
     }
 
     /// The same trajectory with the times (s) of its points: from 0 on, each later than the one before.
+    ///
+    /// # Errors
+    /// If the times are not so, or obstacles move already: they would move at other times.
     pub fn with_times(self, times: Vec<f64>) -> Result<Self, TrajectoryError> {
+        let has_moving =
+            |segment: &MotionSegment| !segment.obstacles().is_empty() || segment.uncertainty().is_some();
+        if self.segments.iter().any(has_moving) {
+            return Err(TrajectoryError::ObstaclesBeforeTimes);
+        }
         let (given, expected) = (times.len(), self.segments.len() + 1);
         if given != expected {
             return Err(TrajectoryError::TimeCount { given, expected });

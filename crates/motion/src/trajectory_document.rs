@@ -180,8 +180,8 @@ impl DurationText {
     fn seconds(self) -> f64 {
         match self {
             Self::Seconds(seconds) => seconds,
-            Self::Ros2(Ros2Duration { sec, nanosec }) => f64::from(sec) + 1e-9 * f64::from(nanosec),
-            Self::Ros1(Ros1Duration { secs, nsecs }) => f64::from(secs) + 1e-9 * f64::from(nsecs),
+            Self::Ros2(Ros2Duration { sec, nanosec }) => TrajectoryPoint::seconds(sec, nanosec.into()),
+            Self::Ros1(Ros1Duration { secs, nsecs }) => TrajectoryPoint::seconds(secs, nsecs.into()),
         }
     }
 }

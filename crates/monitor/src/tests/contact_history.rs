@@ -12,7 +12,7 @@ const NEAR: [f64; 2] = [0.0, 2.5];
 
 /// Names of the pair of links that the folded robot brings into contact.
 fn folded() -> Vec<[String; 2]> {
-    vec![["base".to_owned(), "ball".to_owned()]]
+    vec![["ball".to_owned(), "base".to_owned()]]
 }
 
 fn touched(evaluation: &Evaluation) -> Vec<[String; 2]> {
@@ -101,6 +101,30 @@ fn an_unknown_state_neither_begins_nor_ends_a_contact() {
     // another robot model does not begin the count anew
     monitor.set_checker(revision(2));
     assert_eq!(counts(&monitor.on_joint_state(state(0.5, COLLIDING), at(0.5))), (2, 1));
+}
+
+#[test]
+fn nothing_is_proven_free_without_the_check_between_states() {
+    let mut monitor = monitor();
+    monitor.set_settings(MonitorSettings { check_between_states: false, ..MonitorSettings::default() });
+    monitor.on_joint_state(state(0.0, FREE), at(0.0));
+    let repeated = monitor.on_heartbeat(at(0.1));
+    assert_eq!((code(&repeated), repeated.history.is_heartbeat), ("FREE", true));
+    assert!(!repeated.history.since_heartbeat.all_free);
+    monitor.set_settings(MonitorSettings::default());
+    monitor.on_heartbeat(at(0.2));
+    assert!(monitor.on_heartbeat(at(0.3)).history.since_heartbeat.all_free);
+}
+
+#[test]
+fn heartbeat_messages_are_numbered() {
+    let mut monitor = monitor();
+    let messages = (0..1000).map(|millisecond| {
+        let seconds = f64::from(millisecond) * 1e-3;
+        monitor.on_joint_state(state(seconds, FREE), at(seconds)).history
+    });
+    let numbers = messages.filter(|history| history.is_heartbeat).map(|history| history.heartbeat);
+    assert_eq!(numbers.collect::<Vec<_>>(), (1..=10).collect::<Vec<_>>());
 }
 
 /// An event of a random run: seconds since the last one, and the positions of a joint state; `None`: no joint state.

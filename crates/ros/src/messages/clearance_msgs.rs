@@ -143,22 +143,26 @@ pub struct ObstacleLimit {
 /// What happened since the previous message of the heartbeat topic. The default claims nothing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SinceHeartbeat {
+    pub heartbeat: u64,
     pub messages: u32,
     pub all_free: bool,
     pub least_distance: f64,
     pub least_distance_pair: BodyPair,
     pub least_distance_stamp: Time,
+    pub touched_pair_count: u32,
     pub touched_pairs: Vec<BodyPair>,
 }
 
 impl Default for SinceHeartbeat {
     fn default() -> Self {
         Self {
+            heartbeat: 0,
             messages: 0,
             all_free: false,
             least_distance: f64::NAN,
             least_distance_pair: BodyPair::default(),
             least_distance_stamp: Time::default(),
+            touched_pair_count: 0,
             touched_pairs: Vec::new(),
         }
     }
@@ -249,6 +253,9 @@ mod tests {
         assert_eq!(fields_in_rust::<DistanceEvent>(), fields_in_text(msg!("DistanceEvent")));
         assert_eq!(fields_in_rust::<PassedThrough>(), fields_in_text(msg!("PassedThrough")));
         assert_eq!(fields_in_rust::<SkippedPairs>(), fields_in_text(msg!("SkippedPairs")));
+        assert_eq!(fields_in_rust::<SinceHeartbeat>(), fields_in_text(msg!("SinceHeartbeat")));
+        assert_eq!(fields_in_rust::<ObstacleLimit>(), fields_in_text(msg!("ObstacleLimit")));
+        assert_eq!(fields_in_rust::<MovingObstacle>(), fields_in_text(msg!("MovingObstacle")));
         assert_eq!(fields_in_rust::<CollisionState>(), fields_in_text(msg!("CollisionState")));
     }
 

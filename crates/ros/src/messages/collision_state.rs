@@ -18,7 +18,7 @@ use crate::messages::time_and_geometry::stamp_message;
 pub const PAIRS_TOLD: usize = 1000;
 
 /// Maximum number of pairs listed as touching since the last heartbeat message, for the same reason.
-const TOUCHED_PAIRS_TOLD: usize = 200;
+const MOST_TOUCHED_PAIRS: usize = 100;
 
 /// Type of the checked geometry, as reported in messages.
 const FIDELITY: &str = "mesh";
@@ -123,6 +123,7 @@ fn add_history(message: &mut CollisionState, history: &ContactHistory) {
     message.contacts_ended = history.ended;
     let since = &history.since_heartbeat;
     let to = &mut message.since_heartbeat;
+    to.heartbeat = history.heartbeat;
     to.messages = since.evaluations;
     to.all_free = since.all_free && message.status != CollisionState::UNKNOWN;
     if let Some(least) = &since.least {
@@ -130,13 +131,8 @@ fn add_history(message: &mut CollisionState, history: &ContactHistory) {
         to.least_distance_pair = least.pair.as_deref().map(named_pair_message).unwrap_or_default();
         to.least_distance_stamp = stamp_message(least.stamp);
     }
-    to.touched_pairs = since.touched.iter().take(TOUCHED_PAIRS_TOLD).map(named_pair_message).collect();
-    if since.touched.len() > TOUCHED_PAIRS_TOLD {
-        let all = since.touched.len();
-        message.warnings.push(format!(
-            "only {TOUCHED_PAIRS_TOLD} of {all} pairs that touched since the last heartbeat are listed"
-        ));
-    }
+    to.touched_pair_count = count(since.touched.len());
+    to.touched_pairs = since.touched.iter().take(MOST_TOUCHED_PAIRS).map(named_pair_message).collect();
 }
 
 /// Number of pairs that were left undecided at the deadline.
@@ -181,7 +177,8 @@ fn add_findings(message: &mut CollisionState, checker: &CollisionChecker, report
 
 /// Adds the contacts of the colliding pairs, fewer where many pairs are listed.
 fn add_contacts(message: &mut CollisionState, checker: &CollisionChecker, contacts: &[ContactsOfPair]) {
-    let listed = message.colliding_pairs.len() + message.pair_distances.len();
+    let touched = message.since_heartbeat.touched_pairs.len();
+    let listed = message.colliding_pairs.len() + message.pair_distances.len() + touched;
     let room = PAIRS_TOLD.min((2 * PAIRS_TOLD).saturating_sub(listed));
     let found: usize = contacts.iter().map(|of_pair| of_pair.contacts.count()).sum();
     for of_pair in contacts {

@@ -18,11 +18,12 @@ pub(super) enum StepResult {
     Differs { field: String, recorded: String, replayed: String },
 }
 
-/// Compares a result with the recorded one, and with `knows_history` what it reports of earlier ones; returns the first field that differs, if any.
+/// Compares a result with the recorded one; returns the first field that differs, if any. `history` selects the fields about
+/// earlier results.
 pub(super) fn difference(
     evaluation: &Evaluation,
     late: Late,
-    knows_history: bool,
+    history: ComparedHistory,
     messages: &mut StepMessages,
 ) -> Result<Option<StepResult>, String> {
     let differs = |field: &str, recorded: &Json, replayed: &Json| {
@@ -38,7 +39,7 @@ pub(super) fn difference(
         if late == Late::Pairs || field == "compute_time" || !names.contains(field) {
             continue;
         }
-        if !knows_history && FIELDS_OF_HISTORY.contains(&field.as_str()) {
+        if !history.includes(field) {
             continue;
         }
         // where the deadline left contacts open, the first ones are compared
@@ -84,8 +85,26 @@ pub(super) fn difference(
     Ok(number("speed_scale", speed_scale.data, evaluation.speed_scale))
 }
 
-/// Fields that depend on all earlier results.
-const FIELDS_OF_HISTORY: [&str; 3] = ["contacts_begun", "contacts_ended", "since_heartbeat"];
+/// Fields about earlier results that are compared: those whose earlier results are all equal to the recorded ones.
+#[derive(Clone, Copy)]
+pub(super) struct ComparedHistory {
+    /// All results since the start.
+    pub since_start: bool,
+    /// All results since the last message of the heartbeat topic.
+    pub since_heartbeat: bool,
+}
+
+impl ComparedHistory {
+    pub const ALL: Self = Self { since_start: true, since_heartbeat: true };
+
+    fn includes(self, field: &str) -> bool {
+        match field {
+            "contacts_begun" | "contacts_ended" => self.since_start,
+            "since_heartbeat" => self.since_heartbeat,
+            _ => true,
+        }
+    }
+}
 
 /// Fields that name the contact since the previous state.
 const FIELDS_OF_PASSAGE: [&str; 2] = ["passed_through", "reason"];

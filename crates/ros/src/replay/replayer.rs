@@ -19,8 +19,7 @@ use crate::recording::mcap_file::{Entry, ReadError, RecordingFile};
 use crate::recording::step::{
     Clocks, CloudStep, Late, RecordStep, RecordedCommand, RecordedMonitorEvent, parameters_from_json,
 };
-use crate::replay::difference::StepResult;
-use crate::replay::difference::difference;
+use crate::replay::difference::{ComparedHistory, StepResult, difference};
 use crate::replay::step_messages::{StepMessages, read_command};
 use crate::scene::cloud_inbox::CloudMessage;
 use crate::scene::scene_update_context::{SceneUpdateContext, robots_at_stamps};
@@ -129,8 +128,7 @@ struct Replay {
     joint_state_history: JointStateHistory,
     /// Whether a state was evaluated.
     has_checked_state: bool,
-    /// Whether all earlier results are known, and equal to the recorded ones.
-    knows_history: bool,
+    history: ComparedHistory,
 }
 
 impl Replay {
@@ -152,7 +150,7 @@ impl Replay {
             evaluation: None,
             joint_state_history: JointStateHistory::default(),
             has_checked_state: false,
-            knows_history: true,
+            history: ComparedHistory::ALL,
         })
     }
 
@@ -323,9 +321,12 @@ impl Replay {
         let is_compared = self.has_checked_state || !messages.are_of_part();
         self.has_checked_state |= evaluation.checked_state.is_some();
         // a result that the deadline cut off may have had other contacts or distances
-        self.knows_history &= !messages.are_of_part() && late < Late::PassageExtent;
+        let is_complete = !messages.are_of_part() && late < Late::PassageExtent;
+        self.history.since_start &= is_complete;
+        self.history.since_heartbeat &= is_complete;
         let difference =
-            if is_compared { difference(&evaluation, late, self.knows_history, messages)? } else { None };
+            if is_compared { difference(&evaluation, late, self.history, messages)? } else { None };
+        self.history.since_heartbeat |= evaluation.history.is_heartbeat && is_complete;
         self.joint_state_history.note(&evaluation);
         self.evaluation = Some(evaluation);
         Ok(difference.unwrap_or(StepResult::Same(late)))

@@ -213,7 +213,7 @@ impl RequestContext<'_> {
                 positions: p.positions.clone(),
                 velocities: p.velocities.clone(),
                 accelerations: p.accelerations.clone(),
-                time_from_start: f64::from(time.sec) + 1e-9 * f64::from(time.nanosec),
+                time_from_start: TrajectoryPoint::seconds(time.sec, time.nanosec.into()),
             }
         };
         let points: Vec<TrajectoryPoint> = request.trajectory.points.iter().map(point).collect();

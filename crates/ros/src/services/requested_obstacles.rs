@@ -32,6 +32,7 @@ fn with_moving_obstacles(
     if obstacles.is_empty() {
         return Ok(trajectory);
     }
+    needs_times("moving_obstacles", &trajectory)?;
     let rejected = |error: &dyn std::fmt::Display| bad_request(format!("moving_obstacles: {error}"));
     let read = |(i, obstacle): (usize, &MovingObstacle)| {
         let name = &obstacle.name;
@@ -58,7 +59,7 @@ fn obstacle_trajectory(
         _ => return Err(number("centre, of which there are several,".to_owned())),
     };
     match poses.as_slice() {
-        [] if times.is_empty() => ObstacleTrajectory::of_twist(known, centre, linear, angular),
+        [] if moves && times.is_empty() => ObstacleTrajectory::of_twist(known, centre, linear, angular),
         poses if !poses.is_empty() && !moves && centre.is_none() => {
             if times.len() != poses.len() {
                 let (times, poses) = (times.len(), poses.len());
@@ -83,32 +84,32 @@ fn with_obstacle_limits(
     terms: &MotionTerms,
     world: &World,
 ) -> Result<Trajectory, Rejection> {
-    not_negative("obstacle_latency", "s", terms.obstacle_latency)?;
+    let latency = terms.obstacle_latency;
+    not_negative("obstacle_latency", "s", latency)?;
     if terms.obstacle_limits.is_empty() {
+        if latency > 0.0 {
+            return Err(bad_request("obstacle_latency belongs to obstacle_limits, and there are none"));
+        }
         return Ok(trajectory);
     }
-    let limits = Arc::new(limits(terms)?);
-    trajectory
-        .with_obstacle_limits(world, &limits, terms.obstacle_latency)
-        .map_err(|error| bad_request(format!("obstacle_limits: {error}")))
+    needs_times("obstacle_limits", &trajectory)?;
+    let rejected = |error: &dyn std::fmt::Display| bad_request(format!("obstacle_limits: {error}"));
+    let limits = terms.obstacle_limits.iter().map(|ObstacleLimit { name, speed, acceleration }| {
+        let name = Some(name.clone()).filter(|name| !name.is_empty());
+        (name, SpeedLimit { speed: *speed, acceleration: *acceleration })
+    });
+    let limits = Arc::new(ObstacleLimits::from_list(limits).map_err(|error| rejected(&error))?);
+    trajectory.with_obstacle_limits(world, &limits, latency).map_err(|error| rejected(&error))
 }
 
-fn limits(terms: &MotionTerms) -> Result<ObstacleLimits, Rejection> {
-    let (mut default, mut limits) = (None, ObstacleLimits::default());
-    for limit in &terms.obstacle_limits {
-        let ObstacleLimit { name, speed, acceleration } = limit;
-        not_negative(&format!("obstacle_limits: speed of '{name}'"), "m/s", *speed)?;
-        not_negative(&format!("obstacle_limits: acceleration of '{name}'"), "m/s^2", *acceleration)?;
-        let limit = SpeedLimit { speed: *speed, acceleration: *acceleration };
-        let before = match name.as_str() {
-            "" => default.replace(limit),
-            name => limits.by_name.insert(name.to_owned(), limit),
-        };
-        if before.is_some() {
-            return Err(bad_request(format!("obstacle_limits: '{name}' occurs twice")));
-        }
+/// Rejects motions without times.
+fn needs_times(what: &str, trajectory: &Trajectory) -> Result<(), Rejection> {
+    if trajectory.time(0, 0.0).is_some() {
+        return Ok(());
     }
-    Ok(ObstacleLimits { default: default.unwrap_or_default(), ..limits })
+    Err(bad_request(format!(
+        "{what} need times: give the motion a duration, or the points of the trajectory time_from_start"
+    )))
 }
 
 #[cfg(test)]

@@ -186,8 +186,9 @@ fn canceled() -> CheckTrajectoryResponse {
 impl StartedGoal {
     pub fn of(goal: &Goal) -> Self {
         let points = &goal.request.trajectory.points;
-        let seconds = |(sec, nanosec): (i32, u32)| f64::from(sec) + 1e-9 * f64::from(nanosec);
-        let times = points.iter().map(|p| seconds((p.time_from_start.sec, p.time_from_start.nanosec)));
+        let times = points
+            .iter()
+            .map(|p| TrajectoryPoint::seconds(p.time_from_start.sec, p.time_from_start.nanosec.into()));
         let is_timed = points.iter().any(|p| p.time_from_start.sec != 0 || p.time_from_start.nanosec != 0);
         let points: Vec<f64> =
             if is_timed { times.collect() } else { (0..points.len()).map(as_time).collect() };

@@ -115,9 +115,6 @@ fn a_known_motion_of_an_obstacle_decides_whether_and_when_it_touches() {
     assert_eq!(contact.verdict, MotionFindings::CONTACT);
     assert!((contact.t_contact - 0.4).abs() < 1e-3, "0.8 s of 2 s: {}", contact.t_contact);
     assert_eq!(rest(2.0, moving(vec![along_y(0.5)])).motion.verdict, MotionFindings::FREE);
-    // without a duration, time goes from 0 to 1
-    let untimed = rest(0.0, moving(vec![along_y(-1.0)])).motion;
-    assert!((untimed.t_contact - 0.8).abs() < 1e-3, "{}", untimed.t_contact);
     // limits count in addition
     let mut both = moving(vec![along_y(-0.5)]);
     assert_eq!(rest(1.0, both.clone()).motion.verdict, MotionFindings::FREE);
@@ -158,11 +155,23 @@ fn requests_that_do_not_fit_are_rejected_by_name() {
     let both = MovingObstacle { twist: along_y(1.0).twist, ..through(&[(0.0, 0.0), (1.0, 0.1)]) };
     let other = MovingObstacle { name: "person".to_owned(), ..along_y(1.0) };
     for (duration, terms, named) in [
-        (0.0, limits(vec![limit("", 0.5, 0.0)], 0.0), "no times"),
+        (0.0, limits(vec![limit("", 0.5, 0.0)], 0.0), "give the motion a duration"),
+        (0.0, moving(vec![along_y(1.0)]), "give the motion a duration"),
+        (1.0, moving(vec![along_y(0.0)]), "linear"),
+        (1.0, limits(vec![], 0.5), "there are none"),
+        (100.0, limits(vec![limit("cart", 1e308, 0.0)], 0.0), "larger than any number"),
         (1.0, limits(vec![limit("car", 0.5, 0.0)], 0.0), "'car'"),
-        (1.0, limits(vec![limit("cart", -0.5, 0.0)], 0.0), "speed of 'cart' is -0.5 m/s"),
-        (1.0, limits(vec![limit("cart", 0.5, f64::NAN)], 0.0), "acceleration of 'cart' is NaN"),
-        (1.0, limits(vec![limit("", 0.5, 0.0), limit("", 0.6, 0.0)], 0.0), "'' occurs twice"),
+        (1.0, limits(vec![limit("cart", -0.5, 0.0)], 0.0), "the speed limit of obstacle 'cart' is -0.5"),
+        (
+            1.0,
+            limits(vec![limit("cart", 0.5, f64::NAN)], 0.0),
+            "the acceleration limit of obstacle 'cart' is NaN",
+        ),
+        (
+            1.0,
+            limits(vec![limit("", 0.5, 0.0), limit("", 0.6, 0.0)], 0.0),
+            "two limits of all other obstacles",
+        ),
         (1.0, limits(vec![], -1.0), "obstacle_latency is -1"),
         (-1.0, limits(vec![], 0.0), "duration is -1"),
         (1.0, moving(vec![other]), "'person'"),
