@@ -4,6 +4,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use clearance_checker::{UndecidedReason, Watch};
+use clearance_motion::TrajectoryPoint;
 use futures_lite::future;
 use smol::{LocalExecutor, Timer};
 
