@@ -113,6 +113,7 @@ def test_a_slow_subscriber_of_every_state_counts_contacts(slow):
 
 def test_a_contact_between_two_states_counts(slow):
     recorder = heartbeats(slow)
+    slow.evaluate(joint1=-0.5, joint2=0.0)
     SceneClient(slow).change(obstacle("wall", box(0.4, 0.001, 0.4), at=pose(1.0, 0, 0)))
     start, across = motion(slow, ({"joint1": -0.5, "joint2": 0.0}, 1), ({"joint1": 0.5, "joint2": 0.0}, 1))
     assert across.motion_since_previous == CollisionState.PASSED_THROUGH
