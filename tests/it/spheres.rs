@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use clearance::robot::RobotModel;
-use clearance::{CoverSize, Primitive, Shape, sphere_cover};
+use clearance::{CoverSize, Primitive, SearchLimit, Shape, covers, sphere_cover};
 use clearance_files::yaml;
 use serde::Deserialize;
 use serde_json::Value;
@@ -161,7 +161,7 @@ fn covers_leave_no_surface_out_and_smaller_spheres_do() {
 fn a_total_is_kept_and_shared() {
     let robot = RobotModel::load(&folder().path("r.urdf"), None, &[]).unwrap();
     let with_geometry = robot.links().iter().filter(|link| !link.collisions.is_empty()).count();
-    let cover = |total| sphere_cover(&robot, &CoverSize::Total(total), &|_| ());
+    let cover = |total| sphere_cover(&robot, &CoverSize::Total(total), &SearchLimit::default(), &|_| ());
     let found = cover(3 * with_geometry).unwrap();
     assert!(found.count() <= 3 * with_geometry && found.links.len() == with_geometry);
     assert!(found.links.iter().all(|link| link.error[0] <= link.error[1]));
@@ -177,10 +177,49 @@ fn bad_sizes_are_rejected() {
         (["--excess", "0"], "--excess must be a finite number above zero"),
         (["--excess", "nan"], "--excess must be a finite number above zero"),
         (["--total", "1"], "too few"),
+        (["--count=1", "--deadline=0"], "--deadline must be a finite number above zero"),
         (["--measure", "r.urdf"], "must be spheres"),
     ] {
         let output = folder.run(&[&["spheres", "--urdf", "r.urdf"], arguments.as_slice()].concat());
         let text = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(output.status.code() == Some(2) && text.contains(message), "{arguments:?}: {text}");
     }
+}
+
+#[test]
+fn a_cover_does_not_depend_on_the_number_of_threads() {
+    let robot = RobotModel::load(&folder().path("r.urdf"), None, &[]).unwrap();
+    for size in [CoverSize::PerLink(3), CoverSize::Total(5), CoverSize::Excess(0.04)] {
+        let files = [1, 4].map(|threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let cover =
+                pool.install(|| sphere_cover(&robot, &size, &SearchLimit::default(), &|_| ())).unwrap();
+            assert!(!cover.is_cut());
+            (covers::curobo_yaml(&robot, &cover), covers::sphere_urdf(&robot, &cover, ROBOT).unwrap())
+        });
+        assert!(files[0] == files[1], "{size:?}");
+    }
+}
+
+#[test]
+fn a_deadline_keeps_the_proof() {
+    let folder = folder();
+    let run = |deadline: &str| {
+        let size = ["spheres", "--urdf", "r.urdf", "--count", "2", "--deadline", deadline];
+        let output = folder.run(&[&size[..], &["--format", "json", "--sphere-urdf", "s.urdf"]].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let measured =
+            folder.run(&["spheres", "--urdf", "r.urdf", "--measure", "s.urdf", "--format", "json"]);
+        let links: Value = serde_json::from_slice(&measured.stdout).unwrap();
+        assert!(links.as_array().unwrap().iter().all(|link| link["uncovered_area"][0] == 0.0), "{links}");
+        report
+    };
+    let (short, long) = (run("1e-9"), run("1e9"));
+    assert_eq!((&short["ended_by_time"], &long["ended_by_time"]), (&true.into(), &false.into()));
+    let error = |report: &Value| report["largest_error"].as_f64().unwrap();
+    assert!(error(&short) > error(&long), "{short} {long}");
+    let text = folder.run(&["spheres", "--urdf", "r.urdf", "--excess", "0.001", "--deadline", "1e-9"]);
+    let text = String::from_utf8_lossy(&text.stdout).into_owned();
+    assert!(text.contains("proven to contain the links") && text.contains("the time ended"), "{text}");
 }

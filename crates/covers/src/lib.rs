@@ -13,7 +13,7 @@
 //! | content | file |
 //! |---|---|
 //! | the geometry of a link as a solid, distances from it | `link_solid`, `triangle_tree`, `primitive_mesh` |
-//! | search of few balls | `distance_grid`, `offset_balls`, `samples`, `cover_search`, `refinement` |
+//! | search of few balls, and its end by time | `distance_grid`, `offset_balls`, `samples`, `cover_search`, `refinement`; `search_limit` |
 //! | proofs | `containment`, `excess`, `uncovered_area`, `branch_and_bound` |
 //! | covers of one solid | `outer_cover`, `inner_cover` |
 //! | covers of a robot | `sphere_cover`, `measured_cover`, `formats` |
@@ -38,6 +38,7 @@ mod outer_cover;
 mod primitive_mesh;
 mod refinement;
 mod samples;
+mod search_limit;
 mod sphere_cover;
 #[cfg(test)]
 mod tests;
@@ -47,5 +48,6 @@ mod uncovered_area;
 pub use formats::{curobo_yaml, sphere_urdf, xrdf};
 pub use measured_cover::{MeasuredCover, MeasuredLink, measure_spheres};
 pub use options::{CoverError, CoverSize};
+pub use search_limit::SearchLimit;
 pub use sphere_cover::{CoverSphere, LinkCover, SphereCover, inner_sphere_cover, sphere_cover};
 pub use uncovered_area::UncoveredArea;
