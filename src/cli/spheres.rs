@@ -1,11 +1,11 @@
-//! `clearance spheres`: covers the links of a robot with spheres, or measures a model of spheres.
+//! `clearance spheres`: covers the links of a robot with spheres, capsules or boxes, or measures a model of spheres.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
 use clearance::covers::{
-    self, CoverSize, LinkCover, MeasuredCover, MeasuredLink, SearchLimit, SphereCover,
+    self, CoverSize, LinkCover, MeasuredCover, MeasuredLink, SearchLimit, ShapeKind, SphereCover,
 };
 use clearance::robot::{LinkId, RobotModel};
 use clearance_files::input_files::{self, DESCRIPTION_LIMIT};
@@ -18,8 +18,9 @@ use super::lint::deadline_in;
 use super::model_args::RobotArgs;
 use super::progress::Progress;
 use super::run_args::{Format, internal, positive, print_line};
+use super::shapes;
 
-/// Cover the links of a robot with spheres that are proven to contain them, or measure a model of spheres.
+/// Cover the links of a robot with spheres, capsules or boxes that are proven to contain them, or measure a model of spheres.
 ///
 /// The spheres of a link contain all triangles of its collision geometry and the inside of closed meshes and primitives. The excess is the
 /// largest distance of a point of the spheres from the link: its upper bound is proven.
@@ -28,7 +29,11 @@ use super::run_args::{Format, internal, positive, print_line};
 #[derive(Args)]
 pub struct SpheresArgs {
     #[command(flatten)]
-    robot: RobotArgs,
+    pub robot: RobotArgs,
+
+    /// Kind of the shapes; capsules and boxes need --count, and have no --curobo and --xrdf
+    #[arg(long, value_enum, default_value_t = ShapeArg::Spheres)]
+    shape: ShapeArg,
 
     #[command(flatten)]
     size: SizeArgs,
@@ -49,13 +54,21 @@ pub struct SpheresArgs {
     #[arg(long, value_name = "FILE", conflicts_with = "measure")]
     xrdf: Option<PathBuf>,
 
-    /// Write the URDF with the spheres as collision geometry, as VAMP and foam read it
-    #[arg(long, value_name = "FILE", conflicts_with = "measure")]
-    sphere_urdf: Option<PathBuf>,
+    /// Write the URDF with the spheres as collision geometry, as VAMP and foam read it; a capsule is a cylinder and two spheres
+    #[arg(long, visible_alias = "shape-urdf", value_name = "FILE", conflicts_with = "measure")]
+    pub sphere_urdf: Option<PathBuf>,
 
     /// Output format
     #[arg(long, value_enum, default_value_t = Format::Text)]
-    format: Format,
+    pub format: Format,
+}
+
+/// Kinds of shapes.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+enum ShapeArg {
+    Spheres,
+    Capsules,
+    Boxes,
 }
 
 /// How many spheres.
@@ -127,13 +140,24 @@ pub fn run(args: &SpheresArgs) -> Result<ExitStatus, Failure> {
         input_files::check_target(file).map_err(Failure::input)?;
     }
     let robot = args.robot.load()?;
-    if let Some(file) = &args.size.measure {
+    if let Some(file) = args.size.measure.as_ref().filter(|_| args.shape == ShapeArg::Spheres) {
         return measure(args, &robot, file);
     }
     let start = Instant::now();
     let limit = deadline.and_then(deadline_in).map_or_else(SearchLimit::default, SearchLimit::until);
     let progress = Progress::new(robot.links().iter().filter(|link| !link.collisions.is_empty()).count());
     let on_link = |_: LinkId| progress.piece_done();
+    let kind = match args.shape {
+        ShapeArg::Spheres => None,
+        ShapeArg::Capsules => Some(ShapeKind::Capsule),
+        ShapeArg::Boxes => Some(ShapeKind::Box),
+    };
+    if let Some(kind) = kind {
+        let count = args.count_of_shapes()?;
+        let cover = covers::shape_cover(&robot, kind, count, &limit, &on_link);
+        drop(progress);
+        return shapes::write(args, &robot, kind, &cover.map_err(Failure::input)?);
+    }
     let size = args.cover_size(&robot)?;
     let cover = if args.inner {
         covers::inner_sphere_cover(&robot, &size, &limit, &on_link)
@@ -160,6 +184,16 @@ impl SpheresArgs {
             (_, _, Some(excess), _) => CoverSize::Excess(*excess),
             (_, _, _, Some(file)) => CoverSize::Links(counts(robot, &self.model_of_spheres(file)?, file)?),
             _ => return Err(Failure::Input("give --count, --total, --excess or --counts-of".to_owned())),
+        })
+    }
+
+    /// The number of capsules or boxes for each link; other options of spheres are rejected.
+    fn count_of_shapes(&self) -> Result<usize, Failure> {
+        let is_for_spheres = self.inner || self.curobo.is_some() || self.xrdf.is_some();
+        self.size.count.filter(|_| !is_for_spheres).ok_or_else(|| {
+            Failure::Input(
+                "capsules and boxes are made with --count, without --inner, --curobo and --xrdf".to_owned(),
+            )
         })
     }
 
@@ -203,12 +237,12 @@ fn counts(robot: &RobotModel, spheres: &RobotModel, file: &Path) -> Result<Vec<(
     with_geometry.map(count).collect()
 }
 
-fn millimetres([lower, upper]: [f64; 2]) -> String {
+pub fn millimetres([lower, upper]: [f64; 2]) -> String {
     format!("{:.2} to {:.2} mm", 1e3 * lower, 1e3 * upper)
 }
 
 /// A line about the links whose search the time has ended.
-fn note_of_time(links: usize, what: &str) -> String {
+pub fn note_of_time(links: usize, what: &str) -> String {
     match links {
         0 => String::new(),
         links => {

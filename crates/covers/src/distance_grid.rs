@@ -56,6 +56,11 @@ impl DistanceGrid {
         Some(grid)
     }
 
+    /// A grid without values, for a search that has no time to find them.
+    pub fn empty() -> Self {
+        Self { origin: Point::origin(), step: 1.0, size: [2; 3], values: vec![0.0; 8] }
+    }
+
     /// Position (m) of a grid point.
     #[allow(clippy::cast_precision_loss)] // indices are small
     pub fn point(&self, index: usize) -> Point {

@@ -160,7 +160,7 @@ fn link_cover(link: LinkId, ProvenCover { balls, is_cut }: &ProvenCover) -> Link
 }
 
 /// The solids of the links with collision geometry that a cover is about.
-fn solids(robot: &RobotModel, size: &CoverSize) -> Result<Vec<(LinkId, LinkSolid)>, CoverError> {
+pub fn solids(robot: &RobotModel, size: &CoverSize) -> Result<Vec<(LinkId, LinkSolid)>, CoverError> {
     let mut solids = vec![];
     for id in robot.link_ids() {
         if matches!(size, CoverSize::Links(counts) if !counts.iter().any(|(link, _)| *link == id)) {

@@ -9,7 +9,8 @@ use clearance_robot::{MeshFiles, RobotModel, RobotText};
 use crate::ball::Ball;
 use crate::branch_and_bound::Accuracy;
 use crate::containment::Containment;
-use crate::excess::ball_excess;
+use crate::cover_shape::{CoverShape, PosedShape, ShapeSize};
+use crate::excess::{ConvexShape, ball_excess};
 use crate::inner_cover::{InnerCover, uncovered_depth};
 use crate::link_solid::LinkSolid;
 use crate::options::CoverSize;
@@ -17,6 +18,8 @@ use crate::outer_cover::{Aim, BoundedBall, OuterCover, ProvenCover, around, larg
 use crate::primitive_mesh::inscribed_mesh;
 use crate::samples::directions;
 use crate::search_limit::SearchLimit;
+use crate::shape_cover::{shape_excess, shapes_around};
+use crate::shape_fit::ShapeKind;
 use crate::sphere_cover::{inner_sphere_cover, sphere_cover};
 use crate::uncovered_area::uncovered_area;
 
@@ -328,4 +331,72 @@ fn a_stopped_search_keeps_what_is_proven() {
     }
     let inner = inner_sphere_cover(&robot, &CoverSize::PerLink(3), &limit, &|_| ()).unwrap();
     assert!(inner.is_cut() && inner.count() == 0 && inner.links[0].error[1] >= 0.05);
+}
+
+/// Points of a shape's surface and inside of it.
+fn points_of(shape: &CoverShape) -> Vec<Point> {
+    let mut random = fastrand::Rng::with_seed(8);
+    let [low, high] = PosedShape::from(shape).bounds();
+    let posed = PosedShape::from(shape);
+    (0..4000)
+        .map(|_| {
+            // points of a larger box, moved to the shape
+            let p = low + Vector::from_fn(|i, _| (high[i] - low[i]) * (1.6 * random.f64() - 0.3));
+            posed.nearest_point(&p)
+        })
+        .collect()
+}
+
+/// No sampled point of the surface, or inside, is in no shape; no point of a shape is beyond the excess.
+fn assert_shapes(name: &str, solid: &LinkSolid, shapes: &[CoverShape]) {
+    let mut random = fastrand::Rng::with_seed(9);
+    let posed: Vec<PosedShape> = shapes.iter().map(PosedShape::from).collect();
+    let is_in = |p: &Point| posed.iter().any(|shape| (shape.nearest_point(p) - p).norm() < 1e-12);
+    let many = 20_000 / solid.triangles().count() + 1;
+    for triangle in solid.triangles() {
+        for p in points_on(triangle, &mut random, many) {
+            assert!(is_in(&p), "{name}: {p:?} on the surface is in no shape {shapes:?}");
+        }
+    }
+    let [low, high] = solid.bounds();
+    for _ in 0..5000 {
+        let p = low + Vector::from_fn(|i, _| (high[i] - low[i]) * random.f64());
+        assert!(solid.signed_distance(&p) >= 0.0 || is_in(&p), "{name}: {p:?} inside is in no shape");
+    }
+    for shape in shapes {
+        let excess = shape_excess(solid, shape, &SearchLimit::default());
+        let most = points_of(shape).iter().map(|p| solid.signed_distance(p)).fold(0.0, f64::max);
+        assert!(most <= excess.upper && excess.lower <= excess.upper, "{name}: {most} {excess:?}");
+        assert!(excess.lower >= 0.9 * most - 1e-5, "{name}: {most} {excess:?}");
+    }
+}
+
+#[test]
+fn shapes_contain_their_solids() {
+    for (name, solid) in solids().into_iter().skip(2) {
+        for kind in [ShapeKind::Capsule, ShapeKind::Box] {
+            let of = |count: usize, limit: &SearchLimit| shapes_around(&solid, kind, count, limit);
+            let limits = [SearchLimit::default(), SearchLimit::after(0), SearchLimit::after(6000)];
+            for (count, limit) in [3, 1, 3].into_iter().zip(&limits) {
+                let shapes = of(count, limit);
+                assert!((1..=count).contains(&shapes.len()), "{name} {kind:?}");
+                assert_shapes(name, &solid, &shapes);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_turned_box_and_a_capsule_are_found() {
+    let limit = SearchLimit::default();
+    let cuboid = moved(&mesh_of(Primitive::cuboid([0.1, 0.2, 0.3]).unwrap()), Vector::new(0.3, 0.1, -0.2));
+    let solid = LinkSolid::of_meshes(vec![cuboid]).unwrap();
+    let [shape] = shapes_around(&solid, ShapeKind::Box, 1, &limit)[..] else { panic!("one box") };
+    let ShapeSize::Box { half_extents } = shape.size else { panic!("a box") };
+    let volume = 8.0 * half_extents.iter().product::<f64>();
+    assert!((1.0 - 1e-9..1.1).contains(&(volume / 0.006)), "{half_extents:?}");
+    let capsule = moved(&mesh_of(Primitive::capsule(0.05, 0.3).unwrap()), Vector::new(0.3, 0.1, -0.2));
+    let solid = LinkSolid::of_meshes(vec![capsule]).unwrap();
+    let shapes = shapes_around(&solid, ShapeKind::Capsule, 1, &limit);
+    assert!(shape_excess(&solid, &shapes[0], &limit).upper < 0.01, "{shapes:?}");
 }
