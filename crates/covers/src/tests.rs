@@ -273,7 +273,6 @@ fn the_same_solid_gives_the_same_balls() {
     let solid = Arc::new(LinkSolid::of_meshes(vec![bumpy(&mut random)]).unwrap());
     let limit = SearchLimit::default();
     let found: Vec<Vec<BoundedBall>> = std::thread::scope(|scope| {
-        let limit = &limit;
         let runs =
             [0, 1].map(|_| scope.spawn(|| OuterCover::new(&solid, &limit).unwrap().of_count(4, None).balls));
         runs.into_iter().map(|run| run.join().unwrap()).collect()
