@@ -116,7 +116,7 @@ pub use clearance_checker::{
     MotionClearanceOptions, MotionOptions, MotionOrder, MotionReport, MotionVerdict, NearestMoment,
     PairDistance, Question, SettingsError, TrajectoryReport, UndecidedPair, UndecidedReason, Workspace,
 };
-pub use clearance_covers::{CoverSize, sphere_cover};
+pub use clearance_covers::{CoverSize, SearchLimit, sphere_cover};
 pub use clearance_geometry::{Primitive, Shape};
 pub use clearance_motion::{Certificate, MotionSegment, Trajectory, TrajectoryPoint};
 pub use clearance_robot::{

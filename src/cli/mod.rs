@@ -35,6 +35,7 @@ mod recover;
 #[cfg(feature = "ros")]
 mod replay;
 mod run_args;
+mod shapes;
 mod spheres;
 mod state_args;
 mod state_files;

@@ -1,10 +1,12 @@
-//! `clearance spheres`: covers the links of a robot with spheres, or measures a model of spheres.
+//! `clearance spheres`: covers the links of a robot with spheres, capsules or boxes, or measures a model of spheres.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
-use clearance::covers::{self, CoverSize, LinkCover, MeasuredCover, MeasuredLink, SphereCover};
+use clearance::covers::{
+    self, CoverSize, LinkCover, MeasuredCover, MeasuredLink, SearchLimit, ShapeKind, SphereCover,
+};
 use clearance::robot::{LinkId, RobotModel};
 use clearance_files::input_files::{self, DESCRIPTION_LIMIT};
 use clearance_files::readable_text::on_one_line;
@@ -12,11 +14,13 @@ use serde::Serialize;
 
 use super::exit_status::ExitStatus;
 use super::failure::Failure;
+use super::lint::deadline_in;
 use super::model_args::RobotArgs;
 use super::progress::Progress;
 use super::run_args::{Format, internal, positive, print_line};
+use super::shapes;
 
-/// Cover the links of a robot with spheres that are proven to contain them, or measure a model of spheres.
+/// Cover the links of a robot with spheres, capsules or boxes that are proven to contain them, or measure a model of spheres.
 ///
 /// The spheres of a link contain all triangles of its collision geometry and the inside of closed meshes and primitives. The excess is the
 /// largest distance of a point of the spheres from the link: its upper bound is proven.
@@ -25,7 +29,11 @@ use super::run_args::{Format, internal, positive, print_line};
 #[derive(Args)]
 pub struct SpheresArgs {
     #[command(flatten)]
-    robot: RobotArgs,
+    pub robot: RobotArgs,
+
+    /// Kind of the shapes; capsules and boxes need --count, and have no --curobo and --xrdf
+    #[arg(long, value_enum, default_value_t = ShapeArg::Spheres)]
+    shape: ShapeArg,
 
     #[command(flatten)]
     size: SizeArgs,
@@ -33,6 +41,10 @@ pub struct SpheresArgs {
     /// Spheres inside of the links, instead of spheres around them; --excess is then the depth (m) of points that may be left out
     #[arg(long, conflicts_with_all = ["total", "measure"])]
     inner: bool,
+
+    /// End the search after this time, in seconds, with the best spheres that are proven by then
+    #[arg(long, value_name = "SECONDS", conflicts_with = "measure", allow_negative_numbers = true)]
+    deadline: Option<f64>,
 
     /// Write cuRobo's `collision_spheres` to this YAML file
     #[arg(long, value_name = "FILE", conflicts_with = "measure")]
@@ -42,13 +54,21 @@ pub struct SpheresArgs {
     #[arg(long, value_name = "FILE", conflicts_with = "measure")]
     xrdf: Option<PathBuf>,
 
-    /// Write the URDF with the spheres as collision geometry, as VAMP and foam read it
-    #[arg(long, value_name = "FILE", conflicts_with = "measure")]
-    sphere_urdf: Option<PathBuf>,
+    /// Write the URDF with the spheres as collision geometry, as VAMP and foam read it; a capsule is a cylinder and two spheres
+    #[arg(long, visible_alias = "shape-urdf", value_name = "FILE", conflicts_with = "measure")]
+    pub sphere_urdf: Option<PathBuf>,
 
     /// Output format
     #[arg(long, value_enum, default_value_t = Format::Text)]
-    format: Format,
+    pub format: Format,
+}
+
+/// Kinds of shapes.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+enum ShapeArg {
+    Spheres,
+    Capsules,
+    Boxes,
 }
 
 /// How many spheres.
@@ -85,6 +105,8 @@ struct CoverOutput {
     spheres: usize,
     /// Proven bound (m): largest excess of an outer cover, largest depth left out of an inner cover.
     largest_error: f64,
+    /// True if `--deadline` ended the search of a link.
+    ended_by_time: bool,
     seconds: f64,
     links: Vec<LinkOutput>,
 }
@@ -94,6 +116,7 @@ struct LinkOutput {
     link: String,
     /// Lower and upper bound (m).
     error: [f64; 2],
+    ended_by_time: bool,
     /// `[x, y, z, radius]` (m) in the link frame.
     spheres: Vec<[f64; 4]>,
 }
@@ -112,21 +135,34 @@ struct MeasureOutput {
 
 pub fn run(args: &SpheresArgs) -> Result<ExitStatus, Failure> {
     args.size.excess.map(|m| positive("--excess", m)).transpose()?;
+    let deadline = args.deadline.map(|s| positive("--deadline", s)).transpose()?;
     for file in [&args.curobo, &args.xrdf, &args.sphere_urdf].into_iter().flatten() {
         input_files::check_target(file).map_err(Failure::input)?;
     }
     let robot = args.robot.load()?;
-    if let Some(file) = &args.size.measure {
+    if let Some(file) = args.size.measure.as_ref().filter(|_| args.shape == ShapeArg::Spheres) {
         return measure(args, &robot, file);
     }
-    let size = args.cover_size(&robot)?;
     let start = Instant::now();
+    let limit = deadline.and_then(deadline_in).map_or_else(SearchLimit::default, SearchLimit::until);
     let progress = Progress::new(robot.links().iter().filter(|link| !link.collisions.is_empty()).count());
     let on_link = |_: LinkId| progress.piece_done();
+    let kind = match args.shape {
+        ShapeArg::Spheres => None,
+        ShapeArg::Capsules => Some(ShapeKind::Capsule),
+        ShapeArg::Boxes => Some(ShapeKind::Box),
+    };
+    if let Some(kind) = kind {
+        let count = args.count_of_shapes()?;
+        let cover = covers::shape_cover(&robot, kind, count, &limit, &on_link);
+        drop(progress);
+        return shapes::write(args, &robot, kind, &cover.map_err(Failure::input)?);
+    }
+    let size = args.cover_size(&robot)?;
     let cover = if args.inner {
-        covers::inner_sphere_cover(&robot, &size, &on_link)
+        covers::inner_sphere_cover(&robot, &size, &limit, &on_link)
     } else {
-        covers::sphere_cover(&robot, &size, &on_link)
+        covers::sphere_cover(&robot, &size, &limit, &on_link)
     };
     drop(progress);
     let cover = cover.map_err(Failure::input)?;
@@ -148,6 +184,16 @@ impl SpheresArgs {
             (_, _, Some(excess), _) => CoverSize::Excess(*excess),
             (_, _, _, Some(file)) => CoverSize::Links(counts(robot, &self.model_of_spheres(file)?, file)?),
             _ => return Err(Failure::Input("give --count, --total, --excess or --counts-of".to_owned())),
+        })
+    }
+
+    /// The number of capsules or boxes for each link; other options of spheres are rejected.
+    fn count_of_shapes(&self) -> Result<usize, Failure> {
+        let is_for_spheres = self.inner || self.curobo.is_some() || self.xrdf.is_some();
+        self.size.count.filter(|_| !is_for_spheres).ok_or_else(|| {
+            Failure::Input(
+                "capsules and boxes are made with --count, without --inner, --curobo and --xrdf".to_owned(),
+            )
         })
     }
 
@@ -191,8 +237,18 @@ fn counts(robot: &RobotModel, spheres: &RobotModel, file: &Path) -> Result<Vec<(
     with_geometry.map(count).collect()
 }
 
-fn millimetres([lower, upper]: [f64; 2]) -> String {
+pub fn millimetres([lower, upper]: [f64; 2]) -> String {
     format!("{:.2} to {:.2} mm", 1e3 * lower, 1e3 * upper)
+}
+
+/// A line about the links whose search the time has ended.
+pub fn note_of_time(links: usize, what: &str) -> String {
+    match links {
+        0 => String::new(),
+        links => {
+            format!("\nthe time ended the search of {links} links: a longer --deadline may reduce the {what}")
+        }
+    }
 }
 
 fn text(robot: &RobotModel, cover: &SphereCover, inner: bool) -> String {
@@ -202,9 +258,10 @@ fn text(robot: &RobotModel, cover: &SphereCover, inner: bool) -> String {
         format!("{name}: {} spheres, {what} {}\n", link.spheres.len(), millimetres(link.error))
     };
     let lines: String = cover.links.iter().map(line).collect();
+    let note = note_of_time(cover.links.iter().filter(|link| link.is_cut).count(), what);
     let proof = if inner { "proven inside of the links" } else { "proven to contain the links" };
     format!(
-        "{lines}{}: {} spheres, {proof}; {what} at most {:.2} mm, proven",
+        "{lines}{}: {} spheres, {proof}; {what} at most {:.2} mm, proven{note}",
         on_one_line(robot.name()),
         cover.count(),
         1e3 * cover.largest_error(),
@@ -215,6 +272,7 @@ fn json(robot: &RobotModel, cover: &SphereCover, inner: bool, seconds: f64) -> R
     let link = |link: &LinkCover| LinkOutput {
         link: robot.link(link.link).name.clone(),
         error: link.error,
+        ended_by_time: link.is_cut,
         spheres: link.spheres.iter().map(|s| [s.centre.x, s.centre.y, s.centre.z, s.radius]).collect(),
     };
     let output = CoverOutput {
@@ -222,6 +280,7 @@ fn json(robot: &RobotModel, cover: &SphereCover, inner: bool, seconds: f64) -> R
         cover: if inner { "inner" } else { "outer" },
         spheres: cover.count(),
         largest_error: cover.largest_error(),
+        ended_by_time: cover.is_cut(),
         seconds,
         links: cover.links.iter().map(link).collect(),
     };
@@ -231,7 +290,8 @@ fn json(robot: &RobotModel, cover: &SphereCover, inner: bool, seconds: f64) -> R
 /// Exit code 1 if a part of the surface is certainly in no sphere.
 fn measure(args: &SpheresArgs, robot: &RobotModel, file: &Path) -> Result<ExitStatus, Failure> {
     let MeasuredCover { links, unmeasured } =
-        covers::measure_spheres(robot, &args.model_of_spheres(file)?).map_err(Failure::input)?;
+        covers::measure_spheres(robot, &args.model_of_spheres(file)?, &SearchLimit::default())
+            .map_err(Failure::input)?;
     for name in &unmeasured {
         log::warn!(
             "the spheres of link '{name}' are not measured: the robot has no collision geometry there"

@@ -2,8 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use clearance::geometry::math::Point;
 use clearance::robot::RobotModel;
-use clearance::{CoverSize, Primitive, Shape, sphere_cover};
+use clearance::{CoverSize, Primitive, SearchLimit, Shape, covers, sphere_cover};
 use clearance_files::yaml;
 use serde::Deserialize;
 use serde_json::Value;
@@ -161,7 +162,7 @@ fn covers_leave_no_surface_out_and_smaller_spheres_do() {
 fn a_total_is_kept_and_shared() {
     let robot = RobotModel::load(&folder().path("r.urdf"), None, &[]).unwrap();
     let with_geometry = robot.links().iter().filter(|link| !link.collisions.is_empty()).count();
-    let cover = |total| sphere_cover(&robot, &CoverSize::Total(total), &|_| ());
+    let cover = |total| sphere_cover(&robot, &CoverSize::Total(total), &SearchLimit::default(), &|_| ());
     let found = cover(3 * with_geometry).unwrap();
     assert!(found.count() <= 3 * with_geometry && found.links.len() == with_geometry);
     assert!(found.links.iter().all(|link| link.error[0] <= link.error[1]));
@@ -177,10 +178,116 @@ fn bad_sizes_are_rejected() {
         (["--excess", "0"], "--excess must be a finite number above zero"),
         (["--excess", "nan"], "--excess must be a finite number above zero"),
         (["--total", "1"], "too few"),
+        (["--count=1", "--deadline=0"], "--deadline must be a finite number above zero"),
         (["--measure", "r.urdf"], "must be spheres"),
     ] {
         let output = folder.run(&[&["spheres", "--urdf", "r.urdf"], arguments.as_slice()].concat());
         let text = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(output.status.code() == Some(2) && text.contains(message), "{arguments:?}: {text}");
     }
+}
+
+#[test]
+fn a_cover_does_not_depend_on_the_number_of_threads() {
+    let robot = RobotModel::load(&folder().path("r.urdf"), None, &[]).unwrap();
+    for size in [CoverSize::PerLink(3), CoverSize::Total(5), CoverSize::Excess(0.04)] {
+        let files = [1, 4].map(|threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let cover =
+                pool.install(|| sphere_cover(&robot, &size, &SearchLimit::default(), &|_| ())).unwrap();
+            assert!(!cover.is_cut());
+            (covers::curobo_yaml(&robot, &cover), covers::sphere_urdf(&robot, &cover, ROBOT).unwrap())
+        });
+        assert!(files[0] == files[1], "{size:?}");
+    }
+}
+
+#[test]
+fn a_deadline_keeps_the_proof() {
+    let folder = folder();
+    let run = |deadline: &str| {
+        let size = ["spheres", "--urdf", "r.urdf", "--count", "2", "--deadline", deadline];
+        let output = folder.run(&[&size[..], &["--format", "json", "--sphere-urdf", "s.urdf"]].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let measured =
+            folder.run(&["spheres", "--urdf", "r.urdf", "--measure", "s.urdf", "--format", "json"]);
+        let links: Value = serde_json::from_slice(&measured.stdout).unwrap();
+        assert!(links.as_array().unwrap().iter().all(|link| link["uncovered_area"][0] == 0.0), "{links}");
+        report
+    };
+    let (short, long) = (run("1e-9"), run("1e9"));
+    let ended = [&short, &long].map(|report| report["ended_by_time"].as_bool());
+    assert_eq!(ended, [Some(true), Some(false)]);
+    let error = |report: &Value| report["largest_error"].as_f64().unwrap();
+    assert!(error(&short) > error(&long), "{short} {long}");
+    let text = folder.run(&["spheres", "--urdf", "r.urdf", "--excess", "0.001", "--deadline", "1e-9"]);
+    let text = String::from_utf8_lossy(&text.stdout).into_owned();
+    assert!(text.contains("proven to contain the links") && text.contains("the time ended"), "{text}");
+}
+
+/// Points of the collision geometry of `ROBOT`, by link.
+fn points_of_robot() -> BTreeMap<String, Vec<Point>> {
+    let robot = RobotModel::load(&folder().path("r.urdf"), None, &[]).unwrap();
+    let mut random = fastrand::Rng::with_seed(2);
+    let mut points = BTreeMap::new();
+    for link in robot.links() {
+        for collision in &link.collisions {
+            let Shape::Primitive(primitive) = &collision.shape else { panic!("a primitive") };
+            let own: &mut Vec<Point> = points.entry(link.name.clone()).or_default();
+            let random_point =
+                || Point::new(random.f64() - 0.5, random.f64() - 0.5, random.f64() - 0.5) * 0.4;
+            let inside = std::iter::repeat_with(random_point).filter(|p| primitive.signed_distance(p) <= 0.0);
+            own.extend(inside.take(3000).map(|p| collision.pose_ls * p));
+        }
+    }
+    points
+}
+
+#[test]
+fn capsules_and_boxes_contain_the_links() {
+    let (folder, points) = (folder(), points_of_robot());
+    for (shape, count) in [("capsules", "1"), ("capsules", "3"), ("boxes", "1"), ("boxes", "3")] {
+        let arguments = ["spheres", "--urdf", "r.urdf", "--shape", shape, "--count", count];
+        let files = ["--shape-urdf", "s.urdf", "--format", "json"];
+        let output = folder.run(&[&arguments[..], &files[..]].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let excess = report["largest_excess"].as_f64().unwrap();
+        let robot = RobotModel::load(&folder.path("s.urdf"), None, &[]).unwrap();
+        for (name, points) in &points {
+            let collisions = &robot.link(robot.link_by_name(name).unwrap()).collisions;
+            let distance = |p: &Point, collision: &clearance::robot::Collision| match &collision.shape {
+                Shape::Primitive(primitive) => primitive.signed_distance(&(collision.pose_ls.inverse() * p)),
+                _ => panic!("a primitive"),
+            };
+            for p in points {
+                assert!(
+                    collisions.iter().any(|c| distance(p, c) <= 0.0),
+                    "{shape} {name}: {p:?} is in no shape"
+                );
+            }
+            for collision in collisions {
+                let centre = Point::from(collision.pose_ls.translation.vector);
+                let nearest = points.iter().map(|p| (p - centre).norm()).fold(f64::INFINITY, f64::min);
+                assert!(nearest <= excess + 0.03, "{shape} {name}: a centre is {nearest} m away");
+            }
+        }
+        let shapes = report["links"][0]["shapes"].as_array().unwrap();
+        assert!((1..=count.parse().unwrap()).contains(&shapes.len()), "{report}");
+    }
+}
+
+#[test]
+fn options_of_spheres_are_rejected_for_other_shapes() {
+    let folder = folder();
+    for arguments in [["--total", "9"], ["--excess", "0.1"], ["--measure", "r.urdf"]] {
+        let shape = ["spheres", "--urdf", "r.urdf", "--shape", "boxes"];
+        let output = folder.run(&[&shape[..], &arguments[..]].concat());
+        let text = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.code() == Some(2) && text.contains("with --count"), "{text}");
+    }
+    let text = folder.run(&["spheres", "--urdf", "r.urdf", "--shape", "boxes", "--count", "2"]);
+    let text = String::from_utf8_lossy(&text.stdout).into_owned();
+    assert!(text.contains("boxes, proven to contain the links"), "{text}");
 }

@@ -182,7 +182,8 @@ floor.add_box("floor", (20, 20, 2), (0, 0, -1.1 - 1e-8))
 ball, endless = cl.Checker(rail, floor), dict(tolerance=1e-13, budget=10**18)
 calls = {"one edge": lambda: ball.are_edges_free([-4.0], [4.0], **endless), "one motion": lambda: ball.check_motion([-4.0], [4.0], **endless),
          "states": lambda: checker.is_free(q), "distances": lambda: checker.distance(q),
-         "edges": lambda: checker.are_edges_free(q[:20000], other[:20000], tolerance=1e-7)}
+         "edges": lambda: checker.are_edges_free(q[:20000], other[:20000], tolerance=1e-7),
+         "spheres": lambda: robot.sphere_cover(count=100)}
 call = calls[sys.argv[4]]
 assert ball.check_motion([-4.0], [4.0], timeout=0.2, **endless).reason == cl.Reason.DEADLINE
 try:
@@ -195,7 +196,7 @@ print(checker.is_free(q[:1000]).shape)
 """
 
 
-@pytest.mark.parametrize("call", ["states", "distances", "edges", "one edge", "one motion"])
+@pytest.mark.parametrize("call", ["states", "distances", "edges", "one edge", "one motion", "spheres"])
 def test_ctrl_c_ends_a_long_call(call):
     arguments = [sys.executable, "-c", INTERRUPTED, str(URDF), str(SRDF), str(WORLD), call]
     with subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True) as process:

@@ -7,6 +7,7 @@ use clearance_geometry::math::{Extremes, Point, Vector};
 
 use crate::ball::ROUNDING;
 use crate::link_solid::KnownDistance;
+use crate::search_limit::SearchLimit;
 
 /// Bounds on a largest distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,11 +73,11 @@ impl Ord for Cell {
 
 /// Bounds on the largest value in a box of a function that is nowhere larger than `known`; 0 where there is no domain. `value` returns the
 /// value in the cell of all points within a distance from a centre, or `None` if the cell is outside of the domain; it gets the distance that it
-/// has returned for the cell around.
+/// has returned for the cell around. The bounds hold wherever the limit ends the search.
 pub fn maximise(
     [low, high]: [Point; 2],
     known: f64,
-    accuracy: &Accuracy,
+    (accuracy, limit): (&Accuracy, &SearchLimit),
     value: impl Fn(&Point, f64, Option<KnownDistance>) -> Option<CellValue>,
 ) -> DistanceBounds {
     let centre = low + (high - low) * 0.5;
@@ -90,7 +91,10 @@ pub fn maximise(
         if found.upper <= accuracy.enough {
             return found;
         }
-        if gap <= accuracy.absolute.greater(accuracy.relative * found.upper) || cells >= accuracy.most_cells {
+        if gap <= accuracy.absolute.greater(accuracy.relative * found.upper)
+            || cells >= accuracy.most_cells
+            || limit.is_over()
+        {
             return found;
         }
         let half = 0.5 * half;

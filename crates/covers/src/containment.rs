@@ -9,6 +9,7 @@ use clearance_geometry::math::{Extremes, Point, Vector};
 
 use crate::ball::{Ball, ROUNDING};
 use crate::link_solid::LinkSolid;
+use crate::search_limit::SearchLimit;
 
 /// Largest number of cells of one proof about the inside.
 const MOST_CELLS: usize = 400_000;
@@ -21,7 +22,11 @@ pub struct Containment<'s> {
     solid: &'s LinkSolid,
     /// All points of the solid within this distance (m) of the surface are covered, if the surface is.
     margin: f64,
+    limit: &'s SearchLimit,
 }
+
+/// The limit has ended a proof.
+struct Ended;
 
 /// Handler of gaps.
 trait Gaps {
@@ -96,39 +101,43 @@ impl Gaps for Growth {
 
 impl<'s> Containment<'s> {
     /// Proofs about a solid; to the `margin` (m), the chord error is added.
-    pub fn new(solid: &'s LinkSolid, margin: f64) -> Self {
-        Self { solid, margin: margin + solid.chord_error() + 4.0 * ROUNDING }
+    pub fn new(solid: &'s LinkSolid, margin: f64, limit: &'s SearchLimit) -> Self {
+        Self { solid, margin: margin + solid.chord_error() + 4.0 * ROUNDING, limit }
     }
 
     /// Points in gaps, at most [`MOST_GAPS`]. Gaps that a growth of a ball by `tolerance` (m) closes do not count.
     pub fn gaps(&self, balls: &[Ball], tolerance: f64) -> Vec<Point> {
         let smallest = 8.0 * tolerance;
         let mut witnesses = Witnesses { balls, smallest, tolerance, points: vec![] };
-        self.visit_surface(&mut witnesses);
-        if witnesses.points.is_empty() {
-            self.visit_inside(&mut witnesses, smallest);
+        // gaps guide the search: those that are found before the limit are good ones, too
+        if self.visit_surface(&mut witnesses).is_ok() && witnesses.points.is_empty() {
+            let _ = self.visit_inside(&mut witnesses, smallest);
         }
         witnesses.points
     }
 
     /// Enlarges balls until they contain the solid. Gaps are closed without further splits if that takes at most `tolerance` (m).
-    pub fn close(&self, balls: &[Ball], tolerance: f64) -> Vec<Ball> {
+    /// `None` if the limit ends the proof.
+    pub fn close(&self, balls: &[Ball], tolerance: f64) -> Option<Vec<Ball>> {
         let depths: Vec<f64> = balls.iter().map(|ball| self.solid.signed_distance(&ball.centre)).collect();
         let smallest = tolerance.lesser(0.25 * self.margin);
         let radii = balls.iter().map(|ball| ball.radius).collect();
         let (balls, margin) = (balls.to_vec(), self.margin);
         let mut growth = Growth { balls, radii, depths, smallest, margin, tolerance };
-        self.visit_surface(&mut growth);
+        self.visit_surface(&mut growth).ok()?;
         growth.margin = 0.0;
-        self.visit_inside(&mut growth, 0.0);
-        growth.balls
+        self.visit_inside(&mut growth, 0.0).ok()?;
+        Some(growth.balls)
     }
 
-    fn visit_surface(&self, gaps: &mut impl Gaps) {
+    fn visit_surface(&self, gaps: &mut impl Gaps) -> Result<(), Ended> {
         let mut open = vec![];
         for triangle in self.solid.triangles() {
             open.push(triangle.corners());
             while let Some(corners) = open.pop() {
+                if self.limit.is_over() {
+                    return Err(Ended);
+                }
                 if is_in_one(gaps.balls(), &corners, self.margin) {
                     continue;
                 }
@@ -142,12 +151,13 @@ impl<'s> Containment<'s> {
                 }
             }
         }
+        Ok(())
     }
 
     /// The surface must be covered by the margin. Cells at the surface are not split below `smallest` (m).
-    fn visit_inside(&self, gaps: &mut impl Gaps, smallest: f64) {
+    fn visit_inside(&self, gaps: &mut impl Gaps, smallest: f64) -> Result<(), Ended> {
         if !self.solid.has_inside() {
-            return;
+            return Ok(());
         }
         let [low, high] = self.solid.bounds();
         let middle = low + (high - low) * 0.5;
@@ -157,6 +167,9 @@ impl<'s> Containment<'s> {
         let near = self.margin - self.solid.chord_error();
         let mut cells = 0;
         while let Some((centre, half, around)) = open.pop() {
+            if self.limit.is_over() {
+                return Err(Ended);
+            }
             cells += 1;
             let reach = half * 3.0_f64.sqrt() + ROUNDING;
             let corners = corners(&centre, half);
@@ -181,6 +194,7 @@ impl<'s> Containment<'s> {
                 open.extend(self::corners(&centre, quarter).map(|child| (child, quarter, (centre, signed))));
             }
         }
+        Ok(())
     }
 }
 

@@ -6,6 +6,7 @@ use std::collections::BinaryHeap;
 use clearance_geometry::math::Point;
 
 use crate::ball::Ball;
+use crate::search_limit::SearchLimit;
 
 /// Largest number of uncovered points that decide which candidate is added.
 const MOST_COUNTED: usize = 96;
@@ -19,6 +20,7 @@ pub struct CoverSearch<'p> {
     /// Number of words of a candidate.
     words: usize,
     random: fastrand::Rng,
+    limit: &'p SearchLimit,
 }
 
 /// Chosen candidates with the coverage of the points.
@@ -35,7 +37,7 @@ struct State {
 
 impl<'p> CoverSearch<'p> {
     /// A search over `candidates`.
-    pub fn new(points: &'p [Point], candidates: Vec<Ball>) -> Self {
+    pub fn new(points: &'p [Point], candidates: Vec<Ball>, limit: &'p SearchLimit) -> Self {
         let words = points.len().div_ceil(64);
         let mut bits = vec![0; words * candidates.len()];
         for (ball, row) in candidates.iter().zip(bits.chunks_exact_mut(words.max(1))) {
@@ -43,7 +45,7 @@ impl<'p> CoverSearch<'p> {
                 *word = points.iter().rev().fold(0, |word, p| word << 1 | u64::from(ball.contains(p, 0.0)));
             }
         }
-        Self { points, candidates, bits, words, random: fastrand::Rng::with_seed(11) }
+        Self { points, candidates, bits, words, random: fastrand::Rng::with_seed(11), limit }
     }
 
     fn row(&self, candidate: usize) -> &[u64] {
@@ -63,7 +65,7 @@ impl<'p> CoverSearch<'p> {
         })
     }
 
-    /// A cover by at most `count` candidates, if one is found in `steps` steps of local search. Without a count: the smallest that is found.
+    /// A cover by at most `count` candidates, if one is found in `steps` steps of local search, before the limit ends it. Without a count: the smallest that is found.
     pub fn find(&mut self, count: Option<usize>, steps: usize) -> Option<Vec<Ball>> {
         let mut best = self.greedy()?;
         if count.is_some_and(|count| best.len() <= count) {
@@ -83,7 +85,7 @@ impl<'p> CoverSearch<'p> {
                 continue;
             }
             idle += 1;
-            if idle > steps || step > 8 * steps || state.chosen.is_empty() {
+            if idle > steps || step > 8 * steps || state.chosen.is_empty() || self.limit.is_over() {
                 break;
             }
             self.swap(&mut state, step);
@@ -108,6 +110,9 @@ impl<'p> CoverSearch<'p> {
             (0..self.candidates.len()).map(|i| (gain(i, &open), std::cmp::Reverse(i))).collect();
         let mut chosen = vec![];
         while open.iter().any(|word| *word != 0) {
+            if self.limit.is_over() {
+                return None;
+            }
             let (_, std::cmp::Reverse(candidate)) = heap.pop()?;
             let gained = gain(candidate, &open);
             let next = heap.peek().map_or(0, |(gain, _)| *gain);

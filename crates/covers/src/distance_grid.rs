@@ -3,6 +3,7 @@
 use clearance_geometry::math::{Extremes, Point, Vector};
 
 use crate::link_solid::LinkSolid;
+use crate::search_limit::SearchLimit;
 
 /// Largest number of grid points.
 const MOST_POINTS: f64 = 120_000.0;
@@ -24,8 +25,8 @@ pub struct DistanceGrid {
 }
 
 impl DistanceGrid {
-    /// A grid over the box around a solid, and a border.
-    pub fn new(solid: &LinkSolid) -> Self {
+    /// A grid over the box around a solid, and a border; `None` if the limit ends before.
+    pub fn new(solid: &LinkSolid, limit: &SearchLimit) -> Option<Self> {
         let [low, high] = solid.bounds();
         // a flat or tiny solid still gets a grid
         let border = BORDER * (high - low).norm() + 1e-6;
@@ -37,6 +38,9 @@ impl DistanceGrid {
         let mut grid = Self { origin, step, size, values: vec![0.0; size.iter().product()] };
         let mut row_start = None;
         for row in 0..size[1] * size[2] {
+            if limit.is_over() {
+                return None;
+            }
             let first = grid.point(row * size[0]);
             let mut known = match row_start {
                 Some(known) => (first, solid.signed_distance_near(&first, known)),
@@ -49,7 +53,12 @@ impl DistanceGrid {
                 grid.values[row * size[0] + x] = known.1;
             }
         }
-        grid
+        Some(grid)
+    }
+
+    /// A grid without values, for a search that has no time to find them.
+    pub fn empty() -> Self {
+        Self { origin: Point::origin(), step: 1.0, size: [2; 3], values: vec![0.0; 8] }
     }
 
     /// Position (m) of a grid point.

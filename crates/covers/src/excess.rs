@@ -5,6 +5,7 @@ use clearance_geometry::math::{Extremes, Point, Vector};
 use crate::ball::{Ball, ROUNDING};
 use crate::branch_and_bound::{Accuracy, CellValue, DistanceBounds, maximise};
 use crate::link_solid::LinkSolid;
+use crate::search_limit::SearchLimit;
 
 /// A convex shape whose excess is bounded.
 pub trait ConvexShape {
@@ -28,19 +29,24 @@ impl ConvexShape for Ball {
 }
 
 /// Bounds on the excess of a ball. A ball of radius r around a point at depth e reaches at most r − e out.
-pub fn ball_excess(solid: &LinkSolid, ball: &Ball, accuracy: &Accuracy) -> DistanceBounds {
+pub fn ball_excess(
+    solid: &LinkSolid,
+    ball: &Ball,
+    accuracy: &Accuracy,
+    limit: &SearchLimit,
+) -> DistanceBounds {
     let simple = (ball.radius + solid.signed_distance(&ball.centre) + ROUNDING).greater(0.0);
-    excess(solid, ball, accuracy, simple)
+    excess(solid, ball, (accuracy, limit), simple)
 }
 
 /// Bounds on the excess of a convex shape that is known to be at most `known` (m).
 pub fn excess(
     solid: &LinkSolid,
     shape: &impl ConvexShape,
-    accuracy: &Accuracy,
+    until: (&Accuracy, &SearchLimit),
     known: f64,
 ) -> DistanceBounds {
-    maximise(shape.bounds(), known, accuracy, |centre, reach, around| {
+    maximise(shape.bounds(), known, until, |centre, reach, around| {
         let inner = shape.nearest_point(centre);
         // the projection on a convex shape brings points not farther apart: the shape's points in the cell are within `reach` of `inner`
         if (inner - centre).norm() > reach + ROUNDING {

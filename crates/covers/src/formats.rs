@@ -1,10 +1,13 @@
-//! Files of sphere covers for other programs. Lengths in metres, coordinates in the link frames.
+//! Files of covers for other programs. Lengths in metres, coordinates in the link frames.
 
+mod collision_elements;
 mod curobo_yaml;
+mod shape_urdf;
 mod sphere_urdf;
 mod text;
 mod xrdf;
 
 pub use curobo_yaml::curobo_yaml;
+pub use shape_urdf::shape_urdf;
 pub use sphere_urdf::sphere_urdf;
 pub use xrdf::xrdf;

@@ -11,6 +11,7 @@ use crate::distance_grid::DistanceGrid;
 use crate::link_solid::LinkSolid;
 use crate::offset_balls::largest_balls;
 use crate::samples::inner_points;
+use crate::search_limit::SearchLimit;
 
 /// Largest number of candidate balls.
 const CANDIDATES: usize = 3000;
@@ -28,17 +29,19 @@ pub struct InnerCover<'s> {
     solid: &'s LinkSolid,
     grid: DistanceGrid,
     candidates: Vec<Ball>,
+    limit: &'s SearchLimit,
 }
 
 impl<'s> InnerCover<'s> {
-    pub fn new(solid: &'s LinkSolid) -> Self {
-        let grid = DistanceGrid::new(solid);
+    /// `None` if the limit ends before.
+    pub fn new(solid: &'s LinkSolid, limit: &'s SearchLimit) -> Option<Self> {
+        let grid = DistanceGrid::new(solid, limit)?;
         let inside = |ball: &Ball| {
             let radius = -solid.signed_distance(&ball.centre) - ROUNDING;
             (radius > 0.0).then_some(Ball { centre: ball.centre, radius })
         };
         let candidates = largest_balls(&grid, 0.0, CANDIDATES).iter().filter_map(inside).collect();
-        Self { solid, grid, candidates }
+        Some(Self { solid, grid, candidates, limit })
     }
 
     /// At most `count` balls inside; points deep inside are in one of them. Empty if nothing is inside.
@@ -47,6 +50,9 @@ impl<'s> InnerCover<'s> {
         let (mut low, mut high) = (1e-3 * deepest, deepest);
         let mut best: Vec<Ball> = self.deepest().into_iter().collect();
         for _ in 0..12 {
+            if self.limit.is_over() {
+                break;
+            }
             let middle = 0.5 * (low + high);
             match self.search(&inner_points(&self.grid, middle), Some(count)) {
                 Some(balls) => (high, best) = (middle, balls),
@@ -56,16 +62,17 @@ impl<'s> InnerCover<'s> {
         best
     }
 
-    /// Few balls inside, such that points deeper than `depth` (m) are in one of them. Proven unless [`MOST_ADDED`] balls do not suffice.
+    /// Few balls inside, such that points deeper than `depth` (m) are in one of them. Proven unless [`MOST_ADDED`] balls do not
+    /// suffice or the limit ends the search.
     pub fn of_depth(&self, depth: f64) -> Vec<Ball> {
         let mut points = inner_points(&self.grid, 0.95 * depth);
-        let mut balls = self.search(&points, None).unwrap_or_default();
+        let mut balls = self.search(&points, None).unwrap_or_else(|| self.deepest().into_iter().collect());
         if self.candidates.is_empty() {
             return balls;
         }
         for number in 0..MOST_ADDED {
-            let left = uncovered_depth(self.solid, &balls, &ADDED);
-            if left.upper <= depth {
+            let left = uncovered_depth(self.solid, &balls, &ADDED, self.limit);
+            if left.upper <= depth || self.limit.is_over() {
                 break;
             }
             if number < MOST_SEARCHES {
@@ -99,14 +106,19 @@ impl<'s> InnerCover<'s> {
         if points.is_empty() {
             return Some(self.deepest().into_iter().collect());
         }
-        CoverSearch::new(points, self.candidates.clone()).find(count, 300)
+        CoverSearch::new(points, self.candidates.clone(), self.limit).find(count, 300)
     }
 }
 
 /// Bounds on the largest depth (m) of a point inside the solid that is in no ball: a ball of this radius around it lies inside.
-pub fn uncovered_depth(solid: &LinkSolid, balls: &[Ball], accuracy: &Accuracy) -> DistanceBounds {
+pub fn uncovered_depth(
+    solid: &LinkSolid,
+    balls: &[Ball],
+    accuracy: &Accuracy,
+    limit: &SearchLimit,
+) -> DistanceBounds {
     let known = if solid.has_inside() { 0.5 * solid.extent() } else { 0.0 };
-    maximise(solid.bounds(), known, accuracy, |centre, reach, around| {
+    maximise(solid.bounds(), known, (accuracy, limit), |centre, reach, around| {
         let is_covered = balls.iter().any(|ball| ball.slack(centre) >= reach + ROUNDING);
         if is_covered {
             return None;

@@ -1,11 +1,12 @@
-//! Covers of the links of a robot by spheres, with proven errors.
+//! Covers of the links of a robot by spheres, capsules and boxes, with proven errors.
 //!
 //! | question | function |
 //! |---|---|
 //! | which spheres contain the robot, and how far do they reach out? | [`sphere_cover`] |
 //! | which spheres lie inside of the robot, and how deep is the rest? | [`inner_sphere_cover`] |
 //! | how good is a model of spheres? | [`measure_spheres`] |
-//! | files for cuRobo, Isaac and VAMP | [`curobo_yaml`], [`xrdf`], [`sphere_urdf`] |
+//! | which capsules or boxes contain the robot? | [`shape_cover`] |
+//! | files for cuRobo, Isaac and VAMP | [`curobo_yaml`], [`xrdf`], [`sphere_urdf`], [`shape_urdf`] |
 //!
 //! The search is approximate: signed distances on a grid, set cover, refinement. The result is proven: `containment` proves that the spheres
 //! contain the solid, `excess` bounds how far they reach out.
@@ -13,10 +14,11 @@
 //! | content | file |
 //! |---|---|
 //! | the geometry of a link as a solid, distances from it | `link_solid`, `triangle_tree`, `primitive_mesh` |
-//! | search of few balls | `distance_grid`, `offset_balls`, `samples`, `cover_search`, `refinement` |
+//! | search of few balls, and its end by time | `distance_grid`, `offset_balls`, `samples`, `cover_search`, `refinement`; `search_limit` |
+//! | capsules and boxes around parts of a solid | `cover_shape`, `link_parts`, `shape_fit` |
 //! | proofs | `containment`, `excess`, `uncovered_area`, `branch_and_bound` |
 //! | covers of one solid | `outer_cover`, `inner_cover` |
-//! | covers of a robot | `sphere_cover`, `measured_cover`, `formats` |
+//! | covers of a robot | `sphere_cover`, `shape_cover`, `measured_cover`, `formats` |
 
 #![deny(missing_docs)]
 // minimum and maximum of floating-point numbers, see `math/extremes.rs` of clearance-geometry
@@ -26,10 +28,12 @@ mod ball;
 mod branch_and_bound;
 mod containment;
 mod cover_search;
+mod cover_shape;
 mod distance_grid;
 mod excess;
 mod formats;
 mod inner_cover;
+mod link_parts;
 mod link_solid;
 mod measured_cover;
 mod offset_balls;
@@ -38,14 +42,21 @@ mod outer_cover;
 mod primitive_mesh;
 mod refinement;
 mod samples;
+mod search_limit;
+mod shape_cover;
+mod shape_fit;
 mod sphere_cover;
 #[cfg(test)]
 mod tests;
 mod triangle_tree;
 mod uncovered_area;
 
-pub use formats::{curobo_yaml, sphere_urdf, xrdf};
+pub use cover_shape::{CoverShape, ShapeSize};
+pub use formats::{curobo_yaml, shape_urdf, sphere_urdf, xrdf};
 pub use measured_cover::{MeasuredCover, MeasuredLink, measure_spheres};
 pub use options::{CoverError, CoverSize};
+pub use search_limit::SearchLimit;
+pub use shape_cover::{LinkShapes, ShapeCover, shape_cover};
+pub use shape_fit::ShapeKind;
 pub use sphere_cover::{CoverSphere, LinkCover, SphereCover, inner_sphere_cover, sphere_cover};
 pub use uncovered_area::UncoveredArea;

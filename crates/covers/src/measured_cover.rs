@@ -10,6 +10,7 @@ use crate::branch_and_bound::{Accuracy, DistanceBounds};
 use crate::excess::ball_excess;
 use crate::link_solid::LinkSolid;
 use crate::options::CoverError;
+use crate::search_limit::SearchLimit;
 use crate::sphere_cover::solid_of;
 use crate::uncovered_area::{UncoveredArea, uncovered_area};
 
@@ -38,11 +39,16 @@ pub struct MeasuredCover {
     pub unmeasured: Vec<String>,
 }
 
-/// Measures the spheres of `spheres`, a model with the link names of `robot`, beside the collision geometry of `robot`.
+/// Measures the spheres of `spheres`, a model with the link names of `robot`, beside the collision geometry of `robot`. If the limit ends the
+/// measurement, the bounds hold and are wide.
 ///
 /// # Errors
 /// If a link of `spheres` has collision geometry other than spheres, or a link of `robot` has geometry that cannot be covered.
-pub fn measure_spheres(robot: &RobotModel, spheres: &RobotModel) -> Result<MeasuredCover, CoverError> {
+pub fn measure_spheres(
+    robot: &RobotModel,
+    spheres: &RobotModel,
+    limit: &SearchLimit,
+) -> Result<MeasuredCover, CoverError> {
     let mut links = vec![];
     for id in robot.link_ids() {
         if let Some(solid) = solid_of(robot, id)? {
@@ -54,16 +60,16 @@ pub fn measure_spheres(robot: &RobotModel, spheres: &RobotModel) -> Result<Measu
     };
     let with_spheres = spheres.links().iter().filter(|link| !link.collisions.is_empty());
     let unmeasured = with_spheres.map(|link| link.name.clone()).filter(|name| !is_measured(name)).collect();
-    let links = links.par_iter().map(|(link, solid, balls)| measured(*link, solid, balls)).collect();
+    let links = links.par_iter().map(|(link, solid, balls)| measured(*link, solid, balls, limit)).collect();
     Ok(MeasuredCover { links, unmeasured })
 }
 
-fn measured(link: LinkId, solid: &LinkSolid, balls: &[Ball]) -> MeasuredLink {
+fn measured(link: LinkId, solid: &LinkSolid, balls: &[Ball], limit: &SearchLimit) -> MeasuredLink {
     let excesses: Vec<DistanceBounds> =
-        balls.iter().map(|ball| ball_excess(solid, ball, &ACCURACY)).collect();
+        balls.iter().map(|ball| ball_excess(solid, ball, &ACCURACY, limit)).collect();
     let largest = |of: fn(&DistanceBounds) -> f64| excesses.iter().map(of).fold(0.0, Extremes::greater);
     let excess = [largest(|e| e.lower), largest(|e| e.upper)];
-    MeasuredLink { link, spheres: balls.len(), uncovered: uncovered_area(solid, balls), excess }
+    MeasuredLink { link, spheres: balls.len(), uncovered: uncovered_area(solid, balls, limit), excess }
 }
 
 /// The spheres of a link; none if the link does not exist.

@@ -140,12 +140,14 @@ mod tests {
     use super::*;
     use crate::link_solid::LinkSolid;
     use crate::primitive_mesh::inscribed_mesh;
+    use crate::search_limit::SearchLimit;
     use clearance_geometry::Primitive;
 
     #[test]
     fn the_transform_finds_the_nearest_outside_point() {
         let (mesh, _) = inscribed_mesh(&Primitive::cuboid([0.1, 0.2, 0.3]).unwrap()).unwrap();
-        let mut grid = DistanceGrid::new(&LinkSolid::of_meshes(vec![mesh]).unwrap());
+        let solid = LinkSolid::of_meshes(vec![mesh]).unwrap();
+        let mut grid = DistanceGrid::new(&solid, &SearchLimit::default()).unwrap();
         // fewer points, random outside
         (grid.size, grid.step) = ([7, 6, 5], 1.0);
         let mut random = fastrand::Rng::with_seed(3);

@@ -2,7 +2,7 @@
 
 use clearance_geometry::math::{Extremes, Point};
 
-use crate::ball::Ball;
+use crate::ball::{Ball, ROUNDING};
 use crate::branch_and_bound::{Accuracy, DistanceBounds};
 use crate::containment::Containment;
 use crate::cover_search::CoverSearch;
@@ -12,6 +12,7 @@ use crate::link_solid::LinkSolid;
 use crate::offset_balls::largest_balls;
 use crate::refinement::{Refined, Refinement};
 use crate::samples::{inner_points, surface_points, thinned};
+use crate::search_limit::SearchLimit;
 
 /// Largest number of candidate balls.
 const CANDIDATES: usize = 2500;
@@ -31,6 +32,12 @@ const FINE: f64 = 4.0;
 /// Largest number of searches for one excess.
 const MOST_ATTEMPTS: usize = 10;
 
+/// Part of the time that is left for a search; the rest is for its proof.
+const SEARCH_TIME: f64 = 0.6;
+
+/// Number of bisections of a quick search.
+const QUICK: usize = 6;
+
 /// A ball with proven bounds on its excess.
 pub type BoundedBall = (Ball, DistanceBounds);
 
@@ -40,13 +47,32 @@ pub struct OuterCover<'s> {
     grid: DistanceGrid,
     surface: Vec<Point>,
     spacing: f64,
+    limit: &'s SearchLimit,
+}
+
+/// What is searched.
+#[derive(Clone, Copy, Debug)]
+pub enum Aim {
+    /// At most this many balls, with little excess.
+    Count(usize),
+    /// Few balls, with at most this excess (m).
+    Excess(f64),
+}
+
+/// A cover that contains its solid for sure.
+#[derive(Clone, Debug)]
+pub struct ProvenCover {
+    pub balls: Vec<BoundedBall>,
+    /// True if the limit has ended the search.
+    pub is_cut: bool,
 }
 
 impl<'s> OuterCover<'s> {
-    pub fn new(solid: &'s LinkSolid) -> Self {
-        let grid = DistanceGrid::new(solid);
+    /// `None` if the limit ends before.
+    pub fn new(solid: &'s LinkSolid, limit: &'s SearchLimit) -> Option<Self> {
+        let grid = DistanceGrid::new(solid, limit)?;
         let (surface, spacing) = surface_points(solid);
-        Self { solid, grid, surface, spacing }
+        Some(Self { solid, grid, surface, spacing, limit })
     }
 
     /// Length (m) of the diagonal of the box around the solid.
@@ -56,20 +82,51 @@ impl<'s> OuterCover<'s> {
 
     /// Number of balls that a quick search needs for an excess (m).
     pub fn quick_count(&self, excess: f64) -> usize {
-        self.search(excess, None, 0).map_or(usize::MAX / 4096, |balls| balls.len())
+        self.search(excess, None, 0, self.limit).map_or(usize::MAX / 4096, |balls| balls.len())
     }
 
-    /// At most `count` balls that contain the solid, with little excess.
-    pub fn of_count(&self, count: usize) -> Vec<BoundedBall> {
-        self.finish(self.best_of_count(count, None))
+    /// A cover by a quick search; `None` if none is found and proven before the limit.
+    pub fn quick(&self, aim: Aim) -> Option<Vec<BoundedBall>> {
+        let balls = match aim {
+            Aim::Count(1) => self.around(),
+            Aim::Count(count) => self.bisect(count, None, (QUICK, 0), self.limit),
+            Aim::Excess(excess) => self.search(0.9 * excess, None, 0, self.limit)?,
+        };
+        let excess = self.refinement(0.0).largest_excess(&balls);
+        let margin = self.margin(excess);
+        self.closed(&Containment::new(self.solid, margin, self.limit), &balls, margin)
     }
 
-    /// Few balls that contain the solid with an excess of at most `excess` (m); `None` if none are found.
-    pub fn of_excess(&self, excess: f64) -> Option<Vec<BoundedBall>> {
+    /// At most `count` balls that contain the solid, with little excess. If the limit ends the search, `known` or a better cover.
+    pub fn of_count(&self, count: usize, known: Option<Vec<BoundedBall>>) -> ProvenCover {
+        let limit = self.limit.part(SEARCH_TIME);
+        let found = self.best_of_count(count, None, &limit);
+        let found = self.finish(found);
+        let is_cut = limit.is_over() || self.limit.is_over();
+        let balls = match (found, known) {
+            (Some(found), Some(known)) if is_cut && largest_excess(&known) < largest_excess(&found) => known,
+            (Some(found), _) => found,
+            (None, known) => known.unwrap_or_else(|| around(self.solid, self.limit)),
+        };
+        ProvenCover { balls, is_cut }
+    }
+
+    /// Few balls that contain the solid with an excess of at most `excess` (m); `None` if none are found. If the limit ends the search, `known`
+    /// or a better cover.
+    pub fn of_excess(&self, excess: f64, known: Option<Vec<BoundedBall>>) -> Option<ProvenCover> {
+        let found = self.search_excess(excess);
+        if !self.limit.is_over() {
+            return found.map(|balls| ProvenCover { balls, is_cut: false });
+        }
+        let known = known.unwrap_or_else(|| around(self.solid, self.limit));
+        Some(ProvenCover { balls: found.unwrap_or(known), is_cut: true })
+    }
+
+    fn search_excess(&self, excess: f64) -> Option<Vec<BoundedBall>> {
         let mut aim = 0.96 * excess;
         let mut cover = None;
         for _ in 0..MOST_ATTEMPTS {
-            let found = self.finish(self.refine(&self.search(aim, None, 300)?));
+            let found = self.finish(self.refine(&self.search(aim, None, 300, self.limit)?, self.limit))?;
             let reached = largest_excess(&found);
             if reached <= excess {
                 cover = Some(found);
@@ -83,11 +140,10 @@ impl<'s> OuterCover<'s> {
             if cover.len() < 2 || largest_excess(&cover) > 0.94 * excess {
                 break;
             }
-            let fewer = self.finish(self.best_of_count(cover.len() - 1, Some(excess)));
-            if largest_excess(&fewer) > excess {
-                break;
+            match self.finish(self.best_of_count(cover.len() - 1, Some(excess), self.limit)) {
+                Some(fewer) if largest_excess(&fewer) <= excess => cover = fewer,
+                _ => break,
             }
-            cover = fewer;
         }
         Some(cover)
     }
@@ -104,42 +160,68 @@ impl<'s> OuterCover<'s> {
         points
     }
 
-    fn search(&self, excess: f64, count: Option<usize>, steps: usize) -> Option<Vec<Ball>> {
+    fn search(
+        &self,
+        excess: f64,
+        count: Option<usize>,
+        steps: usize,
+        limit: &SearchLimit,
+    ) -> Option<Vec<Ball>> {
         let points = self.points();
         let mut candidates = largest_balls(&self.grid, excess, CANDIDATES);
         if excess < FINE * self.grid.step {
             // balls around points of the surface have no more excess than their radius
             candidates.extend(self.surface.iter().map(|p| Ball { centre: *p, radius: excess }));
         }
-        CoverSearch::new(&points, candidates).find(count, steps)
+        CoverSearch::new(&points, candidates, limit).find(count, steps)
     }
 
-    fn refine(&self, balls: &[Ball]) -> Refined {
-        Refinement::new(&self.grid, 0.0).refine(balls, &self.points(), 12)
+    fn refine(&self, balls: &[Ball], limit: &SearchLimit) -> Refined {
+        Refinement::new(&self.grid, 0.0, limit).refine(balls, &self.points(), 12)
     }
 
-    /// Balls with the smallest excess that is found, by bisection of the excess of the candidates. `known` is an excess (m) that is likely
-    /// to be possible.
-    fn best_of_count(&self, count: usize, known: Option<f64>) -> Refined {
+    fn refinement(&self, margin: f64) -> Refinement<'_> {
+        Refinement::new(&self.grid, margin, self.limit)
+    }
+
+    /// Margin (m) of the proof for balls of this excess (m).
+    fn margin(&self, excess: f64) -> f64 {
+        MARGIN * excess.greater(1e-4 * self.solid.extent())
+    }
+
+    /// At most `count` balls that contain the sample points, by bisection of the excess of the candidates. `known` is an excess (m) that is
+    /// likely to be possible.
+    fn bisect(
+        &self,
+        count: usize,
+        known: Option<f64>,
+        (bisections, steps): (usize, usize),
+        limit: &SearchLimit,
+    ) -> Vec<Ball> {
         let mut low = 1e-4 * self.solid.extent() + 1e-9;
         let mut high = 0.5 * self.solid.extent() + 2e-9;
         let mut balls = self.around();
         let mut first = known;
-        for _ in 0..if count == 1 { 0 } else { 12 } {
-            if high < 1.04 * low {
+        for _ in 0..if count == 1 { 0 } else { bisections } {
+            if high < 1.04 * low || limit.is_over() {
                 break;
             }
             let middle = first.take().unwrap_or_else(|| (low * high).sqrt());
-            match self.search(middle, Some(count), 150) {
+            match self.search(middle, Some(count), steps, limit) {
                 Some(found) => (high, balls) = (middle, found),
                 None => low = middle,
             }
         }
-        let mut best = self.refine(&balls);
+        balls
+    }
+
+    /// Balls with the smallest excess that is found. `known` is an excess (m) that is likely to be possible.
+    fn best_of_count(&self, count: usize, known: Option<f64>, limit: &SearchLimit) -> Refined {
+        let mut best = self.refine(&self.bisect(count, known, (12, 150), limit), limit);
         // a single ball is found by refinement
         for _ in 0..if count == 1 { 0 } else { 6 } {
-            let Some(found) = self.search(0.96 * best.excess, Some(count), 1000) else { break };
-            let refined = self.refine(&found);
+            let Some(found) = self.search(0.96 * best.excess, Some(count), 1000, limit) else { break };
+            let refined = self.refine(&found, limit);
             if refined.excess > 0.995 * best.excess {
                 break;
             }
@@ -148,12 +230,12 @@ impl<'s> OuterCover<'s> {
         best
     }
 
-    /// Proven cover from one that contains the sample points.
-    fn finish(&self, refined: Refined) -> Vec<BoundedBall> {
-        let margin = MARGIN * refined.excess.greater(1e-4 * self.solid.extent());
-        let containment = Containment::new(self.solid, margin);
+    /// Proven cover from one that contains the sample points; `None` if the limit ends the proof.
+    fn finish(&self, refined: Refined) -> Option<Vec<BoundedBall>> {
+        let margin = self.margin(refined.excess);
+        let containment = Containment::new(self.solid, margin, self.limit);
         let mut points = self.points();
-        let mut best = self.closed(&containment, &refined.balls, margin);
+        let mut best = self.closed(&containment, &refined.balls, margin)?;
         let mut balls = refined.balls;
         for _ in 0..if balls.len() > MANY { 2 } else { 4 } {
             let gaps = containment.gaps(&balls, 2.0 * margin);
@@ -161,18 +243,18 @@ impl<'s> OuterCover<'s> {
                 break;
             }
             points.extend(thinned(gaps.into_iter(), 0.5 * self.spacing));
-            balls = Refinement::new(&self.grid, 2.0 * margin).refine(&balls, &points, 4).balls;
-            let closed = self.closed(&containment, &balls, margin);
+            balls = self.refinement(2.0 * margin).refine(&balls, &points, 4).balls;
+            let Some(closed) = self.closed(&containment, &balls, margin) else { break };
             if largest_excess(&closed) < largest_excess(&best) {
                 best = closed;
             }
         }
-        best
+        Some(best)
     }
 
-    fn closed(&self, containment: &Containment, balls: &[Ball], tolerance: f64) -> Vec<BoundedBall> {
-        let balls = containment.close(balls, tolerance);
-        let estimate = Refinement::new(&self.grid, 0.0);
+    fn closed(&self, containment: &Containment, balls: &[Ball], tolerance: f64) -> Option<Vec<BoundedBall>> {
+        let balls = containment.close(balls, tolerance)?;
+        let estimate = self.refinement(0.0);
         let estimates: Vec<f64> = balls.iter().map(|ball| estimate.excess(ball, f64::INFINITY)).collect();
         let mut order: Vec<usize> = (0..balls.len()).collect();
         order.sort_by(|i, j| estimates[*j].total_cmp(&estimates[*i]).then(i.cmp(j)));
@@ -180,12 +262,20 @@ impl<'s> OuterCover<'s> {
         let mut accuracy = ACCURACY;
         let mut cover: Vec<Option<BoundedBall>> = vec![None; balls.len()];
         for i in order {
-            let bounds = ball_excess(self.solid, &balls[i], &accuracy);
+            let bounds = ball_excess(self.solid, &balls[i], &accuracy, self.limit);
             accuracy.enough = accuracy.enough.greater(bounds.lower);
             cover[i] = Some((balls[i], bounds));
         }
-        cover.into_iter().flatten().collect()
+        Some(cover.into_iter().flatten().collect())
     }
+}
+
+/// The ball around the box of a solid, which contains the solid.
+pub fn around(solid: &LinkSolid, limit: &SearchLimit) -> Vec<BoundedBall> {
+    let [low, high] = solid.bounds();
+    let radius = 0.5 * (high - low).norm() + 4.0 * ROUNDING;
+    let ball = Ball { centre: low + (high - low) * 0.5, radius };
+    vec![(ball, ball_excess(solid, &ball, &ACCURACY, limit))]
 }
 
 /// Proven bound (m) on the distance of all points of the balls from the solid.

@@ -9,6 +9,7 @@ use clearance_geometry::math::{Extremes, Point, Vector};
 use crate::ball::Ball;
 use crate::distance_grid::DistanceGrid;
 use crate::samples::directions;
+use crate::search_limit::SearchLimit;
 
 /// Number of sampled directions of an excess, and a bound on the part of the radius by which the largest of them falls short.
 const DIRECTIONS: u32 = 200;
@@ -24,6 +25,7 @@ pub struct Refinement<'g> {
     /// Distance (m) by which every point lies inside of its ball.
     margin: f64,
     random: fastrand::Rng,
+    limit: &'g SearchLimit,
 }
 
 /// Balls and their approximate largest excess (m).
@@ -34,8 +36,9 @@ pub struct Refined {
 }
 
 impl<'g> Refinement<'g> {
-    pub fn new(grid: &'g DistanceGrid, margin: f64) -> Self {
-        Self { grid, directions: directions(DIRECTIONS), margin, random: fastrand::Rng::with_seed(5) }
+    pub fn new(grid: &'g DistanceGrid, margin: f64, limit: &'g SearchLimit) -> Self {
+        let random = fastrand::Rng::with_seed(5);
+        Self { grid, directions: directions(DIRECTIONS), margin, random, limit }
     }
 
     /// Approximate largest distance (m) of a point of the ball from the solid.
@@ -58,6 +61,11 @@ impl<'g> Refinement<'g> {
         simple.lesser(most + floor)
     }
 
+    /// Approximate largest distance (m) of a point of the balls from the solid.
+    pub fn largest_excess(&self, balls: &[Ball]) -> f64 {
+        balls.iter().map(|ball| self.excess(ball, f64::INFINITY)).fold(0.0, Extremes::greater)
+    }
+
     /// Smallest radius (m) around a centre that contains all points.
     fn radius(&self, centre: &Point, points: &[Point]) -> f64 {
         let squared = points.iter().map(|p| (p - centre).norm_squared()).fold(0.0, Extremes::greater);
@@ -70,6 +78,9 @@ impl<'g> Refinement<'g> {
         let mut least = self.excess(&best, f64::INFINITY);
         let mut step = 0.25 * best.radius + 0.5 * self.grid.step;
         for _ in 0..TRIALS {
+            if self.limit.is_over() {
+                break;
+            }
             let direction = Vector::from_fn(|_, _| 2.0 * self.random.f64() - 1.0);
             let centre = best.centre + direction * step;
             let trial = Ball { centre, radius: self.radius(&centre, points) };
@@ -113,6 +124,9 @@ impl<'g> Refinement<'g> {
         let mut best = Refined { excess: largest(&now_excesses), balls: now.clone() };
         let mut gain = 0.05;
         for _ in 0..rounds {
+            if self.limit.is_over() {
+                break;
+            }
             let target = best.excess * (1.0 - gain);
             (now, now_excesses) = self.round(&now, &now_excesses, points, target);
             let excess = largest(&now_excesses);

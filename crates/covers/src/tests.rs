@@ -4,16 +4,23 @@ use std::sync::Arc;
 
 use clearance_geometry::math::{Point, Pose, Vector};
 use clearance_geometry::{Primitive, Triangle, TriangleMesh};
+use clearance_robot::{MeshFiles, RobotModel, RobotText};
 
 use crate::ball::Ball;
 use crate::branch_and_bound::Accuracy;
 use crate::containment::Containment;
-use crate::excess::ball_excess;
+use crate::cover_shape::{CoverShape, PosedShape, ShapeSize};
+use crate::excess::{ConvexShape, ball_excess};
 use crate::inner_cover::{InnerCover, uncovered_depth};
 use crate::link_solid::LinkSolid;
-use crate::outer_cover::{BoundedBall, OuterCover, largest_excess};
+use crate::options::CoverSize;
+use crate::outer_cover::{Aim, BoundedBall, OuterCover, ProvenCover, around, largest_excess};
 use crate::primitive_mesh::inscribed_mesh;
 use crate::samples::directions;
+use crate::search_limit::SearchLimit;
+use crate::shape_cover::{shape_excess, shapes_around};
+use crate::shape_fit::ShapeKind;
+use crate::sphere_cover::{inner_sphere_cover, sphere_cover};
 use crate::uncovered_area::uncovered_area;
 
 fn mesh_of(primitive: Primitive) -> TriangleMesh {
@@ -101,8 +108,8 @@ fn assert_contains(name: &str, solid: &LinkSolid, cover: &[BoundedBall]) {
     }
 }
 
-/// The bounds of each ball agree with samples of the ball.
-fn assert_bounds(name: &str, solid: &LinkSolid, cover: &[BoundedBall]) {
+/// No sampled point of a ball is farther from the solid than its bound.
+fn assert_upper_bounds(name: &str, solid: &LinkSolid, cover: &[BoundedBall]) {
     for (ball, excess) in cover {
         let mut most = 0.0_f64;
         for shell in [0.0, 0.5, 0.8, 1.0] {
@@ -112,6 +119,13 @@ fn assert_bounds(name: &str, solid: &LinkSolid, cover: &[BoundedBall]) {
             }
         }
         assert!(excess.upper >= most, "{name}: {most} is beyond {excess:?}");
+    }
+}
+
+/// The bounds of each ball agree with samples of the ball.
+fn assert_bounds(name: &str, solid: &LinkSolid, cover: &[BoundedBall]) {
+    assert_upper_bounds(name, solid, cover);
+    for (ball, excess) in cover {
         assert!(excess.lower <= excess.upper, "{name}: {excess:?}");
         let reached = solid.signed_distance(&excess.witness).max(0.0);
         // a search that ends early has a lower bound below its witness
@@ -125,11 +139,12 @@ fn assert_bounds(name: &str, solid: &LinkSolid, cover: &[BoundedBall]) {
 #[test]
 fn covers_contain_their_solids() {
     for (name, solid) in solids() {
-        let search = OuterCover::new(&solid);
+        let limit = SearchLimit::default();
+        let search = OuterCover::new(&solid, &limit).unwrap();
         let (mut before, mut balls) = (f64::INFINITY, vec![]);
         let counts: &[usize] = if ["box", "bumpy"].contains(&name) { &[1, 4] } else { &[4] };
         for &count in counts {
-            let cover = search.of_count(count);
+            let cover = search.of_count(count, None).balls;
             assert!((1..=count).contains(&cover.len()), "{name}");
             assert_contains(name, &solid, &cover);
             assert_bounds(name, &solid, &cover);
@@ -138,15 +153,15 @@ fn covers_contain_their_solids() {
             before = excess;
             balls = cover.iter().map(|(ball, _)| *ball).collect();
         }
-        assert_eq!(uncovered_area(&solid, &balls).lower, 0.0, "{name}");
+        assert_eq!(uncovered_area(&solid, &balls, &limit).lower, 0.0, "{name}");
     }
 }
 
 #[test]
 fn covers_keep_a_given_excess() {
     for (name, solid) in solids().into_iter().skip(2).step_by(2) {
-        let excess = 0.15 * solid.extent();
-        let cover = OuterCover::new(&solid).of_excess(excess).unwrap();
+        let (limit, excess) = (SearchLimit::default(), 0.15 * solid.extent());
+        let cover = OuterCover::new(&solid, &limit).unwrap().of_excess(excess, None).unwrap().balls;
         assert!(largest_excess(&cover) <= excess, "{name}");
         assert_contains(name, &solid, &cover);
         assert_bounds(name, &solid, &cover);
@@ -159,15 +174,17 @@ fn a_cylinder_needs_no_more_balls_than_a_chain() {
     let mesh = mesh_of(Primitive::cylinder(0.05, 0.4).unwrap());
     let solid = LinkSolid::of_meshes(vec![mesh]).unwrap();
     // four balls on the axis, each for a quarter of the length; the corners of the ends are tight
+    let limit = SearchLimit::default();
     let chain = (0.05_f64.powi(2) + 0.05_f64.powi(2)).sqrt() - 0.05;
-    let cover = OuterCover::new(&solid).of_count(4);
+    let cover = OuterCover::new(&solid, &limit).unwrap().of_count(4, None).balls;
     assert!(largest_excess(&cover) < 1.08 * chain, "{} {chain}", largest_excess(&cover));
 }
 
 #[test]
 fn inner_balls_are_inside() {
     for (name, solid) in solids() {
-        let search = InnerCover::new(&solid);
+        let limit = SearchLimit::default();
+        let search = InnerCover::new(&solid, &limit).unwrap();
         let depth = 0.05 * solid.extent();
         for balls in [search.of_count(5), search.of_depth(depth)] {
             assert_eq!(balls.is_empty(), !solid.has_inside(), "{name}");
@@ -178,7 +195,7 @@ fn inner_balls_are_inside() {
             }
         }
         let accuracy = Accuracy { relative: 0.02, absolute: 1e-5, most_cells: 200_000, enough: 0.0 };
-        let left = uncovered_depth(&solid, &search.of_depth(depth), &accuracy);
+        let left = uncovered_depth(&solid, &search.of_depth(depth), &accuracy, &limit);
         assert!(left.upper <= depth, "{name}: {left:?}");
     }
 }
@@ -190,7 +207,8 @@ fn gaps_are_found() {
     // a ball whose surface passes 0.01 inside of the corners
     let radius = 0.03_f64.sqrt() - 0.01;
     let ball = Ball { centre: Point::origin(), radius };
-    let containment = Containment::new(&solid, 1e-4);
+    let limit = SearchLimit::default();
+    let containment = Containment::new(&solid, 1e-4, &limit);
     let gaps = containment.gaps(&[ball], 1e-3);
     let octants = |gaps: &[Point]| {
         gaps.iter()
@@ -200,9 +218,9 @@ fn gaps_are_found() {
     };
     assert_eq!(octants(&gaps), 8);
     assert!(gaps.iter().all(|p| p.coords.norm() > radius - 0.01));
-    let closed = containment.close(&[ball], 1e-4);
+    let closed = containment.close(&[ball], 1e-4).unwrap();
     assert!((closed[0].radius - 0.03_f64.sqrt()).abs() < 1e-3, "{closed:?}");
-    let area = uncovered_area(&solid, &[ball]);
+    let area = uncovered_area(&solid, &[ball], &limit);
     assert!(area.lower > 0.0 && area.lower <= area.upper && area.upper < 0.1 * area.total, "{area:?}");
     assert!((area.total - 0.24).abs() < 1e-12);
 }
@@ -223,9 +241,10 @@ fn a_hole_inside_is_closed() {
         }
     }
     assert!(!balls.iter().any(|ball| ball.contains(&Point::origin(), 0.0)));
-    let containment = Containment::new(&solid, 1e-4);
+    let limit = SearchLimit::default();
+    let containment = Containment::new(&solid, 1e-4, &limit);
     assert!(!containment.gaps(&balls, 1e-3).is_empty());
-    let closed = containment.close(&balls, 1e-4);
+    let closed = containment.close(&balls, 1e-4).unwrap();
     assert!(closed.iter().any(|ball| ball.contains(&Point::origin(), 0.0)));
 }
 
@@ -241,7 +260,8 @@ fn the_excess_of_a_ball_is_known() {
         // beyond a corner
         ([0.2, 0.2, 0.2], 0.05, 0.03_f64.sqrt() + 0.05),
     ] {
-        let found = ball_excess(&solid, &Ball { centre: Point::from(centre), radius }, &accuracy);
+        let ball = Ball { centre: Point::from(centre), radius };
+        let found = ball_excess(&solid, &ball, &accuracy, &SearchLimit::default());
         assert!(found.lower <= excess + 1e-12 && excess <= found.upper, "{centre:?} {found:?}");
         assert!(found.upper - found.lower <= 1e-2 * excess + 1e-8, "{centre:?} {found:?}");
     }
@@ -251,9 +271,131 @@ fn the_excess_of_a_ball_is_known() {
 fn the_same_solid_gives_the_same_balls() {
     let mut random = fastrand::Rng::with_seed(1);
     let solid = Arc::new(LinkSolid::of_meshes(vec![bumpy(&mut random)]).unwrap());
+    let limit = SearchLimit::default();
     let found: Vec<Vec<BoundedBall>> = std::thread::scope(|scope| {
-        let runs = [0, 1].map(|_| scope.spawn(|| OuterCover::new(&solid).of_count(4)));
+        let runs =
+            [0, 1].map(|_| scope.spawn(|| OuterCover::new(&solid, &limit).unwrap().of_count(4, None).balls));
         runs.into_iter().map(|run| run.join().unwrap()).collect()
     });
     assert_eq!(found[0], found[1]);
+}
+
+/// Wherever the limit ends the search, the cover contains the solid, and its bounds hold.
+#[test]
+fn covers_that_are_cut_are_proven() {
+    let solids = solids();
+    for (name, solid) in solids.iter().filter(|(name, _)| ["two parts", "open box"].contains(name)) {
+        let of = |limit: &SearchLimit| match OuterCover::new(solid, limit) {
+            Some(search) => {
+                let known = search.quick(Aim::Count(3));
+                search.of_count(3, known)
+            }
+            None => ProvenCover { balls: around(solid, limit), is_cut: true },
+        };
+        let whole = of(&SearchLimit::default());
+        assert!(!whole.is_cut);
+        let mut excesses = vec![];
+        for calls in [0, 100, 3000, 10_000, 100_000, 1_000_000] {
+            let cover = of(&SearchLimit::after(calls));
+            assert!(cover.is_cut || calls > 3000, "{name} {calls}");
+            assert!(cover.balls.len() <= 3, "{name} {calls}");
+            assert_contains(name, solid, &cover.balls);
+            assert_upper_bounds(name, solid, &cover.balls);
+            excesses.push(largest_excess(&cover.balls));
+        }
+        assert!(excesses[0] >= largest_excess(&whole.balls), "{name}");
+        let cut = OuterCover::new(solid, &SearchLimit::default()).unwrap().quick(Aim::Count(3)).unwrap();
+        assert!(largest_excess(&cut) < excesses[0], "{name}: a quick search reduces the excess");
+    }
+}
+
+/// A stopped search ends with a cover that is proven, and says so.
+#[test]
+fn a_stopped_search_keeps_what_is_proven() {
+    let urdf = r#"<robot name="r"><link name="a"><collision><geometry><box size="0.1 0.2 0.3"/></geometry></collision>
+        </link></robot>"#;
+    let robot =
+        RobotModel::from_text(&RobotText { urdf, ..RobotText::default() }, &MeshFiles::default()).unwrap();
+    let limit = SearchLimit::default();
+    limit.clone().stop();
+    for size in [CoverSize::PerLink(3), CoverSize::Total(3), CoverSize::Excess(0.001)] {
+        let cover = sphere_cover(&robot, &size, &limit, &|_| ()).unwrap();
+        assert!(cover.is_cut() && cover.count() == 1, "{size:?}");
+        let half_diagonal = 0.14_f64.sqrt() / 2.0;
+        let sphere = cover.links[0].spheres[0];
+        assert!((sphere.radius - half_diagonal).abs() < 1e-6 && sphere.excess > 0.08, "{sphere:?}");
+        assert!(
+            !sphere_cover(&robot, &CoverSize::PerLink(1), &SearchLimit::default(), &|_| ()).unwrap().is_cut()
+        );
+    }
+    let inner = inner_sphere_cover(&robot, &CoverSize::PerLink(3), &limit, &|_| ()).unwrap();
+    assert!(inner.is_cut() && inner.count() == 0 && inner.links[0].error[1] >= 0.05);
+}
+
+/// Points of a shape's surface and inside of it.
+fn points_of(shape: &CoverShape) -> Vec<Point> {
+    let mut random = fastrand::Rng::with_seed(8);
+    let [low, high] = PosedShape::from(shape).bounds();
+    let posed = PosedShape::from(shape);
+    (0..4000)
+        .map(|_| {
+            // points of a larger box, moved to the shape
+            let p = low + Vector::from_fn(|i, _| (high[i] - low[i]) * (1.6 * random.f64() - 0.3));
+            posed.nearest_point(&p)
+        })
+        .collect()
+}
+
+/// No sampled point of the surface, or inside, is in no shape; no point of a shape is beyond the excess.
+fn assert_shapes(name: &str, solid: &LinkSolid, shapes: &[CoverShape]) {
+    let mut random = fastrand::Rng::with_seed(9);
+    let posed: Vec<PosedShape> = shapes.iter().map(PosedShape::from).collect();
+    let is_in = |p: &Point| posed.iter().any(|shape| (shape.nearest_point(p) - p).norm() < 1e-12);
+    let many = 20_000 / solid.triangles().count() + 1;
+    for triangle in solid.triangles() {
+        for p in points_on(triangle, &mut random, many) {
+            assert!(is_in(&p), "{name}: {p:?} on the surface is in no shape {shapes:?}");
+        }
+    }
+    let [low, high] = solid.bounds();
+    for _ in 0..5000 {
+        let p = low + Vector::from_fn(|i, _| (high[i] - low[i]) * random.f64());
+        assert!(solid.signed_distance(&p) >= 0.0 || is_in(&p), "{name}: {p:?} inside is in no shape");
+    }
+    for shape in shapes {
+        let excess = shape_excess(solid, shape, &SearchLimit::default());
+        let most = points_of(shape).iter().map(|p| solid.signed_distance(p)).fold(0.0, f64::max);
+        assert!(most <= excess.upper && excess.lower <= excess.upper, "{name}: {most} {excess:?}");
+        assert!(excess.lower >= 0.9 * most - 1e-5, "{name}: {most} {excess:?}");
+    }
+}
+
+#[test]
+fn shapes_contain_their_solids() {
+    for (name, solid) in solids().into_iter().skip(2) {
+        for kind in [ShapeKind::Capsule, ShapeKind::Box] {
+            let of = |count: usize, limit: &SearchLimit| shapes_around(&solid, kind, count, limit);
+            let limits = [SearchLimit::default(), SearchLimit::after(0), SearchLimit::after(6000)];
+            for (count, limit) in [3, 1, 3].into_iter().zip(&limits) {
+                let shapes = of(count, limit);
+                assert!((1..=count).contains(&shapes.len()), "{name} {kind:?}");
+                assert_shapes(name, &solid, &shapes);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_turned_box_and_a_capsule_are_found() {
+    let limit = SearchLimit::default();
+    let cuboid = moved(&mesh_of(Primitive::cuboid([0.1, 0.2, 0.3]).unwrap()), Vector::new(0.3, 0.1, -0.2));
+    let solid = LinkSolid::of_meshes(vec![cuboid]).unwrap();
+    let [shape] = shapes_around(&solid, ShapeKind::Box, 1, &limit)[..] else { panic!("one box") };
+    let ShapeSize::Box { half_extents } = shape.size else { panic!("a box") };
+    let volume = 8.0 * half_extents.iter().product::<f64>();
+    assert!((1.0 - 1e-9..1.1).contains(&(volume / 0.006)), "{half_extents:?}");
+    let capsule = moved(&mesh_of(Primitive::capsule(0.05, 0.3).unwrap()), Vector::new(0.3, 0.1, -0.2));
+    let solid = LinkSolid::of_meshes(vec![capsule]).unwrap();
+    let shapes = shapes_around(&solid, ShapeKind::Capsule, 1, &limit);
+    assert!(shape_excess(&solid, &shapes[0], &limit).upper < 0.01, "{shapes:?}");
 }

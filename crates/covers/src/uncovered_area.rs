@@ -4,6 +4,7 @@ use clearance_geometry::math::{Extremes, Point};
 
 use crate::ball::{Ball, ROUNDING};
 use crate::link_solid::LinkSolid;
+use crate::search_limit::SearchLimit;
 
 /// Size below which a piece of the surface is not split further, relative to the extent of the solid.
 const FINEST: f64 = 1e-3;
@@ -20,8 +21,8 @@ pub struct UncoveredArea {
     pub total: f64,
 }
 
-/// Bounds on the area of the surface outside of all balls.
-pub fn uncovered_area(solid: &LinkSolid, balls: &[Ball]) -> UncoveredArea {
+/// Bounds on the area of the surface outside of all balls. They hold wherever the limit ends the search.
+pub fn uncovered_area(solid: &LinkSolid, balls: &[Ball], limit: &SearchLimit) -> UncoveredArea {
     let finest = FINEST * solid.extent();
     // the surface of a curved primitive is this near to its mesh
     let margin = solid.chord_error() + ROUNDING;
@@ -38,7 +39,7 @@ pub fn uncovered_area(solid: &LinkSolid, balls: &[Ball]) -> UncoveredArea {
                 continue;
             }
             let is_outside = balls.iter().all(|ball| ball.slack(&centre) < -reach - margin);
-            if is_outside || reach < finest {
+            if is_outside || reach < finest || limit.is_over() {
                 result.upper += area(&[a, b, c]);
                 result.lower += if is_outside { area(&[a, b, c]) } else { 0.0 };
                 continue;

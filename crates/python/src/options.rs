@@ -32,6 +32,8 @@ options! {
     edge: f64 = number;
     influence_distance: f64 = real;
     event_distance: f64 = |_, value| length("distance", value);
+    excess: Option<f64> = |name, value| optional(name, value, tolerance_of);
+    inner: bool = flag;
     length_of_shape: f64 = |_, value| number("length", value);
     margin: f64 = length;
     margin_if_any: Option<f64> = |_, value| optional("margin", value, length);
@@ -49,9 +51,11 @@ options! {
     search_distance: f64 = |_, value| length("max_distance", value);
     seed: u64 = count;
     shortcuts: u32 = |name, value| whole(name, value, u64::from(u32::MAX));
+    sphere_count: Option<usize> = |_, value| optional("count", value, size_of);
     size: Option<usize> = |name, value| optional(name, value, size_of);
     timeout: Option<Instant> = |name, value| Ok(optional(name, value, deadline)?.flatten());
     tolerance: f64 = tolerance_of;
+    total: Option<usize> = |name, value| optional(name, value, size_of);
     tolerance_if_any: Option<f64> = |_, value| optional("tolerance", value, tolerance_of);
 }
 

@@ -18,6 +18,7 @@ use crate::collision_matrix::{CollisionMatrix, MatrixArguments};
 use crate::error::{error, warn};
 use crate::memory::collected;
 use crate::robot_sources::{MeshBytes, RobotSources, Text};
+use crate::sphere_cover::{SearchArguments, SizeArguments, SphereCover, measure};
 use crate::{options, pickles, poses};
 
 /// A robot: links and joints from URDF, groups and allowed collisions from SRDF, with the meshes. Immutable.
@@ -276,6 +277,45 @@ impl Robot {
     ) -> PyResult<CollisionMatrix> {
         let arguments = MatrixArguments { deadline: timeout, max_boxes, num_threads };
         CollisionMatrix::compute(py, self, &arguments, settings)
+    }
+
+    /// Covers the links with spheres that are proven to contain them: `SphereCover`.
+    ///
+    /// The size is one of: `count`, at most so many spheres for each link; `total`, for the whole robot; `counts`, by name of the link;
+    /// `excess` (m), few spheres that reach at most so far out. With `inner=True`, the spheres lie inside of the links, and `excess` is the
+    /// depth of points that may be left out; there is no `total` of these. After `timeout` (s), the best spheres that are proven so far are
+    /// returned, and `ended_by_time` is true. Without it, the result is the same for any `num_threads`. Raises `Error` if no cover with the
+    /// excess is found.
+    #[pyo3(signature = (*, count=None, total=None, excess=None, counts=None, inner=false, timeout=None, num_threads=None))]
+    #[allow(clippy::too_many_arguments)] // one for each keyword
+    fn sphere_cover(
+        &self,
+        py: Python<'_>,
+        #[pyo3(from_py_with = options::sphere_count)] count: Option<usize>,
+        #[pyo3(from_py_with = options::total)] total: Option<usize>,
+        #[pyo3(from_py_with = options::excess)] excess: Option<f64>,
+        counts: Option<BTreeMap<String, usize>>,
+        #[pyo3(from_py_with = options::inner)] inner: bool,
+        #[pyo3(from_py_with = options::timeout)] timeout: Option<Instant>,
+        #[pyo3(from_py_with = options::num_threads)] num_threads: Option<usize>,
+    ) -> PyResult<SphereCover> {
+        let size = SizeArguments { count, total, excess, counts };
+        SphereCover::compute(py, self, &size, inner, &SearchArguments { deadline: timeout, num_threads })
+    }
+
+    /// Measures `spheres`, a robot with the same link names whose collision geometry is spheres, beside the collision geometry of this one:
+    /// a tuple with one `MeasuredSpheres` for each link with collision geometry.
+    ///
+    /// After `timeout` (s), the bounds that are returned hold, and are wide.
+    #[pyo3(signature = (spheres, *, timeout=None, num_threads=None))]
+    fn measure_spheres<'py>(
+        &self,
+        py: Python<'py>,
+        spheres: &Bound<'py, Robot>,
+        #[pyo3(from_py_with = options::timeout)] timeout: Option<Instant>,
+        #[pyo3(from_py_with = options::num_threads)] num_threads: Option<usize>,
+    ) -> PyResult<Bound<'py, PyTuple>> {
+        measure(py, self, spheres.get(), &SearchArguments { deadline: timeout, num_threads })
     }
 
     fn __repr__(&self) -> String {

@@ -10,10 +10,21 @@
     free = checker.is_free(checker.configuration(robot.group_states["home"]))
 
 Units are metres, radians and seconds. All poses and points are in the frame of the robot's root link. Joint positions are float64 arrays in
-the order of ``joint_names``. All objects but ``View`` and ``CollisionMatrix`` pickle. The package has no thread of its own until the first batch.
+the order of ``joint_names``. All objects but ``View``, ``CollisionMatrix`` and ``SphereCover`` pickle. The package has no thread of its own until the first batch.
 """
 
-from ._clearance import Certificate, Checker, CollisionMatrix, Error, Robot, View, World, __version__, verify
+from ._clearance import (
+    Certificate,
+    Checker,
+    CollisionMatrix,
+    Error,
+    Robot,
+    SphereCover,
+    View,
+    World,
+    __version__,
+    verify,
+)
 from ._results import (
     Clearance,
     CollisionReport,
@@ -24,6 +35,8 @@ from ._results import (
     InputWarning,
     LeastClearance,
     LinkPair,
+    LinkSpheres,
+    MeasuredSpheres,
     MotionClearance,
     MotionReport,
     PairDistance,
@@ -48,12 +61,15 @@ __all__ = [
     "InputWarning",
     "LeastClearance",
     "LinkPair",
+    "LinkSpheres",
+    "MeasuredSpheres",
     "MotionClearance",
     "MotionReport",
     "PairDistance",
     "Plan",
     "Reason",
     "Robot",
+    "SphereCover",
     "TrajectoryReport",
     "Verdict",
     "Verification",

@@ -15,6 +15,8 @@ from ._results import (
     EdgeReports,
     FreeState,
     LinkPair,
+    LinkSpheres,
+    MeasuredSpheres,
     MotionClearance,
     MotionReport,
     Plan,
@@ -110,6 +112,20 @@ class Robot:
         num_threads: int | None = None,
         **settings: Unpack[_MatrixSettings],
     ) -> CollisionMatrix: ...
+    def sphere_cover(
+        self,
+        *,
+        count: int | None = None,
+        total: int | None = None,
+        excess: float | None = None,
+        counts: Mapping[str, int] | None = None,
+        inner: bool = False,
+        timeout: float | None = None,
+        num_threads: int | None = None,
+    ) -> SphereCover: ...
+    def measure_spheres(
+        self, spheres: Robot, *, timeout: float | None = None, num_threads: int | None = None
+    ) -> tuple[MeasuredSpheres, ...]: ...
 
 @final
 class CollisionMatrix:
@@ -119,6 +135,23 @@ class CollisionMatrix:
     def joint_names(self) -> list[str]: ...
     def srdf(self, allow: Sequence[tuple[str, str]] = ..., allow_adjacent: bool = False) -> str: ...
     def certificate(self) -> str: ...
+
+@final
+class SphereCover:
+    @property
+    def links(self) -> tuple[LinkSpheres, ...]: ...
+    @property
+    def spheres(self) -> dict[str, _Floats]: ...
+    @property
+    def inner(self) -> bool: ...
+    @property
+    def largest_error(self) -> float: ...
+    @property
+    def ended_by_time(self) -> bool: ...
+    def to_urdf(self) -> str: ...
+    def to_curobo(self) -> str: ...
+    def to_xrdf(self) -> str: ...
+    def __len__(self) -> int: ...
 
 @final
 class World:

@@ -308,6 +308,40 @@ class LinkPair:
 
 
 @dataclass(frozen=True, eq=False)
+class LinkSpheres:
+    """Spheres of a link. All bounds are proven: (lower, upper)."""
+
+    link: str
+    """Name of the link."""
+    spheres: Floats
+    """Centres in the link frame and radii (m); shape (N, 4)."""
+    excesses: Floats
+    """By sphere: bound on the distance (m) of its points from the link; shape (N,)."""
+    excess: Tuple[float, float]
+    """Largest distance (m) of a point of the spheres from the link; zero for spheres inside."""
+    uncovered_depth: Tuple[float, float]
+    """Largest depth (m) of a point inside the link that is in no sphere; zero for spheres that contain the link."""
+    ended_by_time: bool
+    """True if the time ended the search."""
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredSpheres:
+    """Measurement of the spheres of a link. All bounds are proven: (lower, upper)."""
+
+    link: str
+    """Name of the link."""
+    count: int
+    """Number of spheres."""
+    excess: Tuple[float, float]
+    """Largest distance (m) of a point of the spheres from the link."""
+    uncovered_area: Tuple[float, float]
+    """Area (m²) of the link's surface that is in no sphere."""
+    surface_area: float
+    """Area (m²) of the link's surface; that of a mesh for curved primitives."""
+
+
+@dataclass(frozen=True, eq=False)
 class Plan:
     """Result of the search of a path."""
 
