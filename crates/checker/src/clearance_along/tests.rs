@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use clearance_geometry::testing::Random;
 use clearance_motion::{MotionSegment, MovingObstacle, Trajectory};
-use clearance_robot::{Configuration, RobotModel};
+use clearance_robot::{Configuration, MeshFiles, RobotModel};
 use clearance_scene::{Settings, World};
 
 use crate::random_scenes::{checker, curved_motion, robot, state};
@@ -301,4 +301,43 @@ fn a_distance_is_first_reached_where_dense_samples_reach_it() {
         }
     }
     assert!(counts[0] > 50 && counts[1] > 50 && counts[2] < 40, "{counts:?}");
+}
+
+/// Two balls of 5 cm on a palm that is turned by half a radian: one of them moves towards the other.
+const FINGERS: &str = "<robot name='hand'><link name='base'/><link name='palm'/>
+<joint name='turn' type='continuous'><parent link='base'/><child link='palm'/><origin xyz='1 0 0'/><axis xyz='0 0 1'/></joint>
+<link name='left'><collision><geometry><sphere radius='0.05'/></geometry></collision></link>
+<joint name='close' type='prismatic'><parent link='palm'/><child link='left'/><origin xyz='0 0.2 0'/><axis xyz='0 -1 0'/>
+  <limit lower='-1' upper='1' effort='1' velocity='1'/></joint>
+<link name='right'><collision><origin xyz='0 -0.2 0'/><geometry><sphere radius='0.05'/></geometry></collision></link>
+<joint name='fixed' type='revolute'><parent link='palm'/><child link='right'/><axis xyz='0 1 0'/>
+  <limit lower='-1' upper='1' effort='1' velocity='1'/></joint></robot>";
+
+/// The common ancestor of the pair is the palm.
+#[test]
+fn witness_points_of_two_links_are_in_the_root_frame() {
+    let robot = Arc::new(RobotModel::from_urdf(FINGERS, &MeshFiles::default()).unwrap());
+    let checker = CollisionChecker::new(robot, &World::default(), Settings::default()).unwrap();
+    let robot = checker.robot();
+    for (closed, touches) in [(0.1, false), (0.35, true)] {
+        let [from, to] = [0.0, closed].map(|close| robot.configuration(&[0.5, close, 0.0]).unwrap());
+        let motion = MotionSegment::straight(robot, &from, &to);
+        let found =
+            checker.clearance_along(&motion, &MotionClearanceOptions::default(), &mut checker.workspace());
+        let nearest = found.nearest_self.unwrap().nearest.unwrap();
+        let (left, right) = (0.2 - closed * nearest.t, -0.2);
+        assert_eq!(nearest.pair.distance == 0.0, touches, "{nearest:?}");
+        let (sin, cos) = 0.5_f64.sin_cos();
+        for (point, [centre, towards]) in
+            nearest.pair.witness_points.iter().zip([[left, -0.05], [right, 0.05]])
+        {
+            let in_palm = [point.x - 1.0, point.y];
+            let [x, y] = [in_palm[0] * cos + in_palm[1] * sin, in_palm[1] * cos - in_palm[0] * sin];
+            if touches {
+                assert!(x.hypot(y - centre) <= 0.05 + 1e-9, "{nearest:?}");
+            } else {
+                assert!(x.abs() < 1e-9 && (y - centre - towards).abs() < 1e-9, "{x} {y}: {nearest:?}");
+            }
+        }
+    }
 }

@@ -255,10 +255,9 @@ impl ClearanceSearch<'_, '_, '_> {
                 if near.distance <= padding.greater(CONTACT_DISTANCE) {
                     near_pair.distance = 0.0;
                 }
-                let is_exact = near_pair.distance == 0.0;
                 let segment = self.segment;
                 let least = &mut self.progress.least[kind as usize];
-                least.offer(NearestSoFar { segment, t: middle, index, pair: near_pair, is_exact });
+                least.offer(NearestSoFar { segment, t: middle, index, pair: near_pair, is_exact: false });
                 target = least.target(self.options);
             } else {
                 lower = lower.greater(limit - padding);
@@ -292,8 +291,9 @@ impl ClearanceSearch<'_, '_, '_> {
         }
     }
 
-    /// Measures the nearest pairs exactly, where a tolerance was used.
+    /// Measures the nearest pairs of single intervals exactly, with witness points in the root frame.
     fn measure_nearest(&mut self) {
+        let CheckedMotion { pairs, segment, .. } = self.motion;
         for kind in PairKind::ALL {
             let Some(nearest) = self.least(kind).nearest() else { continue };
             if nearest.is_exact || nearest.segment != self.segment {
@@ -308,7 +308,12 @@ impl ClearanceSearch<'_, '_, '_> {
             let PlacedPair { pair, .. } = self.motion.placed_pair(nearest.index, nearest.t, &mut poses);
             let limit = nearest.pair.distance + pair.info.padding + CONTACT_DISTANCE;
             if let Some(exact) = pair.separation(limit, scratch) {
-                let pair = pair.padded(&exact);
+                // the frames of a self pair are relative to the common ancestor of its bodies
+                let q = segment.at(nearest.t);
+                let in_root = |point| pairs.robot().point_in_root(pair.info.bodies.0, &point, &q);
+                let mut pair = pair.padded(&exact);
+                pair.witness_points = exact.witness_points.map(in_root);
+                pair.distance = pair.distance.lesser(nearest.pair.distance);
                 self.least_mut(kind).set_exact(NearestSoFar { pair, is_exact: true, ..nearest });
             }
         }

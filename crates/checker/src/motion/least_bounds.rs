@@ -13,7 +13,7 @@ pub struct NearestSoFar {
     /// Number of the pair.
     pub index: usize,
     pub pair: PairDistance,
-    /// False if a tolerance allowed a distance that is too large.
+    /// False if a tolerance allowed a distance that is too large, and the witness points are not in the root frame.
     pub is_exact: bool,
 }
 
