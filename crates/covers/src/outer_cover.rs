@@ -50,7 +50,7 @@ pub struct OuterCover<'s> {
     limit: &'s SearchLimit,
 }
 
-/// What is searched.
+/// Goal of the search for a cover: a number of balls, or an excess.
 #[derive(Clone, Copy, Debug)]
 pub enum Aim {
     /// At most this many balls, with little excess.

@@ -43,7 +43,7 @@ pub struct Fitted {
     parameters: Parameters,
 }
 
-/// What determines a shape around points.
+/// Free parameters of the shape around given points; its size follows from them.
 #[derive(Clone, Copy, Debug)]
 struct Parameters {
     /// Orientation: roll, pitch, yaw (rad).

@@ -35,7 +35,7 @@ impl From<BodyId> for BodyKind {
 /// A body by its name, which stays the same when the world changes.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct NamedBody {
-    /// What it is the name of.
+    /// Type of the body.
     pub kind: BodyKind,
     /// Name of the link, object or obstacle.
     pub name: String,
@@ -58,7 +58,7 @@ pub struct ContactHistory {
     pub begun: u64,
     /// Number of contacts that have ended: the pair does not collide any more.
     pub ended: u64,
-    /// What happened since the last heartbeat message.
+    /// Summary of the evaluations since the last heartbeat message.
     pub since_heartbeat: SinceHeartbeat,
     /// Whether this evaluation is one for the heartbeat topic.
     pub is_heartbeat: bool,
@@ -66,7 +66,7 @@ pub struct ContactHistory {
     pub heartbeat: u64,
 }
 
-/// What happened since the last heartbeat message, the current evaluation included.
+/// Summary of the evaluations since the last heartbeat message, the current one included: a slow subscriber receives it instead of them.
 #[derive(Clone, Debug)]
 pub struct SinceHeartbeat {
     /// Number of evaluations.

@@ -135,7 +135,7 @@ fn events() -> impl Strategy<Value = Vec<Event>> {
     prop::collection::vec((0.001..0.05, prop::option::weighted(0.8, positions)), 1..200)
 }
 
-/// What heartbeat messages should report, from all evaluations.
+/// Expected content of heartbeat messages, counted from all evaluations.
 #[derive(Default)]
 struct Expected {
     colliding: BTreeSet<(BodyId, BodyId)>,

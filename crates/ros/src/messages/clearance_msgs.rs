@@ -140,7 +140,7 @@ pub struct ObstacleLimit {
     pub acceleration: f64,
 }
 
-/// What happened since the previous message of the heartbeat topic. The default claims nothing.
+/// Summary of the states since the previous message of the heartbeat topic. The default claims nothing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SinceHeartbeat {
     pub heartbeat: u64,
