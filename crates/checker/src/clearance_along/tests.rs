@@ -57,14 +57,13 @@ fn allowed(options: &MotionClearanceOptions, upper: f64) -> f64 {
     options.absolute_tolerance.max(options.relative_tolerance * upper) + ROUNDING
 }
 
-#[test]
-fn bounds_hold_at_dense_samples_and_are_within_the_tolerance() {
-    let mut random = Random::new(71);
+/// Compares random motions with dense samples; returns how many were finished, and how many bounds were compared.
+fn compare(motions: u32, random: &mut Random) -> [u32; 2] {
     let (mut finished, mut compared) = (0, 0);
-    for _ in 0..400 {
-        let checker = checker(&mut random);
+    for _ in 0..motions {
+        let checker = checker(random);
         let mut workspace = checker.workspace();
-        let (motion, options) = (motion(checker.robot(), &mut random), options(&mut random));
+        let (motion, options) = (motion(checker.robot(), random), options(random));
         let found = checker.clearance_along(&motion, &options, &mut workspace);
         finished += u32::from(found.unfinished.is_none());
         let mut least = [f64::INFINITY; 2];
@@ -87,7 +86,23 @@ fn bounds_hold_at_dense_samples_and_are_within_the_tolerance() {
             assert!(there <= upper + ROUNDING && nearest.pair.distance == upper, "{there} {upper}");
         }
     }
+    [finished, compared]
+}
+
+#[test]
+fn bounds_hold_at_dense_samples_and_are_within_the_tolerance() {
+    let [finished, compared] = compare(400, &mut Random::new(71));
     assert!(finished > 380 && compared > 300, "{finished} {compared}");
+}
+
+/// By hand: `cargo test --release -p clearance-checker -- --ignored --nocapture many_motions`.
+#[test]
+#[ignore = "takes an hour"]
+fn many_motions() {
+    for seed in 0..1000 {
+        let [finished, compared] = compare(1000, &mut Random::new(1000 + seed));
+        println!("{} motions: {finished} finished, {compared} compared", 1000 * (seed + 1));
+    }
 }
 
 #[test]

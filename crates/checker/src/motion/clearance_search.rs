@@ -11,7 +11,7 @@
 
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::Extremes;
-use clearance_proximity::{DistanceBounds, Effort};
+use clearance_proximity::{Effort, Separation};
 
 use super::checked_motion::{CheckedMotion, PlacedPair, PoseScratch};
 use super::interval_midpoint::IntervalMidpoint;
@@ -23,16 +23,20 @@ use super::motion_report::UndecidedReason;
 use super::motion_scratch::{BoundedInterval, MotionWorkspace, PairInterval};
 use crate::collision_report::{CollisionReport, Question};
 use crate::pair_kind::PairKind;
+use crate::pairs::{NearPoints, PosedPair, RoughDistance};
 use crate::state::{PairEvaluation, QueriedState, StateQuery};
 
 /// Motion (m) within an interval above which the hierarchies are not searched, and its share of the target.
 const WORTH_SEARCHING: [f64; 2] = [0.04, 0.5];
 
 /// Tolerances of a distance: shares of the motion in the interval and of the tolerance of the result.
-const DISTANCE_TOLERANCE: [f64; 2] = [0.1, 0.1];
+const DISTANCE_TOLERANCE: [f64; 2] = [0.05, 0.05];
 
 /// Smallest fraction of an interval that becomes an interval of its own.
 const LEAST_SHARE: f64 = 0.15;
+
+/// Largest number of parts of equal length into which an interval is divided.
+const MOST_PARTS: f64 = 8.0;
 
 /// An interval in which the pair moves less than this share of the tolerance cannot be refined: the rest of its bound comes
 /// from tracking tolerances or rounding.
@@ -79,6 +83,19 @@ struct IntervalBound {
     tolerance: f64,
     /// Fraction of the interval around its middle that is done.
     share: f64,
+    /// The fraction that the exact distance in the middle could prove at most, as far as it is known.
+    most_share: f64,
+    /// Points of the pair that are near each other in the middle.
+    near: Option<NearPoints>,
+}
+
+/// What is known of a pair in the middle of an interval; distances are without padding.
+struct Middle {
+    t: f64,
+    /// Lower bound (m) on the distance.
+    lower: f64,
+    /// Points of the bodies.
+    near: Option<Separation>,
 }
 
 /// Search along one segment.
@@ -102,7 +119,7 @@ impl ClearanceSearch<'_, '_, '_> {
             return;
         }
         for index in first.into_iter().flatten() {
-            self.push(0.0, PairInterval { pair: index, from: 0.0, to: 1.0 });
+            self.push(PairInterval { pair: index, from: 0.0, to: 1.0 });
         }
         self.search_queue();
         self.search_others(first);
@@ -143,7 +160,7 @@ impl ClearanceSearch<'_, '_, '_> {
         let CheckedMotion { pairs, segment, .. } = self.motion;
         if is_beyond_level_zero(segment) || segment.widens() {
             for pair in pairs.numbers().filter(|pair| !searched.contains(&Some(*pair))) {
-                self.push(0.0, PairInterval { pair, from: 0.0, to: 1.0 });
+                self.push(PairInterval { pair, from: 0.0, to: 1.0 });
             }
             return self.search_queue();
         }
@@ -179,7 +196,7 @@ impl ClearanceSearch<'_, '_, '_> {
         let scratch = &mut *self.workspace.motion;
         let open = open_runs(scratch.level_zero.near(), ends);
         let open = open.filter(|interval| !searched.contains(&Some(interval.pair)));
-        scratch.queue.extend(open.map(|interval| BoundedInterval { lower: 0.0, interval }));
+        scratch.queue.extend(open.map(|interval| BoundedInterval { lower: 0.0, interval, near: None }));
     }
 
     fn level_zero(&mut self) -> LevelZero<'_> {
@@ -198,38 +215,35 @@ impl ClearanceSearch<'_, '_, '_> {
 
     /// Searches the queued intervals, and their parts, until all have reached the target.
     fn search_queue(&mut self) {
-        while let Some(BoundedInterval { lower, interval }) = self.workspace.motion.queue.pop() {
-            let kind = self.motion.pairs.kind(interval.pair);
-            if self.progress.stopped || lower > self.target(kind) {
-                self.least_mut(kind).prove(lower);
+        while let Some(queued) = self.workspace.motion.queue.pop() {
+            let kind = self.motion.pairs.kind(queued.interval.pair);
+            if self.progress.stopped || queued.lower > self.target(kind) {
+                self.least_mut(kind).prove(queued.lower);
             } else {
-                self.evaluate(interval, lower);
+                self.evaluate(&queued, kind);
             }
         }
     }
 
-    /// Evaluates an interval with a known lower bound (m), and queues the parts of it that are not done.
-    fn evaluate(&mut self, interval: PairInterval, known: f64) {
+    /// Evaluates an interval, and queues the parts of it that are not done.
+    fn evaluate(&mut self, queued: &BoundedInterval, kind: PairKind) {
         self.progress.evaluations += 1;
-        let kind = self.motion.pairs.kind(interval.pair);
         if self.is_over() {
-            return self.least_mut(kind).prove(known);
+            return self.least_mut(kind).prove(queued.lower);
         }
-        let found = self.bound(interval, kind);
-        let lower = found.lower.greater(known);
+        let found = self.bound(queued, kind);
+        let lower = found.lower.greater(queued.lower);
         if lower >= self.target(kind) {
             self.least_mut(kind).prove(lower);
         } else {
-            self.divide(interval, kind, &IntervalBound { lower, ..found });
+            self.divide(queued.interval, kind, &IntervalBound { lower, ..found });
         }
     }
 
     /// Bounds the pair's distance in an interval by its distance in the middle.
-    fn bound(&mut self, interval: PairInterval, kind: PairKind) -> IntervalBound {
-        let PairInterval { pair: index, from, to } = interval;
+    fn bound(&mut self, queued: &BoundedInterval, kind: PairKind) -> IntervalBound {
+        let PairInterval { pair: index, from, to } = queued.interval;
         let (middle, half_width) = (0.5 * (from + to), 0.5 * (to - from));
-        let mut target = self.target(kind);
-        let tolerance = self.options.tolerance(self.least(kind).upper());
         let MotionWorkspace { robot, scratch, motion, .. } = &mut *self.workspace;
         let mut poses = PoseScratch {
             frames: robot.frames_mut(),
@@ -239,55 +253,101 @@ impl ClearanceSearch<'_, '_, '_> {
         let midpoint = IntervalMidpoint::new(self.motion, index, [middle, half_width], &mut poses);
         scratch.work.volume_tests += 1;
         let IntervalMidpoint { pair, approach, lower } = &midpoint;
-        let padding = pair.info.padding;
-        let (bound, motion) = (approach.within(1.0), approach.motion());
-        let mut lower = lower - padding;
-        if lower - bound <= target && motion <= WORTH_SEARCHING[0] + WORTH_SEARCHING[1] * target.greater(0.0)
-        {
-            let absolute_tolerance =
-                DISTANCE_TOLERANCE[0] * motion + DISTANCE_TOLERANCE[1] * tolerance.lesser(1.0);
-            let effort = Effort { absolute_tolerance, ..Effort::default() };
-            let limit = target.greater(0.0) + bound + padding + CONTACT_DISTANCE;
-            let DistanceBounds { lower: found, upper, .. } = pair.separation_bounds(limit, &effort, scratch);
-            lower = lower.greater(found - padding);
-            if let Some(near) = upper {
-                let mut near_pair = pair.padded(&near);
-                if near.distance <= padding.greater(CONTACT_DISTANCE) {
-                    near_pair.distance = 0.0;
-                }
-                let segment = self.segment;
-                let least = &mut self.progress.least[kind as usize];
-                least.offer(NearestSoFar { segment, t: middle, index, pair: near_pair, is_exact: false });
-                target = least.target(self.options);
-            } else {
-                lower = lower.greater(limit - padding);
-            }
+        let (padding, motion) = (pair.info.padding, approach.motion());
+        let mut middle = Middle { t: middle, lower: *lower, near: queued.near.map(|near| near.at(pair)) };
+        self.offer(index, &middle, pair);
+        if self.is_worth_measuring(&midpoint, &middle, kind) {
+            self.measure(&midpoint, &mut middle, kind);
+            self.offer(index, &middle, pair);
         }
-        IntervalBound { lower: lower - bound, motion, tolerance, share: approach.share(lower - target) }
+        let (target, lower) = (self.target(kind), middle.lower - padding);
+        let reached = middle.near.map_or(f64::INFINITY, |near| near.distance - padding);
+        IntervalBound {
+            lower: lower - approach.within(1.0),
+            motion,
+            tolerance: self.options.tolerance(self.least(kind).upper()),
+            share: approach.share(lower - target),
+            most_share: approach.share(reached - target),
+            near: middle.near.map(|near| NearPoints::of(pair, &near)),
+        }
+    }
+
+    /// True if the distance in the middle may prove a part of the interval that is worth it.
+    fn is_worth_measuring(&self, midpoint: &IntervalMidpoint, middle: &Middle, kind: PairKind) -> bool {
+        let (approach, padding) = (&midpoint.approach, midpoint.pair.info.padding);
+        let (target, motion) = (self.target(kind), approach.motion());
+        if middle.lower - padding - approach.within(1.0) > target {
+            return false;
+        }
+        match &middle.near {
+            Some(near) => approach.share(near.distance - padding - target) >= LEAST_SHARE,
+            None => motion <= WORTH_SEARCHING[0] + WORTH_SEARCHING[1] * target.greater(0.0),
+        }
+    }
+
+    /// Measures the distance in the middle of an interval, as far as the target needs it.
+    fn measure(&mut self, midpoint: &IntervalMidpoint, middle: &mut Middle, kind: PairKind) {
+        let IntervalMidpoint { pair, approach, .. } = midpoint;
+        let (target, tolerance) = (self.target(kind), self.options.tolerance(self.least(kind).upper()));
+        let absolute_tolerance =
+            DISTANCE_TOLERANCE[0] * approach.motion() + DISTANCE_TOLERANCE[1] * tolerance.lesser(1.0);
+        let effort = Effort { absolute_tolerance, ..Effort::default() };
+        let limit = target.greater(0.0) + approach.within(1.0) + pair.info.padding + CONTACT_DISTANCE;
+        let scratch = &mut *self.workspace.scratch;
+        let lower = match pair.separation_bounds_from(middle.near.as_ref(), limit, &effort, scratch) {
+            Ok(None) => limit,
+            Ok(Some(exact)) => {
+                middle.near = Some(exact);
+                exact.distance
+            }
+            Err(RoughDistance { lower, upper }) => {
+                middle.near = Some(upper);
+                lower
+            }
+        };
+        middle.lower = middle.lower.greater(lower);
+    }
+
+    /// Offers the near points in the middle of an interval of the pair with this number as the nearest so far.
+    fn offer(&mut self, index: usize, middle: &Middle, pair: &PosedPair) {
+        let Some(near) = &middle.near else { return };
+        let mut near_pair = pair.padded(near);
+        if near.distance <= pair.info.padding.greater(CONTACT_DISTANCE) {
+            near_pair.distance = 0.0;
+        }
+        let (segment, kind) = (self.segment, self.motion.pairs.kind(index));
+        let found = NearestSoFar { segment, t: middle.t, index, pair: near_pair, is_exact: false };
+        self.least_mut(kind).offer(found);
     }
 
     /// Queues the parts of an interval that are not done, unless it cannot be refined.
     fn divide(&mut self, interval: PairInterval, kind: PairKind, found: &IntervalBound) {
-        let PairInterval { pair, from, to } = interval;
+        let PairInterval { from, to, .. } = interval;
         let (middle, half_width) = (0.5 * (from + to), 0.5 * (to - from));
-        let IntervalBound { lower, motion, tolerance, share } = *found;
-        let parts = if share >= LEAST_SHARE {
+        let IntervalBound { lower, motion, tolerance, share, most_share, .. } = *found;
+        if share >= LEAST_SHARE {
             let target = self.target(kind);
             self.least_mut(kind).prove(target);
-            [[from, middle - share * half_width], [middle + share * half_width, to]]
+            let done = share * half_width;
+            self.push_part(interval, [from, middle - done], found);
+            self.push_part(interval, [middle + done, to], found);
         } else if !motion.is_finite() {
             self.progress.unfinished = Some(UndecidedReason::Overflow);
-            return self.least_mut(kind).leave(lower);
+            self.least_mut(kind).leave(lower);
         } else if motion <= LEAST_MOTION * tolerance || !(from < middle && middle < to) {
             let is_loose = self.motion.segment.is_loose();
             let reason = if is_loose { UndecidedReason::Tube } else { UndecidedReason::Tolerance };
             self.progress.unfinished.get_or_insert(reason);
-            return self.least_mut(kind).leave(lower);
+            self.least_mut(kind).leave(lower);
         } else {
-            [[from, middle], [middle, to]]
-        };
-        for [from, to] in parts.into_iter().filter(|[from, to]| from < to) {
-            self.push(lower, PairInterval { pair, from, to });
+            let parts =
+                if most_share > 0.0 { (1.0 / most_share).ceil().clamp(2.0, MOST_PARTS) } else { MOST_PARTS };
+            let (mut start, mut part) = (from, 1.0);
+            while part <= parts {
+                let end = if part < parts { from + (to - from) * (part / parts) } else { to };
+                self.push_part(interval, [start, end], found);
+                (start, part) = (end, part + 1.0);
+            }
         }
     }
 
@@ -335,8 +395,17 @@ impl ClearanceSearch<'_, '_, '_> {
         *stopped
     }
 
-    fn push(&mut self, lower: f64, interval: PairInterval) {
-        self.workspace.motion.queue.push(BoundedInterval { lower, interval });
+    fn push(&mut self, interval: PairInterval) {
+        self.workspace.motion.queue.push(BoundedInterval { lower: 0.0, interval, near: None });
+    }
+
+    /// Queues a part of an interval, unless it is empty.
+    fn push_part(&mut self, interval: PairInterval, [from, to]: [f64; 2], found: &IntervalBound) {
+        let IntervalBound { lower, near, .. } = *found;
+        if from < to {
+            let interval = PairInterval { from, to, ..interval };
+            self.workspace.motion.queue.push(BoundedInterval { lower, interval, near });
+        }
     }
 
     fn least(&self, kind: PairKind) -> &LeastBounds {

@@ -7,7 +7,7 @@ use clearance_proximity::Scratch;
 
 use super::free_search::FreeSearchScratch;
 use super::level_zero::LevelZeroScratch;
-use crate::pairs::{ObstacleScratch, PlacedRobot};
+use crate::pairs::{NearPoints, ObstacleScratch, PlacedRobot};
 use crate::robot::{CandidatePair, PairPriority};
 use crate::state::DistanceScratch;
 
@@ -36,6 +36,8 @@ pub struct PairInterval {
 pub struct BoundedInterval {
     pub lower: f64,
     pub interval: PairInterval,
+    /// The nearest points of the pair at another time.
+    pub near: Option<NearPoints>,
 }
 
 /// The least lower bound is the greatest element, as the heap needs it; a total order makes the search deterministic.

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | all pairs of a robot in its world, by number | `checked_pairs` |
 //! | one pair at its poses | `posed_pair` |
+//! | points of two bodies that are near each other | `near_points` |
 //! | one pair with the memory of earlier states | `pair_memory` |
 //! | candidates for the nearest pair | `measured_pair` |
 //! | results that are the same in all states | `state_independent` |
@@ -13,6 +14,7 @@
 mod checked_pairs;
 mod inside_search;
 mod measured_pair;
+mod near_points;
 mod obstacle_contacts;
 mod pair_memory;
 mod placed_robot;
@@ -22,6 +24,7 @@ mod state_independent;
 pub use checked_pairs::{CheckedPairs, PairBodies};
 pub use inside_search::{InsideSearch, SearchedBodies};
 pub use measured_pair::{MeasuredPair, PostponedPair};
+pub use near_points::NearPoints;
 pub use obstacle_contacts::{ObstacleContacts, ObstacleScratch, StatesInLanes};
 pub use pair_memory::{PairMemory, RememberedPair};
 pub use placed_robot::PlacedRobot;

@@ -17,6 +17,7 @@ use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::{Extremes, MatrixPose};
 use clearance_proximity::{Effort, ElementPair, Front, FrontLimits, Scratch, Separation};
 
+use super::near_points::hardly_less_than;
 use super::posed_pair::{PosedPair, RoughDistance};
 
 /// Distance (m) beyond the requested limit up to which a pair is searched, so that the result lasts for some further
@@ -31,9 +32,6 @@ const LEAST_SERVED: u32 = 8;
 
 /// Maximum pause, in states, before a front is collected again where this was never worth its cost.
 const LONGEST_PAUSE: u32 = 1024;
-
-/// Rounding error (relative to the coordinates used) allowed for remembered points.
-const POINT_ROUNDING: f64 = 1e-13;
 
 /// Memory of a pair; distances are between the bodies, without padding.
 #[derive(Clone, Debug)]
@@ -214,13 +212,6 @@ impl PairMemory {
         self.near_points = far.upper.map(|upper| upper.witness_points).or(self.near_points);
         None
     }
-}
-
-/// Search limit (m) that the bodies' distance hardly exceeds, from points at the distance `near`. Points reported next
-/// to contact may lie slightly off their bodies, so a search within this limit may find nothing.
-fn hardly_less_than(near: &Separation) -> f64 {
-    let reach: f64 = near.witness_points.iter().map(|point| point.coords.abs().sum()).sum();
-    near.distance + POINT_ROUNDING * reach + CONTACT_DISTANCE
 }
 
 /// A pair in one state, with the memory of earlier states.

@@ -8,6 +8,7 @@ use clearance_proximity::{
     Separation,
 };
 
+use super::near_points::hardly_less_than;
 use crate::collision_report::{PairDistance, UndecidedPair};
 use crate::robot::PairInfo;
 
@@ -114,6 +115,22 @@ impl PosedPair<'_> {
                 Err(RoughDistance { lower: lower.lesser(near.distance), upper: *near })
             }
             exact => Ok(exact),
+        }
+    }
+
+    /// As [`Self::separation_bounds`], where `near` are points of the bodies.
+    pub fn separation_bounds_from(
+        &self,
+        near: Option<&Separation>,
+        limit: f64,
+        effort: &Effort,
+        scratch: &mut Scratch,
+    ) -> Result<Option<Separation>, RoughDistance> {
+        let known = near.map(|near| (near, hardly_less_than(near))).filter(|(_, reached)| *reached <= limit);
+        let Some((near, reached)) = known else { return self.separation_or_bounds(limit, effort, scratch) };
+        match self.separation_below_or_bounds(near, reached, effort, scratch) {
+            Ok(None) => self.separation_or_bounds(limit, effort, scratch),
+            found => found,
         }
     }
 
