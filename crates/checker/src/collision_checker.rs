@@ -1,5 +1,6 @@
 //! Collision checker: collision and distance queries on states and motions of a robot in a world.
 
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use clearance_motion::{Certificate, MotionSegment, SegmentError, Trajectory};
@@ -466,6 +467,13 @@ impl CollisionChecker {
     #[must_use]
     pub fn extent(&self, poses: &LinkPoses) -> f64 {
         robot::extent(self.pairs.robot(), poses)
+    }
+
+    /// The same in all states in which the positions (m) of sliding joints are in their ranges, given by the index of the
+    /// position; infinite where one has no range.
+    #[must_use]
+    pub fn largest_extent(&self, range_of: impl Fn(usize) -> Option<RangeInclusive<f64>>) -> f64 {
+        robot::largest_extent(self.pairs.robot(), range_of)
     }
 
     /// Number of pairs, over all states, that level 0 passes on to the hierarchies. Runs only kinematics and capsules.

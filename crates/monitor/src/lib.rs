@@ -64,7 +64,9 @@ mod now;
 mod obstacle_motion;
 mod received_states;
 mod root_location;
+mod root_speed;
 mod separation;
+mod separation_rules;
 mod separation_settings;
 mod settings;
 mod speed;
@@ -91,6 +93,7 @@ pub use motion_since_previous::{
 pub use now::Now;
 pub use obstacle_motion::ObstacleMotion;
 pub use separation::Separation;
+pub use separation_rules::SeparationRules;
 pub use separation_settings::SeparationSettings;
 pub use settings::MonitorSettings;
 pub use speed_settings::{SpeedDistances, SpeedSettings};

@@ -1,10 +1,13 @@
 //! Look-ahead: the time until which nothing can touch, computed from one joint state with velocities.
 
+use std::sync::Arc;
+
 use clearance_checker::{CollisionChecker, CollisionReport, LookAhead, LookAheadState, Workspace};
-use clearance_robot::{Configuration, JointKind, RobotModel, quoted_list};
+use clearance_robot::{Configuration, JointKind, LinkPoses, RobotModel, quoted_list};
 
 use super::MonitorSettings;
 use super::obstacle_motion::ObstacleMotion;
+use super::root_speed::{JointRanges, RootSpeed};
 
 /// Look-ahead for one checker.
 #[derive(Debug)]
@@ -27,6 +30,7 @@ pub(super) struct LookAheadInput<'i> {
     pub spread: f64,
     /// Result of the check of this state.
     pub report: &'i CollisionReport,
+    pub poses: &'i LinkPoses,
     pub obstacle_motions: &'i [ObstacleMotion],
     /// Whether the deadline leaves no time for it.
     pub is_late: bool,
@@ -64,18 +68,13 @@ impl LookAheadEvaluator {
         input: &LookAheadInput,
         settings: &MonitorSettings,
     ) -> Result<LookAhead, String> {
-        let &LookAheadInput { configuration, velocities, spread, report, obstacle_motions, .. } = input;
+        let &LookAheadInput { configuration, velocities, spread, report, .. } = input;
         let unknown = |why: &str| Err(format!("the time to contact is not known: {why}"));
         if let Some(&pair) = report.colliding_pairs.first() {
             return Ok(LookAhead { free_for: 0.0, first: Some(pair) });
         }
         if self.floats {
             return unknown("the robot has a floating joint");
-        }
-        if let Some(ObstacleMotion { frame, .. }) =
-            obstacle_motions.iter().find(|obstacle_motion| !obstacle_motion.is_none())
-        {
-            return unknown(&format!("the robot's root moves in {frame}"));
         }
         let Some(velocities) = velocities else {
             return unknown("the joint state does not give every joint a finite velocity");
@@ -86,16 +85,55 @@ impl LookAheadEvaluator {
         }
         let usual = settings.look_ahead_acceleration;
         let accelerations: Vec<f64> = self.limits.iter().map(|limit| limit.unwrap_or(usual)).collect();
+        let horizon = settings.look_ahead_horizon;
+        let positions = configuration.positions();
+        let ranges = JointRanges { positions, velocities, accelerations: &accelerations, horizon };
+        let of_root = root_speed(checker, input, settings, &ranges);
+        let of_root = of_root.map_err(|why| format!("the time to contact is not known: {why}"))?;
+        let mut obstacle_limits = settings.moving_obstacles().cloned();
+        let mut obstacle_latency = settings.obstacle_latency;
+        if let Some(RootSpeed { limit, latency }) = of_root {
+            obstacle_limits = Some(Arc::new(settings.obstacle_limits.relative_to(limit)));
+            obstacle_latency += latency;
+        }
         let state = LookAheadState {
             q: configuration,
             velocities,
             accelerations: &accelerations,
-            obstacle_limits: settings.moving_obstacles(),
-            obstacle_latency: settings.obstacle_latency,
+            obstacle_limits: obstacle_limits.as_ref(),
+            obstacle_latency,
         };
-        let found = checker.look_ahead(state, settings.look_ahead_horizon, &mut self.workspace);
+        let found = checker.look_ahead(state, horizon, &mut self.workspace);
         found.or_else(|error| unknown(&error.to_string()))
     }
+}
+
+/// The possible motion of the root, or why it is not known.
+fn root_speed(
+    checker: &CollisionChecker,
+    &LookAheadInput { obstacle_motions, poses, .. }: &LookAheadInput,
+    settings: &MonitorSettings,
+    ranges: &JointRanges,
+) -> Result<Option<RootSpeed>, String> {
+    let accelerations = settings.look_ahead_root_accelerations;
+    if accelerations.contains(&0.0) {
+        let moving = obstacle_motions.iter().find(|obstacle_motion| !obstacle_motion.is_none());
+        return moving.map_or(Ok(None), |ObstacleMotion { frame, .. }| {
+            Err(format!(
+                "the robot's root moves in {frame}, and look_ahead_root_acceleration or \
+                 look_ahead_root_angular_acceleration is 0 (not known)"
+            ))
+        });
+    }
+    if !obstacle_motions.iter().any(ObstacleMotion::may_move) {
+        return Ok(None);
+    }
+    let radius = ranges.extent(checker, poses);
+    if !radius.is_finite() {
+        return Err("the robot's root moves, and its reach is larger than any number".to_owned());
+    }
+    RootSpeed::new(obstacle_motions, accelerations, radius)
+        .map_err(|frame| format!("the speed of the robot's root in {frame} is not known yet"))
 }
 
 /// Whether any obstacle of the world may move.

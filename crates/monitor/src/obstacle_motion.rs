@@ -31,15 +31,31 @@ impl FramePoses {
         }
     }
 
+    /// How long the frame has been observed.
+    pub fn observation(&self) -> Observed {
+        let ends = self.places.front().zip(self.places.back());
+        let time = ends.map_or(0.0, |((from, _), (to, _))| to.seconds_since(*from));
+        let stamps = self.places.iter().map(|(stamp, _)| stamp);
+        let steps = stamps.clone().zip(stamps.skip(1)).map(|(from, to)| to.seconds_since(*from));
+        Observed { time, step: steps.fold(0.0, f64::greater) }
+    }
+
     /// The earlier pose, how long ago (s) that was, and the longest time (s) between two successive poses since; `None` if
     /// the frame has not moved.
     pub fn before(&self) -> Option<(&Pose, f64, f64)> {
-        let ((from, before), (to, now)) = self.places.front().zip(self.places.back())?;
-        let stamps = self.places.iter().map(|(stamp, _)| stamp);
-        let steps = stamps.clone().zip(stamps.skip(1)).map(|(from, to)| to.seconds_since(*from));
-        let step = steps.fold(0.0, f64::greater);
-        is_elsewhere(before, now).then(|| (before, to.seconds_since(*from), step))
+        let ((_, before), (_, now)) = self.places.front().zip(self.places.back())?;
+        let Observed { time, step } = self.observation();
+        is_elsewhere(before, now).then_some((before, time, step))
     }
+}
+
+/// How long a transform has been observed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Observed {
+    /// Time (s) between the first pose that counts and the last one; 0 if there is only one.
+    pub time: f64,
+    /// Longest time (s) between two poses.
+    pub step: f64,
 }
 
 /// Motion of the points of a frame, in the root frame.
@@ -52,13 +68,21 @@ pub(super) struct FrameMotion {
     pub step: f64,
 }
 
-/// Motion of all obstacles in a frame, relative to the root.
-#[derive(Clone, Debug, PartialEq)]
+/// Motion of all obstacles in a frame, relative to the root. Two are equal if the frames move in the same way.
+#[derive(Clone, Debug)]
 pub struct ObstacleMotion {
     /// Name of the frame.
     pub frame: String,
     /// Motions of the frame's points. There is one for each moving transform; none if the frame is at rest.
     pub(super) motions: Vec<FrameMotion>,
+    /// Observations of all transforms between the frame and the root that may move.
+    pub(super) observed: Vec<Observed>,
+}
+
+impl PartialEq for ObstacleMotion {
+    fn eq(&self, other: &Self) -> bool {
+        self.frame == other.frame && self.motions == other.motions
+    }
 }
 
 impl ObstacleMotion {
@@ -66,6 +90,12 @@ impl ObstacleMotion {
     #[must_use]
     pub fn is_none(&self) -> bool {
         self.motions.is_empty()
+    }
+
+    /// Whether any transform places the frame that may move.
+    #[must_use]
+    pub fn may_move(&self) -> bool {
+        !self.observed.is_empty()
     }
 
     /// Displacement (m) of an obstacle at a point if the motion continues for this time (s).
@@ -82,7 +112,27 @@ impl ObstacleMotion {
         self.motions.iter().map(|motion| motion.most(radius, time)).sum()
     }
 
-    /// The same, but at least for the longest time in which `tf` said nothing new: it moves frames in steps, so that a
+    /// Upper bound (m/s) on the speed, at the end of the observation, of any point at this distance (m) from the root.
+    /// Velocities change at most by these accelerations, in m/s² and rad/s²; `None` if a transform was received only once.
+    ///
+    /// The mean velocity of a time T differs from the one at its end by at most ½ T times the acceleration.
+    #[must_use]
+    pub fn largest_speed(&self, radius: f64, [linear, angular]: [f64; 2]) -> Option<f64> {
+        if self.observed.iter().any(|observed| observed.time <= 0.0) {
+            return None;
+        }
+        let means = self.largest_displacement(radius, 1.0);
+        let time: f64 = self.observed.iter().map(|observed| observed.time).sum();
+        Some(means + 0.5 * time * (linear + angular * radius))
+    }
+
+    /// Longest time (s) in which `tf` said nothing new about the frame.
+    #[must_use]
+    pub fn longest_step(&self) -> f64 {
+        self.observed.iter().map(|observed| observed.step).fold(0.0, f64::greater)
+    }
+
+    /// As [`Self::largest_displacement`], but at least for the longest time in which `tf` said nothing new: it moves frames in steps, so that a
     /// whole step may fall into a short time.
     #[must_use]
     pub fn largest_step(&self, radius: f64, time: f64) -> f64 {
@@ -114,7 +164,8 @@ mod tests {
             taken,
             step,
         });
-        ObstacleMotion { frame: "map".to_owned(), motions: moved.into_iter().collect() }
+        let observed = vec![track.observation()];
+        ObstacleMotion { frame: "map".to_owned(), motions: moved.into_iter().collect(), observed }
     }
 
     /// The track is sampled every 5 ms; the pose changes every 20 or 200 ms.
@@ -150,6 +201,7 @@ mod tests {
                 taken: 0.1,
                 step: 0.05,
             }],
+            observed: Vec::new(),
         };
         let shift = step([0.0; 3]);
         for radius in [1.0, f64::INFINITY] {
@@ -165,10 +217,48 @@ mod tests {
         let obstacle_motion = ObstacleMotion {
             frame: String::new(),
             motions: vec![FrameMotion { way: turn, taken: 0.1, step: 0.1 }],
+            observed: Vec::new(),
         };
         let way = obstacle_motion.displacement(&Point::new(2.0, 0.0, 0.0), 0.1);
         assert!(
             (way.norm() - 0.2).abs() < 1e-3 && way.norm() <= obstacle_motion.largest_displacement(2.0, 0.1)
         );
+    }
+
+    /// A root that accelerates along a line, and turns, seen every 10 ms.
+    #[test]
+    fn no_point_of_the_robot_is_faster_than_the_largest_speed() {
+        let limits = [1.5, 0.8];
+        let values = [-1.0, -0.3, 0.0, 0.2, 1.0];
+        let mut tightest = f64::INFINITY;
+        for i in 0..values.len().pow(4) {
+            let digit = |place: u32| values[i / values.len().pow(place) % values.len()];
+            let velocities = [digit(0), digit(1)];
+            let accelerations = [limits[0] * digit(2), limits[1] * digit(3)];
+            let pose_rf = |t: f64| {
+                let [x, yaw] = [0, 1].map(|i| velocities[i] * t + 0.5 * accelerations[i] * t * t);
+                clearance_geometry::math::pose_from_xyz_rpy([x, 0.0, 0.0], [0.0, 0.0, yaw]).inverse()
+            };
+            let (mut track, mut end) = (FramePoses::default(), 0.0);
+            for i in 0..=30 {
+                end = 0.01 * f64::from(i);
+                track.note(Time::from_nanoseconds(10_000_000 * i64::from(i)), pose_rf(end));
+            }
+            let moved = track.before().map(|(before, taken, step)| FrameMotion {
+                way: pose_rf(end) * before.inverse(),
+                taken,
+                step,
+            });
+            let (motions, observed) = (moved.into_iter().collect(), vec![track.observation()]);
+            let of = ObstacleMotion { frame: String::new(), motions, observed };
+            for radius in [0.0, 0.7, 2.0] {
+                let found = of.largest_speed(radius, limits).unwrap();
+                let [speed, turning] = [0, 1].map(|i| (velocities[i] + end * accelerations[i]).abs());
+                assert!(found >= speed + turning * radius - 1e-9, "{found}");
+                tightest = tightest.min(found - speed - turning * radius);
+            }
+        }
+        assert!(tightest < 0.01, "{tightest}");
+        assert_eq!(tracked([(0, 1.0)]).largest_speed(1.0, [1.0; 2]), None, "received once");
     }
 }

@@ -57,8 +57,10 @@ impl RootLocationWatch {
         let (seen, tracks) = (std::mem::take(&mut self.seen), std::mem::take(&mut self.tracks));
         for tracked in anchor_frames.tracked_frames(tree) {
             let before = seen.get(tracked.frame).filter(|seen| seen.stamp == tracked.stamp);
-            let obstacle_motion =
-                ObstacleMotion { frame: tracked.frame.to_owned(), motions: self.motions(&tracked, &tracks) };
+            let motions = self.motions(&tracked, &tracks);
+            let links = tracked.path.live_links();
+            let observed = links.filter_map(|link| Some(self.tracks.get(link.name)?.observation())).collect();
+            let obstacle_motion = ObstacleMotion { frame: tracked.frame.to_owned(), motions, observed };
             let seen =
                 Seen { stamp: tracked.stamp, since: before.and_then(|seen| seen.since), obstacle_motion };
             self.seen.insert(tracked.frame.to_owned(), seen);

@@ -18,9 +18,9 @@ use clearance_geometry::math::Extremes;
 use super::speed_settings::REST;
 
 /// Settings of speed and separation monitoring.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SeparationSettings {
-    /// Speed (m/s) at which a person may approach, `v_h`.
+    /// Speed (m/s) at which a person or another obstacle may approach, `v_h`.
     pub human_speed: f64,
     /// Largest speed (m/s) at which commands may move any point of the robot, before they are scaled; above 0.
     pub robot_speed: f64,
@@ -32,9 +32,6 @@ pub struct SeparationSettings {
     pub acceleration: f64,
     /// Intrusion distance and position uncertainties (m), `C + Z_d + Z_r`.
     pub margin: f64,
-    /// Names of obstacles that are no persons, and to which [`SpeedDistances`](crate::SpeedDistances) apply. A `*` at
-    /// the end stands for any text.
-    pub resting_obstacles: Vec<String>,
 }
 
 impl SeparationSettings {
@@ -80,15 +77,6 @@ impl SeparationSettings {
     /// scale takes effect.
     fn moves_away(&self, rate: f64, allowed: f64) -> bool {
         self.acceleration > 0.0 && rate < -REST && rate + self.acceleration * self.reaction_time <= allowed
-    }
-
-    /// Whether an obstacle of this name is no person.
-    #[must_use]
-    pub fn rests(&self, obstacle: &str) -> bool {
-        self.resting_obstacles.iter().any(|name| match name.strip_suffix('*') {
-            Some(beginning) => obstacle.starts_with(beginning),
-            None => obstacle == name,
-        })
     }
 }
 

@@ -55,6 +55,8 @@ pub struct MonitorSettings {
     pub look_ahead_horizon: f64,
     /// Assumed acceleration limit (rad/s², m/s²) of joints without their own.
     pub look_ahead_acceleration: f64,
+    /// Largest accelerations (m/s², rad/s²) of a root that moves; 0: not known.
+    pub look_ahead_root_accelerations: [f64; 2],
     /// How fast obstacles may move after the evaluated state.
     pub obstacle_limits: Arc<ObstacleLimits>,
     /// Time (s) between the measurement of the obstacles' poses and the evaluated state.
@@ -83,6 +85,7 @@ impl Default for MonitorSettings {
             speed: SpeedSettings::default(),
             look_ahead_horizon: 0.0,
             look_ahead_acceleration: 10.0,
+            look_ahead_root_accelerations: [0.0; 2],
             obstacle_limits: Arc::default(),
             obstacle_latency: 0.0,
         }

@@ -11,7 +11,7 @@
 //! once.
 //!
 //! With speed and separation monitoring, pairs with obstacles request the share of
-//! [`SeparationSettings`](crate::SeparationSettings) instead, unless the obstacle rests or the part of the robot
+//! [`SeparationRules`](crate::SeparationRules) instead, unless the obstacle rests or the part of the robot
 //! cannot move.
 
 use clearance_checker::{CollisionChecker, PairDistance};
@@ -124,7 +124,7 @@ impl SpeedGovernor {
                     let other = other.as_ref();
                     let largest =
                         other.and_then(|other| largest_approach_rate(checker, pair, checked_state, other));
-                    requests.add_separation(pair, [rate, largest], separation);
+                    requests.add_separation(pair, [rate, largest], &separation);
                 }
             }
         }
@@ -170,7 +170,7 @@ struct Requests {
 impl Requests {
     /// No pair is near.
     fn none(settings: &SpeedSettings) -> Self {
-        let separation = settings.separation.as_ref().map(Separation::out_of_range);
+        let separation = settings.separation.as_ref().map(|rules| Separation::out_of_range(&rules.usual));
         Self { share: 1.0, are_known: true, separation }
     }
 
@@ -195,7 +195,7 @@ impl Requests {
 }
 
 /// Rule for the share that one pair requests.
-enum Rule<'s> {
+enum Rule {
     /// The pair requests no reduction.
     Nothing,
     /// Slow-down and stop distance; the other body moves by at most `obstacle_motion` (m) on its own.
@@ -203,10 +203,10 @@ enum Rule<'s> {
         distances: SpeedDistances,
         obstacle_motion: f64,
     },
-    Separation(&'s SeparationSettings),
+    Separation(SeparationSettings),
 }
 
-impl Rule<'_> {
+impl Rule {
     /// Whether the pair may request a reduction.
     fn concerns(&self, pair: &PairDistance, checked_state: &CheckedState) -> bool {
         let reach = match self {
@@ -218,12 +218,12 @@ impl Rule<'_> {
     }
 }
 
-fn rule_of<'s>(
+fn rule_of(
     pair: &PairDistance,
     checker: &CollisionChecker,
     checked_state: &CheckedState,
-    settings: &'s MonitorSettings,
-) -> Rule<'s> {
+    settings: &MonitorSettings,
+) -> Rule {
     let speed = &settings.speed;
     let (body, obstacle) = match (pair.a, pair.b) {
         (BodyId::Obstacle(_), body) => (body, pair.a),
@@ -232,9 +232,9 @@ fn rule_of<'s>(
     };
     let name = checker.body_name(obstacle);
     let by_distances = |obstacle_motion| Rule::Distances { distances: speed.world, obstacle_motion };
-    match &speed.separation {
-        None => by_distances(settings.obstacle_motion(name)),
-        Some(separation) if separation.rests(name) => by_distances(0.0),
+    let Some(rules) = &speed.separation else { return by_distances(settings.obstacle_motion(name)) };
+    match rules.of(name) {
+        None => by_distances(0.0),
         // where the root stays in place, a body that is fixed to it cannot approach
         Some(_) if checked_state.obstacle_motions.is_empty() && is_fixed(checker, body) => Rule::Nothing,
         Some(separation) => Rule::Separation(separation),

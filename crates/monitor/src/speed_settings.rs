@@ -2,7 +2,7 @@
 
 use clearance_geometry::math::Extremes;
 
-use super::separation_settings::SeparationSettings;
+use super::separation_rules::SeparationRules;
 
 /// Approach rates below this (m/s) count as at rest: velocities are noisy.
 pub(super) const REST: f64 = 1e-3;
@@ -30,7 +30,7 @@ pub struct SpeedSettings {
     /// Number of states in a row after which it speeds up.
     pub release_count: u32,
     /// Speed and separation monitoring of the obstacles, except for those that rest; `None`: off.
-    pub separation: Option<SeparationSettings>,
+    pub separation: Option<SeparationRules>,
 }
 
 impl Default for SpeedSettings {

@@ -126,6 +126,7 @@ impl StateEvaluator {
             velocities: velocities.as_deref(),
             spread,
             report: &report,
+            poses: &poses,
             obstacle_motions: &obstacle_motions,
             is_late: left_out > LeftOut::Contacts || effort.is_over(),
         };

@@ -97,6 +97,17 @@ impl ObstacleLimits {
         self.by_name.get(name).copied().unwrap_or(self.default)
     }
 
+    /// The limits relative to a frame that moves itself, within the limit `frame`.
+    #[must_use]
+    pub fn relative_to(&self, frame: SpeedLimit) -> Self {
+        let faster = |limit: SpeedLimit| SpeedLimit {
+            speed: limit.speed + frame.speed,
+            acceleration: limit.acceleration + frame.acceleration,
+        };
+        let by_name = self.by_name.iter().map(|(name, limit)| (name.clone(), faster(*limit))).collect();
+        Self { default: faster(self.default), by_name }
+    }
+
     /// True if no obstacle may move.
     #[must_use]
     pub fn is_zero(&self) -> bool {

@@ -26,7 +26,7 @@ mod self_pairs;
 
 pub use decisive_points::DecisivePoint;
 pub use geometry_settings::{object_padding, object_scale};
-pub use link_volumes::{LinkVolume, bounding_capsule, extent, link_volumes};
+pub use link_volumes::{LinkVolume, bounding_capsule, extent, largest_extent, link_volumes};
 pub use pair_info::{CandidatePair, PairInfo};
 pub use pair_priority::PairPriority;
 pub use robot_body::{RobotBody, SceneOfRobot};

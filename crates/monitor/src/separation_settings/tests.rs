@@ -12,7 +12,6 @@ const CELL: SeparationSettings = SeparationSettings {
     deceleration: 2.0,
     acceleration: 4.0,
     margin: 0.2,
-    resting_obstacles: Vec::new(),
 };
 
 fn settings() -> impl Strategy<Value = SeparationSettings> {
@@ -24,7 +23,6 @@ fn settings() -> impl Strategy<Value = SeparationSettings> {
             deceleration,
             acceleration,
             margin,
-            resting_obstacles: Vec::new(),
         },
     )
 }
@@ -73,17 +71,6 @@ fn the_scale_follows_the_distance() {
     }
     let unknown = SeparationSettings { acceleration: 0.0, ..CELL };
     assert_eq!(share_of(&unknown, 0.2, Some(-5.0)), 0.0, "motion away counts as rest");
-}
-
-#[test]
-fn names_may_end_in_a_star() {
-    let named = SeparationSettings { resting_obstacles: vec!["table".into(), "wall_*".into()], ..CELL };
-    for (name, rests) in
-        [("table", true), ("table2", false), ("wall_", true), ("wall_north", true), ("wall", false)]
-    {
-        assert_eq!(named.rests(name), rests, "{name}");
-    }
-    assert!(!CELL.rests("table"));
 }
 
 /// Time step (s) of the simulations.

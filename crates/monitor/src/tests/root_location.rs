@@ -289,6 +289,65 @@ fn of_a_root_that_moves_no_time_to_contact_is_certain() {
     assert!(room.monitor.on_heartbeat(at(2.2)).time_to_contact() <= 0.0, "it moves on");
 }
 
+/// With limits of its accelerations, the time to contact holds for all motions of the root, the fastest one included.
+#[test]
+fn the_time_to_contact_of_a_root_that_moves_holds_within_its_accelerations() {
+    let acceleration = 0.5;
+    let with = |look_ahead_root_accelerations| MonitorSettings {
+        look_ahead_root_accelerations,
+        look_ahead_horizon: 2.0,
+        ..settings_of_lookout()
+    };
+    for (speed, seconds) in [(1.0, 6.0), (1.0, 6.5), (2.0, 3.0), (3.0, 2.0), (-1.0, 0.5)] {
+        let (_, evaluation) = drive(with([acceleration, 0.1]), speed, seconds);
+        let gap = 6.8 - speed * seconds;
+        let first = ((speed * speed + 2.0 * acceleration * gap).sqrt() - speed) / acceleration;
+        let found = evaluation.time_to_contact();
+        assert!(found <= first, "{found} {first} at {speed} m/s");
+        if speed > 0.0 {
+            assert!(found > 0.6 * first.min(2.0) - 0.05, "{found} {first} at {speed} m/s");
+        }
+    }
+    let (_, evaluation) = drive(with([acceleration, 0.0]), 1.0, 2.0);
+    let warning = "the robot's root moves in map, and look_ahead_root_acceleration or \
+                   look_ahead_root_angular_acceleration is 0 (not known)";
+    assert!(evaluation.time_to_contact() <= 0.0);
+    assert!(evaluation.warnings.iter().any(|found| found.contains(warning)), "{:?}", evaluation.warnings);
+}
+
+/// A root at rest may start to move at any time, and one that was placed once may be moving already.
+#[test]
+fn a_root_at_rest_may_start_to_move() {
+    let mut room = Room::new();
+    let accelerations = [5.0, 0.1];
+    let settings = MonitorSettings { look_ahead_horizon: 2.0, ..settings_of_lookout() };
+    room.monitor.set_settings(settings.clone());
+    room.monitor.note_transforms(&room.transforms);
+    let evaluated = |room: &mut Room, seconds| {
+        room.monitor.on_joint_state(moving(seconds, FREE, &[0.0, 0.0]), at(seconds))
+    };
+    assert!(evaluated(&mut room, 0.0).time_to_contact() >= 2.0, "without limits, it stays");
+    room.monitor.set_settings(MonitorSettings { look_ahead_root_accelerations: accelerations, ..settings });
+    room.send(0.0, 0.01);
+    room.monitor.note_transforms(&room.transforms);
+    let once = evaluated(&mut room, 0.01);
+    assert!(once.time_to_contact() <= 0.0);
+    assert!(
+        once.warnings
+            .iter()
+            .any(|warning| warning.contains("the speed of the robot's root in map is not known yet")),
+        "{:?}",
+        once.warnings
+    );
+    for i in 1..=20_u32 {
+        room.send(0.0, 0.02 * f64::from(i));
+        room.monitor.note_transforms(&room.transforms);
+    }
+    let found = evaluated(&mut room, 0.4).time_to_contact();
+    let first = (2.0 * 6.8_f64 / 5.0).sqrt();
+    assert!(found > 0.6 * first && found < first, "{found} {first}");
+}
+
 /// Localisation at 5 Hz with stamps in the future, above odometry at 50 Hz: the base moves by the odometry.
 #[test]
 fn a_localiser_that_comes_slowly_hides_no_drive() {

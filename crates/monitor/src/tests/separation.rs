@@ -13,7 +13,6 @@ const MONITORED: SeparationSettings = SeparationSettings {
     deceleration: 2.0,
     acceleration: 4.0,
     margin: 0.1,
-    resting_obstacles: Vec::new(),
 };
 
 /// A ball of 0.1 m at this height (m) above the base, and at this distance (m) in front of it.
@@ -21,7 +20,7 @@ fn ball(name: &str, x: f64, z: f64) -> Obstacle {
     Obstacle::of_shape(name, Pose::translation(x, 0.0, z), Shape::Primitive(Primitive::sphere(0.1).unwrap()))
 }
 
-fn beside(obstacles: Vec<Obstacle>, separation: SeparationSettings, release_count: u32) -> Monitor {
+fn beside(obstacles: Vec<Obstacle>, separation: impl Into<SeparationRules>, release_count: u32) -> Monitor {
     let mut world = World::default();
     for obstacle in obstacles {
         world.add(obstacle).unwrap();
@@ -30,7 +29,8 @@ fn beside(obstacles: Vec<Obstacle>, separation: SeparationSettings, release_coun
     let checker = CollisionChecker::new(Arc::new(robot), &world, Settings::default()).unwrap();
     let mut monitor = Monitor::new(MonitorSettings::default(), stopwatch);
     monitor.set_checker(Arc::new(Revision::new(checker, 1, 0)));
-    let speed = SpeedSettings { release_count, separation: Some(separation), ..SpeedSettings::default() };
+    let speed =
+        SpeedSettings { release_count, separation: Some(separation.into()), ..SpeedSettings::default() };
     monitor.set_settings(MonitorSettings { speed, distance_limit: 5.0, ..MonitorSettings::default() });
     monitor
 }
@@ -119,10 +119,14 @@ fn an_unknown_rate_counts_as_the_largest_one() {
 #[test]
 fn resting_obstacles_and_fixed_links_follow_the_distances() {
     let table = || vec![ball("table_7", 3.0, 0.0)];
-    let resting = || SeparationSettings { resting_obstacles: vec!["table_*".to_owned()], ..MONITORED };
-    let evaluation_of =
-        |obstacles, separation| evaluation(&mut beside(obstacles, separation, 1), 0.0, FREE, &[0.0, 0.0]);
-    assert!(evaluation_of(table(), MONITORED).speed_scale < 0.6);
+    let resting = || SeparationRules {
+        resting_obstacles: vec!["table_*".to_owned()],
+        ..SeparationRules::of_all(MONITORED)
+    };
+    let evaluation_of = |obstacles, separation: SeparationRules| {
+        evaluation(&mut beside(obstacles, separation, 1), 0.0, FREE, &[0.0, 0.0])
+    };
+    assert!(evaluation_of(table(), MONITORED.into()).speed_scale < 0.6);
     let rests = evaluation_of(table(), resting());
     assert_eq!((rests.speed_scale, rests.separation.unwrap().bodies), (1.0, None));
     assert_eq!(rests.separation.unwrap().distance, f64::INFINITY);
@@ -135,9 +139,26 @@ fn resting_obstacles_and_fixed_links_follow_the_distances() {
     assert!((evaluation(&mut monitor, 0.0, FREE, &[0.0, 0.0]).speed_scale - 0.5).abs() < 1e-9);
 
     // the base does not move, and the nearest moving link is out of range
-    let beside_base = evaluation_of(vec![ball("person", -0.35, 0.0)], MONITORED);
+    let beside_base = evaluation_of(vec![ball("person", -0.35, 0.0)], MONITORED.into());
     assert_eq!((beside_base.speed_scale, beside_base.separation.unwrap().bodies), (1.0, None));
     assert!(beside_base.checked_state.unwrap().report.nearest_world.unwrap().distance < 0.1);
+}
+
+/// A cart that is slower than a person leaves the robot faster.
+#[test]
+fn an_obstacle_may_have_a_speed_of_its_own() {
+    let rules = |speed| SeparationRules {
+        obstacle_speeds: vec![("cart".to_owned(), speed)],
+        ..SeparationRules::of_all(MONITORED)
+    };
+    let share = |name: &str, speed: f64| {
+        let mut monitor = beside(vec![ball(name, 3.0, 0.0)], rules(speed), 1);
+        evaluation(&mut monitor, 0.0, FREE, &[0.0, 0.0]).speed_scale
+    };
+    let allowed = |speed: f64| (speed * speed + 4.0 * 0.7).sqrt() - speed - 0.2;
+    assert!((share("cart", 1.0) - allowed(1.0)).abs() < 1e-9);
+    assert!((share("person", 0.5) - allowed(1.6)).abs() < 1e-9);
+    assert!((share("cart", 3.0) - allowed(3.0)).abs() < 1e-9);
 }
 
 #[test]
@@ -171,5 +192,5 @@ fn links_keep_their_distances() {
         evaluation(&mut monitor, 0.0, [0.0, 2.6], &[0.0, 0.3]).speed_scale
     };
     assert!((0.01..0.99).contains(&scale(None)));
-    assert_eq!(scale(Some(MONITORED)), scale(None));
+    assert_eq!(scale(Some(MONITORED.into())), scale(None));
 }

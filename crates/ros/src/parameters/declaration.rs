@@ -4,7 +4,7 @@ use clearance_scene::VolumeSelection;
 use std::collections::BTreeSet;
 
 use crate::names::fault_of_topic;
-use crate::parameters::obstacle_limit::obstacle_limit;
+use crate::parameters::obstacle_limit::{obstacle_limit, obstacle_speed};
 use crate::parameters::parameter_set::Parameters;
 use crate::parameters::parameter_value::Value;
 
@@ -48,6 +48,8 @@ pub enum Range {
     Names(&'static str),
     /// List of limits of obstacles, `NAME SPEED ACCELERATION`.
     ObstacleLimits,
+    /// List of speeds of obstacles, `NAME SPEED`.
+    ObstacleSpeeds,
     /// Point, or empty.
     Point,
 }
@@ -195,8 +197,14 @@ impl Declaration {
                 ));
             }
         }
-        if self.range == Range::ObstacleLimits {
-            self.check_obstacle_limits(&texts)?;
+        match self.range {
+            Range::ObstacleLimits => {
+                self.check_obstacles(&texts, "limits", |text| Ok(obstacle_limit(text)?.0))?
+            }
+            Range::ObstacleSpeeds => {
+                self.check_obstacles(&texts, "speeds", |text| Ok(obstacle_speed(text)?.0))?
+            }
+            _ => {}
         }
         match texts.iter().enumerate().find(|(i, text)| text.is_empty() || texts[..*i].contains(text)) {
             Some((_, text)) => Err(format!("{}: '{text}' is empty or given twice", self.name)),
@@ -204,13 +212,19 @@ impl Declaration {
         }
     }
 
-    fn check_obstacle_limits(&self, texts: &[String]) -> Result<(), String> {
+    /// Rejects texts whose obstacle cannot be read, and obstacles with two texts.
+    fn check_obstacles(
+        &self,
+        texts: &[String],
+        what: &str,
+        name_of: impl Fn(&str) -> Result<String, String>,
+    ) -> Result<(), String> {
         let mut names = BTreeSet::new();
         for text in texts {
             let shown = text.escape_debug();
-            let (name, _) = obstacle_limit(text).map_err(|why| format!("{}: '{shown}': {why}", self.name))?;
+            let name = name_of(text).map_err(|why| format!("{}: '{shown}': {why}", self.name))?;
             if !names.insert(name) {
-                return Err(format!("{}: '{shown}': this obstacle has two limits", self.name));
+                return Err(format!("{}: '{shown}': this obstacle has two {what}", self.name));
             }
         }
         Ok(())

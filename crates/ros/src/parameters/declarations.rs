@@ -184,6 +184,20 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             |p| &mut p.look_ahead_horizon,
             "Time ahead in which contacts are searched from the joint velocities; 0 turns it off.",
         ),
+        double(
+            "look_ahead_root_acceleration",
+            "m/s2",
+            (0.0, 1000.0),
+            |p| &mut p.look_ahead_root_acceleration,
+            "Largest acceleration of the robot's root in tf; 0: no time to contact is known while it moves.",
+        ),
+        double(
+            "look_ahead_root_angular_acceleration",
+            "rad/s2",
+            (0.0, 1000.0),
+            |p| &mut p.look_ahead_root_angular_acceleration,
+            "Largest angular acceleration of the robot's root in tf; 0: no time to contact is known while it moves.",
+        ),
         unknown_or_warn(
             "lost_messages",
             |p| &mut p.lost_messages,
@@ -417,6 +431,15 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             |p| &mut p.ssm_reaction_time,
             "Time from a motion in the room until the robot begins to brake; must be above 0 for speed_mode ssm.",
         ),
+        Declaration {
+            range: Range::ObstacleSpeeds,
+            access: Access::Texts(|p| &mut p.ssm_obstacle_speeds),
+            ..described(
+                "ssm_obstacle_speeds",
+                "",
+                "Speeds at which single obstacles may approach instead of ssm_human_speed, each as 'NAME SPEED' in m/s. A * at the end of a name stands for any text.",
+            )
+        },
         Declaration {
             range: Range::Names("obstacles"),
             access: Access::Texts(|p| &mut p.ssm_resting_obstacles),

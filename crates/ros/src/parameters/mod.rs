@@ -3,7 +3,7 @@
 pub mod assignment; // assignment of values by name
 pub mod declaration; // declaration of one parameter: unit, range, access
 pub mod declarations; // all declarations, and their lookup by name
-pub mod obstacle_limit; // text of the limits of one obstacle
+pub mod obstacle_limit; // texts of the limits of one obstacle
 pub mod parameter_files; // ROS 2 parameter files
 pub mod parameter_set; // the values of all parameters
 pub mod parameter_source; // source of values on the command line

@@ -1,27 +1,41 @@
-//! Text of the limits of one obstacle: `NAME SPEED ACCELERATION`.
+//! Texts of the limits of one obstacle: `NAME SPEED ACCELERATION`, or `NAME SPEED`.
 
 use clearance_motion::SpeedLimit;
 
 /// Largest speed (m/s) and acceleration (m/s²) in a text.
 const LARGEST: SpeedLimit = SpeedLimit { speed: 100.0, acceleration: 1000.0 };
 
-/// Reads a text; the name may contain spaces.
+/// Largest speed (m/s) of an obstacle in speed and separation monitoring, as that of a person.
+const LARGEST_SPEED: f64 = 10.0;
+
+/// Reads `NAME SPEED ACCELERATION`; the name may contain spaces.
 pub fn obstacle_limit(text: &str) -> Result<(String, SpeedLimit), String> {
-    let last = |text: &str| {
-        let (rest, word) = text.trim().rsplit_once(char::is_whitespace)?;
-        Some((rest.trim().to_owned(), word.to_owned()))
-    };
-    let parts = last(text).and_then(|(rest, acceleration)| Some((last(&rest)?, acceleration)));
+    let parts = last_word(text).and_then(|(rest, acceleration)| Some((last_word(rest)?, acceleration)));
     let Some(((name, speed), acceleration)) = parts else {
         return Err("it must have the form 'NAME SPEED ACCELERATION'".to_owned());
     };
-    let number = |what: &str, text: &str, to: f64| {
-        let number = text.parse::<f64>().ok().filter(|number| (0.0..=to).contains(number));
-        number.ok_or_else(|| format!("the {what} must be a number from 0 to {to}, but is '{text}'"))
+    let speed = number("speed (m/s)", speed, LARGEST.speed)?;
+    let acceleration = number("acceleration (m/s2)", acceleration, LARGEST.acceleration)?;
+    Ok((name.to_owned(), SpeedLimit { speed, acceleration }))
+}
+
+/// Reads `NAME SPEED`; the name may contain spaces.
+pub fn obstacle_speed(text: &str) -> Result<(String, f64), String> {
+    let Some((name, speed)) = last_word(text) else {
+        return Err("it must have the form 'NAME SPEED'".to_owned());
     };
-    let speed = number("speed (m/s)", &speed, LARGEST.speed)?;
-    let acceleration = number("acceleration (m/s2)", &acceleration, LARGEST.acceleration)?;
-    Ok((name, SpeedLimit { speed, acceleration }))
+    Ok((name.to_owned(), number("speed (m/s)", speed, LARGEST_SPEED)?))
+}
+
+/// What stands before the last word, and that word.
+fn last_word(text: &str) -> Option<(&str, &str)> {
+    let (rest, word) = text.trim().rsplit_once(char::is_whitespace)?;
+    Some((rest.trim(), word))
+}
+
+fn number(what: &str, text: &str, to: f64) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|number| (0.0..=to).contains(number));
+    number.ok_or_else(|| format!("the {what} must be a number from 0 to {to}, but is '{text}'"))
 }
 
 #[cfg(test)]
@@ -36,6 +50,20 @@ mod tests {
             obstacle_limit(" fork lift  1e0\t 0 ").unwrap(),
             ("fork lift".to_owned(), limit(1.0, 0.0))
         );
+    }
+
+    #[test]
+    fn a_speed_alone_is_read_after_the_name() {
+        assert_eq!(obstacle_speed("fork lift * 0.5").unwrap(), ("fork lift *".to_owned(), 0.5));
+        for (text, part) in [
+            ("", "the form 'NAME SPEED'"),
+            ("cart", "the form 'NAME SPEED'"),
+            ("cart fast", "speed (m/s) must be a number from 0 to 10, but is 'fast'"),
+            ("cart 11", "from 0 to 10"),
+        ] {
+            let error = obstacle_speed(text).unwrap_err();
+            assert!(error.contains(part), "{text}: {error}");
+        }
     }
 
     #[test]

@@ -3,10 +3,12 @@
 
 use std::sync::Arc;
 
-use crate::parameters::obstacle_limit::obstacle_limit;
+use crate::parameters::obstacle_limit::{obstacle_limit, obstacle_speed};
 use crate::parameters::recording_settings::RecordingSettings;
 use clearance_geometry::VolumeKind;
-use clearance_monitor::{MonitorSettings, SeparationSettings, SpeedDistances, SpeedSettings};
+use clearance_monitor::{
+    MonitorSettings, SeparationRules, SeparationSettings, SpeedDistances, SpeedSettings,
+};
 use clearance_motion::{ContinuousDirection, ObstacleLimits, SpeedLimit};
 
 /// All current parameters. One value of this type is a consistent set, and is replaced as a whole.
@@ -42,8 +44,11 @@ pub struct Parameters {
     pub ssm_human_uncertainty: f64,
     pub ssm_robot_uncertainty: f64,
     pub ssm_resting_obstacles: Vec<String>,
+    pub ssm_obstacle_speeds: Vec<String>,
     pub look_ahead_horizon: f64,
     pub look_ahead_acceleration: f64,
+    pub look_ahead_root_acceleration: f64,
+    pub look_ahead_root_angular_acceleration: f64,
     pub obstacle_speed: f64,
     pub obstacle_acceleration: f64,
     pub obstacle_limits: Vec<String>,
@@ -128,8 +133,11 @@ impl Default for Parameters {
             ssm_human_uncertainty: 0.0,
             ssm_robot_uncertainty: 0.0,
             ssm_resting_obstacles: Vec::new(),
+            ssm_obstacle_speeds: Vec::new(),
             look_ahead_horizon: monitor.look_ahead_horizon,
             look_ahead_acceleration: monitor.look_ahead_acceleration,
+            look_ahead_root_acceleration: 0.0,
+            look_ahead_root_angular_acceleration: 0.0,
             obstacle_speed: 0.0,
             obstacle_acceleration: 0.0,
             obstacle_limits: Vec::new(),
@@ -196,6 +204,10 @@ impl Parameters {
             speed: self.speed_settings(),
             look_ahead_horizon: self.look_ahead_horizon,
             look_ahead_acceleration: self.look_ahead_acceleration,
+            look_ahead_root_accelerations: [
+                self.look_ahead_root_acceleration,
+                self.look_ahead_root_angular_acceleration,
+            ],
             obstacle_limits: Arc::new(self.obstacle_limits()),
             obstacle_latency: self.obstacle_latency,
         }
@@ -219,7 +231,7 @@ impl Parameters {
             reaction_time: self.slowdown_reaction_time,
             trigger_count: count(self.slowdown_trigger_count),
             release_count: count(self.slowdown_release_count),
-            separation: self.monitors_separation().then(|| self.separation_settings()),
+            separation: self.monitors_separation().then(|| self.separation_rules()),
         }
     }
 
@@ -229,16 +241,19 @@ impl Parameters {
         self.speed_mode == SPEED_MODES[1]
     }
 
-    fn separation_settings(&self) -> SeparationSettings {
-        SeparationSettings {
+    fn separation_rules(&self) -> SeparationRules {
+        let usual = SeparationSettings {
             human_speed: self.ssm_human_speed,
             robot_speed: self.ssm_robot_speed,
             reaction_time: self.ssm_reaction_time,
             deceleration: self.ssm_deceleration,
             acceleration: self.ssm_acceleration,
             margin: self.ssm_intrusion_distance + self.ssm_human_uncertainty + self.ssm_robot_uncertainty,
-            resting_obstacles: self.ssm_resting_obstacles.clone(),
-        }
+        };
+        let resting_obstacles = self.ssm_resting_obstacles.clone();
+        // texts were checked when they were set
+        let speeds = self.ssm_obstacle_speeds.iter().filter_map(|text| obstacle_speed(text).ok());
+        SeparationRules { usual, resting_obstacles, obstacle_speeds: speeds.collect() }
     }
 
     /// Checks the parameters of speed and separation monitoring, if it is on.
@@ -257,10 +272,10 @@ impl Parameters {
                 ));
             }
         }
-        let range = self.separation_settings().range();
+        let range = self.separation_rules().range();
         if range > LARGEST_SEPARATION {
             return Err(format!(
-                "with these ssm_ parameters, obstacles up to {range:.2} m away slow the robot down, and at most {LARGEST_SEPARATION} m are allowed: give a higher ssm_deceleration, or a lower ssm_robot_speed, ssm_human_speed or ssm_reaction_time"
+                "with these ssm_ parameters, obstacles up to {range:.2} m away slow the robot down, and at most {LARGEST_SEPARATION} m are allowed: give a higher ssm_deceleration, or a lower ssm_robot_speed, ssm_human_speed, ssm_obstacle_speeds or ssm_reaction_time"
             ));
         }
         Ok(())

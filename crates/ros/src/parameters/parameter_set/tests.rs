@@ -22,6 +22,7 @@ fn declaration_test_start(name: &str) -> Parameters {
     match name {
         "point_cloud_topics" => parameters.point_cloud_topics = vec!["/clouds".to_owned()],
         "obstacle_limits" => parameters.obstacle_limits = vec!["cart 1 2".to_owned()],
+        "ssm_obstacle_speeds" => parameters.ssm_obstacle_speeds = vec!["cart 1".to_owned()],
         "ssm_resting_obstacles" => parameters.ssm_resting_obstacles = vec!["table".to_owned()],
         "transform_joints" => parameters.transform_joints = vec!["base".to_owned()],
         _ => {}
@@ -59,6 +60,7 @@ fn the_manual_holds_every_parameter_with_its_default_unit_and_range() {
             Range::Volumes => " Kinds of volumes.".to_owned(),
             Range::Names(what) => format!(" A list of {what}."),
             Range::ObstacleLimits => " A list of texts 'NAME SPEED ACCELERATION'.".to_owned(),
+            Range::ObstacleSpeeds => " A list of texts 'NAME SPEED'.".to_owned(),
             Range::Point => format!(" {}, three numbers or none.", declaration.unit),
         };
         let comment = comment_above(name);

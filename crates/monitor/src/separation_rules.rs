@@ -1,0 +1,99 @@
+//! Which obstacles are monitored for speed and separation, and how fast they may approach.
+
+use clearance_geometry::math::Extremes;
+
+use super::separation_settings::SeparationSettings;
+
+/// Settings of speed and separation monitoring, by obstacle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SeparationRules {
+    /// Settings for all other obstacles: each of them may be a person.
+    pub usual: SeparationSettings,
+    /// Names of obstacles that rest, and to which [`SpeedDistances`](crate::SpeedDistances) apply. A `*` at the end stands
+    /// for any text.
+    pub resting_obstacles: Vec<String>,
+    /// Speeds (m/s) at which single obstacles may approach, by names of the same form. The highest one of an obstacle counts,
+    /// also if it is among those that rest.
+    pub obstacle_speeds: Vec<(String, f64)>,
+}
+
+impl SeparationRules {
+    /// The same settings for all obstacles.
+    #[must_use]
+    pub fn of_all(usual: SeparationSettings) -> Self {
+        Self { usual, resting_obstacles: Vec::new(), obstacle_speeds: Vec::new() }
+    }
+
+    /// The settings for an obstacle; `None` if it rests.
+    #[must_use]
+    pub fn of(&self, obstacle: &str) -> Option<SeparationSettings> {
+        let speeds = self.obstacle_speeds.iter().filter(|(name, _)| matches(name, obstacle));
+        match speeds.map(|(_, speed)| *speed).reduce(f64::greater) {
+            Some(human_speed) => Some(SeparationSettings { human_speed, ..self.usual }),
+            None if self.resting_obstacles.iter().any(|name| matches(name, obstacle)) => None,
+            None => Some(self.usual),
+        }
+    }
+
+    /// Distance (m) from which the robot may move at its full speed, beside any obstacle.
+    #[must_use]
+    pub fn range(&self) -> f64 {
+        let speeds = self.obstacle_speeds.iter().map(|(_, speed)| *speed);
+        let human_speed = speeds.fold(self.usual.human_speed, f64::greater);
+        SeparationSettings { human_speed, ..self.usual }.range()
+    }
+}
+
+impl From<SeparationSettings> for SeparationRules {
+    fn from(usual: SeparationSettings) -> Self {
+        Self::of_all(usual)
+    }
+}
+
+fn matches(name: &str, obstacle: &str) -> bool {
+    match name.strip_suffix('*') {
+        Some(beginning) => obstacle.starts_with(beginning),
+        None => obstacle == name,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![expect(clippy::float_cmp, reason = "speeds are passed on as they are")]
+
+    use super::*;
+
+    const CELL: SeparationSettings = SeparationSettings {
+        human_speed: 1.6,
+        robot_speed: 1.0,
+        reaction_time: 0.1,
+        deceleration: 2.0,
+        acceleration: 4.0,
+        margin: 0.2,
+    };
+
+    #[test]
+    fn names_may_end_in_a_star() {
+        let resting_obstacles = vec!["table".into(), "wall_*".into()];
+        let named = SeparationRules { resting_obstacles, ..SeparationRules::of_all(CELL) };
+        for (name, rests) in
+            [("table", true), ("table2", false), ("wall_", true), ("wall_north", true), ("wall", false)]
+        {
+            assert_eq!(named.of(name).is_none(), rests, "{name}");
+        }
+        assert_eq!(SeparationRules::of_all(CELL).of("table"), Some(CELL));
+    }
+
+    #[test]
+    fn the_highest_speed_of_an_obstacle_counts() {
+        let rules = SeparationRules {
+            usual: CELL,
+            resting_obstacles: vec!["cart_*".into()],
+            obstacle_speeds: vec![("cart_*".into(), 0.5), ("cart_7".into(), 2.0), ("cart_7*".into(), 1.0)],
+        };
+        let speed = |name: &str| rules.of(name).unwrap().human_speed;
+        assert_eq!([speed("cart_1"), speed("cart_7"), speed("cart_71"), speed("anna")], [0.5, 2.0, 1.0, 1.6]);
+        assert_eq!(rules.range(), SeparationSettings { human_speed: 2.0, ..CELL }.range());
+        assert!(rules.range() > CELL.range());
+    }
+}
