@@ -1,8 +1,8 @@
-//! `cargo bench --bench along`: cost of `clearance_along` on free motions, beside `check_motion` of the same motions and
-//! beside exact distances every 0.01 rad.
+//! `cargo bench --bench along`: cost of `clearance_along` on free motions, also up to a limit of 5 cm, beside
+//! `check_motion` of the same motions and beside exact distances every 0.01 rad.
 //!
 //! Motions have the given length in joint space and start in free states. CPU time of the thread (µs): mean and median
-//! of all motions, each the fastest of some passes; then the multiple of the time of `check_motion`, the evaluations of
+//! of all motions, each the fastest of some passes; then the multiples of the time of `check_motion`, the evaluations of
 //! pairs in intervals, and how many motions were not bounded within the tolerance. Robots of `../shared/robots` are
 //! measured where that folder exists. Arguments select robots by name.
 
@@ -66,12 +66,19 @@ fn motions(checker: &CollisionChecker, length: f64, random: &mut Random) -> Vec<
 
 type Query = fn(&CollisionChecker, &MotionSegment, f64, &mut Workspace);
 
-const QUERIES: [(&str, Query); 3] = [
+/// Distances (m) beyond this are not searched by the query with a limit.
+const LIMIT: f64 = 0.05;
+
+const QUERIES: [(&str, Query); 4] = [
     ("check_motion", |checker, segment, _, workspace| {
         black_box(checker.check_motion_with(segment, &MotionOptions::default(), workspace));
     }),
     ("clearance_along", |checker, segment, _, workspace| {
         black_box(checker.clearance_along(segment, &MotionClearanceOptions::default(), workspace));
+    }),
+    ("with limit", |checker, segment, _, workspace| {
+        let options = MotionClearanceOptions { limit: LIMIT, ..MotionClearanceOptions::default() };
+        black_box(checker.clearance_along(segment, &options, workspace));
     }),
     ("distances", |checker, segment, length, workspace| {
         let question = Question::SelfAndWorldDistance { limit: f64::INFINITY };
@@ -84,13 +91,13 @@ const QUERIES: [(&str, Query); 3] = [
 ];
 
 /// The fastest time (µs) of each query on each motion.
-fn measure(checker: &CollisionChecker, motions: &[MotionSegment], length: f64) -> [Vec<f64>; 3] {
+fn measure(checker: &CollisionChecker, motions: &[MotionSegment], length: f64) -> [Vec<f64>; 4] {
     let mut workspaces = QUERIES.map(|_| checker.workspace());
     let mut best = QUERIES.map(|_| vec![f64::INFINITY; motions.len()]);
     for pass in 0..PASSES {
-        for turn in 0..3 {
-            let which = (pass + turn) % 3;
-            if which == 2 && pass > 1 {
+        for turn in 0..4 {
+            let which = (pass + turn) % 4;
+            if which == 3 && pass > 1 {
                 continue;
             }
             for (segment, best) in motions.iter().zip(&mut best[which]) {
@@ -148,11 +155,13 @@ fn main() {
             for ((query, _), times) in QUERIES.iter().zip(&times) {
                 print!("  {query} {:.1} median {:.1}", mean(times), median(times));
             }
-            print!(
-                "  multiple {:.1} median {:.1}",
-                mean(&times[1]) / mean(&times[0]),
-                median(&times[1]) / median(&times[0])
-            );
+            for (which, what) in [(1, "multiple"), (2, "with limit")] {
+                print!(
+                    "  {what} {:.1} median {:.1}",
+                    mean(&times[which]) / mean(&times[0]),
+                    median(&times[which]) / median(&times[0])
+                );
+            }
             print_evaluations(&checker, &motions);
         }
     }

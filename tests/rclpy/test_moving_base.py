@@ -44,6 +44,48 @@ def test_obstacles_stay_in_the_room_while_the_robot_drives(start):
     )
 
 
+class Drive(Localization):
+    """The root drives along x at a constant speed from now on."""
+
+    def __init__(self, cell, speed):
+        self._speed = speed  # [m/s]
+        self._start = cell.peer.now()
+        super().__init__(cell)
+
+    def _tick(self):
+        self.x = self._speed * (self._peer.now() - self._start).nanoseconds * 1e-9
+        super()._tick()
+
+
+def test_the_time_to_contact_of_a_root_that_drives_needs_its_accelerations(start):
+    cell = start(parameters={**FAR, "look_ahead_horizon": 10.0, "look_ahead_acceleration": 0.0})
+    scene = SceneClient(cell)
+    Drive(cell, 0.1)
+
+    def look():
+        return cell.moving(STRETCHED, (0, 0))
+
+    look()
+
+    def placed():
+        scene.publish(ball("pillar", 5.0, frame="odom"))
+        return look().world_distance < 10.0
+
+    cell.peer.wait_for(placed, "an obstacle in the frame of the room")
+    why = "the robot's root moves in odom, and look_ahead_root_acceleration or look_ahead_root_angular_acceleration is 0"
+    cell.peer.wait_for(lambda: any(why in warning for warning in look().warnings), "the reason in a warning")
+    assert not look().time_to_contact_known
+
+    cell.parameters.succeed(look_ahead_root_acceleration=0.5, look_ahead_root_angular_acceleration=0.01)
+    cell.peer.wait_for(lambda: look().time_to_contact_known, "a time to contact")
+    state = look()
+    gap = state.world_distance
+    # the fastest motion within the limits; the pose of the root may be older than the joint state, so that it is nearer
+    truth = ((0.1**2 + 2 * 0.5 * gap) ** 0.5 - 0.1) / 0.5
+    assert 0.5 * truth < state.time_to_contact <= truth
+    assert {state.first_contact_pair.body_a, state.first_contact_pair.body_b} == {"tip", "pillar"}
+
+
 def test_a_rotation_that_nobody_set_places_nothing(start):
     cell = start(parameters=FAR)
     scene = SceneClient(cell)

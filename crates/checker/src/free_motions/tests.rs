@@ -224,16 +224,15 @@ fn obstacles_within_their_limits_touch_nothing_on_free_motions() {
     assert!(touched > 100, "{touched}");
 }
 
-/// Robot and obstacles accelerate at random within their limits; before the time of the look-ahead nothing touches.
-#[test]
-fn nothing_touches_before_the_look_ahead_with_moving_obstacles() {
-    let mut random = Random::new(92);
+/// Robot and obstacles accelerate at random within their limits; before the time of the look-ahead nothing touches. Returns
+/// the number of motions that touched later, of at least so many that ended before.
+fn touched_after_the_look_ahead(motions: u32, random: &mut Random) -> u32 {
     let (mut placed, mut touched) = (0, 0);
-    while placed < 3000 {
-        let checker = checker(&mut random);
-        let from = state(checker.robot(), &mut random);
+    while placed < motions {
+        let checker = checker(random);
+        let from = state(checker.robot(), random);
         let still = MotionSegment::straight(checker.robot(), &from, &from);
-        let loose = with_uncertainty(still, &mut random);
+        let loose = with_uncertainty(still, random);
         let Some(text) = loose.text().obstacle_uncertainty else { continue };
         let limits = Arc::new(text.limits);
         let velocities: Vec<f64> = from.positions().iter().map(|_| random.within(1.0)).collect();
@@ -270,5 +269,21 @@ fn nothing_touches_before_the_look_ahead_with_moving_obstacles() {
             touched += u32::from(!is_apart);
         }
     }
+    touched
+}
+
+#[test]
+fn nothing_touches_before_the_look_ahead_with_moving_obstacles() {
+    let touched = touched_after_the_look_ahead(3000, &mut Random::new(92));
     assert!(touched > 100, "{touched}");
+}
+
+/// By hand: `cargo test --release -p clearance-checker -- --ignored --nocapture many_obstacle_motions`.
+#[test]
+#[ignore = "takes many minutes"]
+fn many_obstacle_motions() {
+    for thousands in 1..=1000 {
+        let touched = touched_after_the_look_ahead(1000, &mut Random::new(92_000 + thousands));
+        println!("{} motions: {touched} touched later", 1000 * thousands);
+    }
 }

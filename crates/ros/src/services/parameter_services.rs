@@ -224,6 +224,7 @@ fn descriptor(declaration: &Declaration) -> raw::ParameterDescriptor {
         | Range::Volumes
         | Range::Names(_)
         | Range::ObstacleLimits
+        | Range::ObstacleSpeeds
         | Range::Point => Vec::new(),
         Range::Double { from, to } => {
             vec![raw::FloatingPointRange { from_value: from, to_value: to, step: 0.0 }]
@@ -255,7 +256,8 @@ fn descriptor(declaration: &Declaration) -> raw::ParameterDescriptor {
             | Range::Service
             | Range::Prefix
             | Range::Names(_)
-            | Range::ObstacleLimits => String::new(),
+            | Range::ObstacleLimits
+            | Range::ObstacleSpeeds => String::new(),
         },
         floating_point_range: ranges,
         integer_range: integers,
