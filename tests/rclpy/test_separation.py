@@ -33,8 +33,8 @@ DISTANCE = hypot(*WAY) - 0.2
 RATE = (-sin(BENT) * WAY[0] + cos(BENT) * WAY[1]) / hypot(*WAY)
 
 
-def allowed(distance):
-    return sqrt(HUMAN_SPEED**2 + 2 * DECELERATION * distance) - HUMAN_SPEED - DECELERATION * REACTION_TIME
+def allowed(distance, human_speed=HUMAN_SPEED):
+    return sqrt(human_speed**2 + 2 * DECELERATION * distance) - human_speed - DECELERATION * REACTION_TIME
 
 
 @pytest.fixture
@@ -98,3 +98,16 @@ def test_what_is_not_free_has_no_separation_and_a_resting_obstacle_no_person(mon
     cell.parameters.succeed(speed_mode="distances")
     separations.ever(lambda message: isnan(message.allowed_speed), "the end of the monitoring")
     speed.becomes(0.5)
+
+
+def test_an_obstacle_may_have_a_speed_of_its_own(monitored):
+    cell, speed, _ = monitored
+    cell.moving(NEAR, [0.0, 0.0])
+    speed.becomes(allowed(DISTANCE))
+    cell.parameters.succeed(ssm_obstacle_speeds=["bea* 2.5", "other 9"])
+    speed.becomes(allowed(DISTANCE, human_speed=2.5))
+    cell.parameters.succeed(ssm_resting_obstacles=["beacon"])
+    speed.becomes(allowed(DISTANCE, human_speed=2.5))
+    (result,) = cell.parameters.set(ssm_obstacle_speeds=["beacon fast"])
+    assert not result.successful
+    assert "the speed (m/s) must be a number from 0 to 10, but is 'fast'" in result.reason
