@@ -5,9 +5,9 @@ use std::sync::Arc;
 use clearance_checker::{CollisionChecker, CollisionReport, LookAhead, LookAheadState, Workspace};
 use clearance_robot::{Configuration, JointKind, LinkPoses, RobotModel, quoted_list};
 
-use super::MonitorSettings;
 use super::obstacle_motion::ObstacleMotion;
 use super::root_speed::{JointRanges, RootSpeed};
+use super::{MonitorSettings, Time};
 
 /// Look-ahead for one checker.
 #[derive(Debug)]
@@ -32,6 +32,10 @@ pub(super) struct LookAheadInput<'i> {
     pub report: &'i CollisionReport,
     pub poses: &'i LinkPoses,
     pub obstacle_motions: &'i [ObstacleMotion],
+    /// Stamp of the state.
+    pub stamp: Time,
+    /// Time (s) for which the obstacles have not been moved to follow `tf`.
+    pub obstacle_lag: f64,
     /// Whether the deadline leaves no time for it.
     pub is_late: bool,
 }
@@ -94,7 +98,7 @@ impl LookAheadEvaluator {
         let mut obstacle_latency = settings.obstacle_latency;
         if let Some(RootSpeed { limit, latency }) = of_root {
             obstacle_limits = Some(Arc::new(settings.obstacle_limits.relative_to(limit)));
-            obstacle_latency += latency;
+            obstacle_latency += latency + input.obstacle_lag;
         }
         let state = LookAheadState {
             q: configuration,
@@ -111,7 +115,7 @@ impl LookAheadEvaluator {
 /// The possible motion of the root, or why it is not known.
 fn root_speed(
     checker: &CollisionChecker,
-    &LookAheadInput { obstacle_motions, poses, .. }: &LookAheadInput,
+    &LookAheadInput { obstacle_motions, poses, stamp, .. }: &LookAheadInput,
     settings: &MonitorSettings,
     ranges: &JointRanges,
 ) -> Result<Option<RootSpeed>, String> {
@@ -132,7 +136,7 @@ fn root_speed(
     if !radius.is_finite() {
         return Err("the robot's root moves, and its reach is larger than any number".to_owned());
     }
-    RootSpeed::new(obstacle_motions, accelerations, radius)
+    RootSpeed::new(obstacle_motions, accelerations, radius, stamp)
         .map_err(|frame| format!("the speed of the robot's root in {frame} is not known yet"))
 }
 

@@ -378,6 +378,7 @@ impl Monitor {
         let check_result = evaluator.evaluate(EvaluationInput {
             merged,
             obstacle_motions: self.root_location.obstacle_motions(),
+            obstacle_lag: self.root_location.lag(now),
             settings: &self.settings,
             check_budget: &self.check_budget,
             time: StateTime {

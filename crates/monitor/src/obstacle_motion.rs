@@ -35,16 +35,17 @@ impl FramePoses {
     pub fn observation(&self) -> Observed {
         let ends = self.places.front().zip(self.places.back());
         let time = ends.map_or(0.0, |((from, _), (to, _))| to.seconds_since(*from));
+        let last = self.places.back().map(|(stamp, _)| *stamp).unwrap_or_default();
         let stamps = self.places.iter().map(|(stamp, _)| stamp);
         let steps = stamps.clone().zip(stamps.skip(1)).map(|(from, to)| to.seconds_since(*from));
-        Observed { time, step: steps.fold(0.0, f64::greater) }
+        Observed { time, step: steps.fold(0.0, f64::greater), last }
     }
 
     /// The earlier pose, how long ago (s) that was, and the longest time (s) between two successive poses since; `None` if
     /// the frame has not moved.
     pub fn before(&self) -> Option<(&Pose, f64, f64)> {
         let ((_, before), (_, now)) = self.places.front().zip(self.places.back())?;
-        let Observed { time, step } = self.observation();
+        let Observed { time, step, .. } = self.observation();
         is_elsewhere(before, now).then_some((before, time, step))
     }
 }
@@ -56,6 +57,8 @@ pub(super) struct Observed {
     pub time: f64,
     /// Longest time (s) between two poses.
     pub step: f64,
+    /// Stamp of the last pose.
+    pub last: Time,
 }
 
 /// Motion of the points of a frame, in the root frame.
@@ -126,10 +129,12 @@ impl ObstacleMotion {
         Some(means + 0.5 * time * (linear + angular * radius))
     }
 
-    /// Longest time (s) in which `tf` said nothing new about the frame.
+    /// Time (s) by which its pose may be older than this stamp: `tf` may move it in steps, and may have stopped.
     #[must_use]
-    pub fn longest_step(&self) -> f64 {
-        self.observed.iter().map(|observed| observed.step).fold(0.0, f64::greater)
+    pub fn age(&self, stamp: Time) -> f64 {
+        let ages =
+            self.observed.iter().map(|observed| observed.step.greater(stamp.seconds_since(observed.last)));
+        ages.fold(0.0, f64::greater)
     }
 
     /// As [`Self::largest_displacement`], but at least for the longest time in which `tf` said nothing new: it moves frames in steps, so that a

@@ -132,7 +132,7 @@ impl RootLocationWatch {
     }
 
     /// Time since the poses of the obstacles were last correct.
-    fn lag(&self, now: Now) -> Duration {
+    pub fn lag(&self, now: Now) -> Duration {
         let right_at = self.right_at.filter(|_| self.are_elsewhere);
         right_at.map_or(Duration::ZERO, |right_at| now.steady.saturating_sub(right_at))
     }

@@ -9,6 +9,7 @@ use clearance_geometry::math::Extremes;
 use clearance_motion::SpeedLimit;
 use clearance_robot::LinkPoses;
 
+use super::Time;
 use super::obstacle_motion::ObstacleMotion;
 
 /// Motion of the root that is possible after a state.
@@ -34,11 +35,12 @@ pub(super) struct JointRanges<'j> {
 
 impl RootSpeed {
     /// From the motion that `tf` shows of the root in each frame of obstacles, and its largest accelerations (m/s²,
-    /// rad/s²); `None` if nothing places the root. The error is the frame in which the speed of the root is not known yet.
+    /// rad/s²), at the stamp of a state; `None` if nothing places the root. The error is the frame in which the speed of the root is not known yet.
     pub fn new<'m>(
         motions: &'m [ObstacleMotion],
         accelerations: [f64; 2],
         radius: f64,
+        stamp: Time,
     ) -> Result<Option<Self>, &'m str> {
         let moving = || motions.iter().filter(|motion| motion.may_move());
         let mut speed = 0.0_f64;
@@ -47,7 +49,7 @@ impl RootSpeed {
         }
         let turned = if accelerations[1] > 0.0 { accelerations[1] * radius } else { 0.0 };
         let limit = SpeedLimit { speed, acceleration: accelerations[0] + turned };
-        let latency = moving().map(ObstacleMotion::longest_step).fold(0.0, f64::greater);
+        let latency = moving().map(|motion| motion.age(stamp)).fold(0.0, f64::greater);
         Ok(moving().next().map(|_| Self { limit, latency }))
     }
 }

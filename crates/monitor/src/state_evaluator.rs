@@ -38,6 +38,8 @@ pub(super) struct StateEvaluator {
 pub(super) struct EvaluationInput<'i> {
     pub merged: MergedState,
     pub obstacle_motions: Vec<ObstacleMotion>,
+    /// Time for which the obstacles have not been moved to follow `tf`.
+    pub obstacle_lag: Duration,
     pub settings: &'i MonitorSettings,
     pub check_budget: &'i CheckBudget,
     pub time: StateTime,
@@ -67,7 +69,7 @@ impl StateEvaluator {
     /// Checks a complete joint state.
     pub fn evaluate(&mut self, input: EvaluationInput) -> CheckResult {
         let EvaluationInput { merged, obstacle_motions, settings, check_budget, time, .. } = input;
-        let EvaluationInput { between_states, fixed, stopwatch, .. } = input;
+        let EvaluationInput { between_states, fixed, stopwatch, obstacle_lag, .. } = input;
         let MergedState { configuration, velocities, rates, are_of_joints, measured, spread, mut warnings } =
             merged;
         let checker = &self.revision.checker;
@@ -128,6 +130,8 @@ impl StateEvaluator {
             report: &report,
             poses: &poses,
             obstacle_motions: &obstacle_motions,
+            stamp: time.stamp,
+            obstacle_lag: obstacle_lag.as_secs_f64(),
             is_late: left_out > LeftOut::Contacts || effort.is_over(),
         };
         if ahead.is_late && settings.look_ahead_horizon > 0.0 {

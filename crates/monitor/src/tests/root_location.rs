@@ -308,6 +308,11 @@ fn the_time_to_contact_of_a_root_that_moves_holds_within_its_accelerations() {
             assert!(found > 0.6 * first.min(2.0) - 0.05, "{found} {first} at {speed} m/s");
         }
     }
+    // no transform for half a second: the root has moved on
+    let (mut room, before) = drive(with([acceleration, 0.1]), 1.0, 6.0);
+    let later = room.monitor.on_joint_state(moving(6.5, FREE, &[0.0, 0.0]), at(6.5));
+    let difference = before.time_to_contact() - later.time_to_contact();
+    assert!((0.4..0.6).contains(&difference), "{difference}");
     let (_, evaluation) = drive(with([acceleration, 0.0]), 1.0, 2.0);
     let warning = "the robot's root moves in map, and look_ahead_root_acceleration or \
                    look_ahead_root_angular_acceleration is 0 (not known)";
