@@ -36,12 +36,12 @@ pub(super) struct JointRanges<'j> {
 impl RootSpeed {
     /// From the motion that `tf` shows of the root in each frame of obstacles, and its largest accelerations (m/s²,
     /// rad/s²), at the stamp of a state; `None` if nothing places the root. The error is the frame in which the speed of the root is not known yet.
-    pub fn new<'m>(
-        motions: &'m [ObstacleMotion],
+    pub fn new(
+        motions: &[ObstacleMotion],
         accelerations: [f64; 2],
         radius: f64,
         stamp: Time,
-    ) -> Result<Option<Self>, &'m str> {
+    ) -> Result<Option<Self>, &str> {
         let moving = || motions.iter().filter(|motion| motion.may_move());
         let mut speed = 0.0_f64;
         for motion in moving() {

@@ -86,11 +86,7 @@ impl StateEvaluator {
         let influence_distance = settings.influence_distance.greater(slowdown_range);
         let limit = settings.distance_limit;
         let survey = Question::Survey { influence_distance, limit };
-        let effort = if fixed.is_some() { settings.unhurried_effort() } else { settings.effort() };
-        // the approach rate follows from the nearest points, so these have to be exact; longer distances do not affect
-        // the speed
-        let exact_within = if slowdown_range > 0.0 { slowdown_range + CONTACT_DISTANCE } else { 0.0 };
-        let effort = Effort { exact_within, ..check_budget.limit(effort, settings.exact_distance_share) };
+        let effort = effort(settings, check_budget, slowdown_range, fixed);
         let mut report = checker.check_with(&configuration, survey, &effort, &mut self.workspace);
         if fixed == Some(LeftOut::FartherDistance) {
             leave_farther_distance_open(&mut report, checker);
@@ -102,13 +98,7 @@ impl StateEvaluator {
         let (reported, approaching_pairs) =
             report.pair_distances.into_iter().partition(|pair| pair.distance <= reported);
         report.pair_distances = reported;
-        let mut left_out = fixed.unwrap_or_default();
-        if report.unfinished.is_some() {
-            left_out = left_out.max(LeftOut::FartherDistance);
-        }
-        if !report.undecided.is_empty() {
-            left_out = LeftOut::Pairs;
-        }
+        let mut left_out = fixed.unwrap_or_default().max(left_out_of(&report));
         let left_out_between = between_states.check(&CurrentState {
             checker,
             configuration: &configuration,
@@ -174,6 +164,30 @@ impl StateEvaluator {
         between_states.keep(&checked_state, time, bounds, settings);
         CheckResult { status, checked_state: Some(checked_state), left_out, warnings }
     }
+}
+
+/// What the deadline cut off of the distances.
+fn left_out_of(report: &CollisionReport) -> LeftOut {
+    if !report.undecided.is_empty() {
+        LeftOut::Pairs
+    } else if report.unfinished.is_some() {
+        LeftOut::FartherDistance
+    } else {
+        LeftOut::Nothing
+    }
+}
+
+/// The search options of a check; without a deadline if it is fixed what is left out.
+fn effort(
+    settings: &MonitorSettings,
+    check_budget: &CheckBudget,
+    slowdown_range: f64,
+    fixed: Option<LeftOut>,
+) -> Effort {
+    let effort = if fixed.is_some() { settings.unhurried_effort() } else { settings.effort() };
+    // the approach rate follows from the nearest points, so these have to be exact; longer distances do not affect the speed
+    let exact_within = if slowdown_range > 0.0 { slowdown_range + CONTACT_DISTANCE } else { 0.0 };
+    Effort { exact_within, ..check_budget.limit(effort, settings.exact_distance_share) }
 }
 
 /// Makes the report what it was in the run whose deadline left the farther least distance open: of the kind of pairs

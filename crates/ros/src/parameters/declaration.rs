@@ -199,10 +199,10 @@ impl Declaration {
         }
         match self.range {
             Range::ObstacleLimits => {
-                self.check_obstacles(&texts, "limits", |text| Ok(obstacle_limit(text)?.0))?
+                self.check_obstacles(&texts, "limits", |text| Ok(obstacle_limit(text)?.0))?;
             }
             Range::ObstacleSpeeds => {
-                self.check_obstacles(&texts, "speeds", |text| Ok(obstacle_speed(text)?.0))?
+                self.check_obstacles(&texts, "speeds", |text| Ok(obstacle_speed(text)?.0))?;
             }
             _ => {}
         }

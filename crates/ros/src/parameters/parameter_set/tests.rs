@@ -137,7 +137,7 @@ fn speed_and_separation_monitoring_needs_the_numbers_of_the_robot() {
     set_live(&mut parameters, &[number("ssm_human_uncertainty", 0.1), number("ssm_intrusion_distance", 0.2)])
         .unwrap();
     let separation = parameters.monitor_settings().speed.separation.unwrap();
-    assert!((separation.margin - 0.3).abs() < 1e-12 && separation.human_speed > 1.5);
+    assert!((separation.usual.margin - 0.3).abs() < 1e-12 && separation.usual.human_speed > 1.5);
     let before = parameters.clone();
     let error = set_live(&mut parameters, &[number(given[2], 0.01)]).unwrap_err();
     assert!(error.contains("up to 210") && error.contains("at most 10 m"), "{error}");
