@@ -469,8 +469,8 @@ impl CollisionChecker {
         robot::extent(self.pairs.robot(), poses)
     }
 
-    /// The same in all states in which the positions (m) of sliding joints are in their ranges, given by the index of the
-    /// position; infinite where one has no range.
+    /// Upper bound (m) on [`Self::extent`] in all states in which the positions (m) of sliding joints are in their ranges,
+    /// given by the index of the position; infinite where one has no range.
     #[must_use]
     pub fn largest_extent(&self, range_of: impl Fn(usize) -> Option<RangeInclusive<f64>>) -> f64 {
         robot::largest_extent(self.pairs.robot(), range_of)

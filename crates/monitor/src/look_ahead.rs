@@ -36,6 +36,8 @@ pub(super) struct LookAheadInput<'i> {
     pub stamp: Time,
     /// Time (s) for which the obstacles have not been moved to follow `tf`.
     pub obstacle_lag: f64,
+    /// A frame of obstacles in which nothing shows whether the root moves.
+    pub unwatched_frame: Option<&'i str>,
     /// Whether the deadline leaves no time for it.
     pub is_late: bool,
 }
@@ -92,7 +94,7 @@ impl LookAheadEvaluator {
         let horizon = settings.look_ahead_horizon;
         let positions = configuration.positions();
         let ranges = JointRanges { positions, velocities, accelerations: &accelerations, horizon };
-        let of_root = root_speed(checker, input, settings, &ranges);
+        let of_root = RootSpeed::after(input, checker, &ranges, settings.look_ahead_root_accelerations);
         let of_root = of_root.map_err(|why| format!("the time to contact is not known: {why}"))?;
         let mut obstacle_limits = settings.moving_obstacles().cloned();
         let mut obstacle_latency = settings.obstacle_latency;
@@ -110,34 +112,6 @@ impl LookAheadEvaluator {
         let found = checker.look_ahead(state, horizon, &mut self.workspace);
         found.or_else(|error| unknown(&error.to_string()))
     }
-}
-
-/// The possible motion of the root, or why it is not known.
-fn root_speed(
-    checker: &CollisionChecker,
-    &LookAheadInput { obstacle_motions, poses, stamp, .. }: &LookAheadInput,
-    settings: &MonitorSettings,
-    ranges: &JointRanges,
-) -> Result<Option<RootSpeed>, String> {
-    let accelerations = settings.look_ahead_root_accelerations;
-    if accelerations.contains(&0.0) {
-        let moving = obstacle_motions.iter().find(|obstacle_motion| !obstacle_motion.is_none());
-        return moving.map_or(Ok(None), |ObstacleMotion { frame, .. }| {
-            Err(format!(
-                "the robot's root moves in {frame}, and look_ahead_root_acceleration or \
-                 look_ahead_root_angular_acceleration is 0 (not known)"
-            ))
-        });
-    }
-    if !obstacle_motions.iter().any(ObstacleMotion::may_move) {
-        return Ok(None);
-    }
-    let radius = ranges.extent(checker, poses);
-    if !radius.is_finite() {
-        return Err("the robot's root moves, and its reach is larger than any number".to_owned());
-    }
-    RootSpeed::new(obstacle_motions, accelerations, radius, stamp)
-        .map_err(|frame| format!("the speed of the robot's root in {frame} is not known yet"))
 }
 
 /// Whether any obstacle of the world may move.

@@ -379,6 +379,7 @@ impl Monitor {
             merged,
             obstacle_motions: self.root_location.obstacle_motions(),
             obstacle_lag: self.root_location.lag(now),
+            unwatched_frame: self.root_location.unwatched_frame(),
             settings: &self.settings,
             check_budget: &self.check_budget,
             time: StateTime {

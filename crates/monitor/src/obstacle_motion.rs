@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use clearance_geometry::math::{Extremes, Point, Pose, Vector};
-use clearance_scene::is_elsewhere;
+use clearance_scene::{LEAST_MOTION, is_elsewhere};
 
 use super::Time;
 
@@ -67,7 +67,7 @@ pub(super) struct FrameMotion {
     pub way: Pose,
     /// Time (s) that it took.
     pub taken: f64,
-    /// Longest time (s) in which `tf` said nothing new.
+    /// Longest time (s) between two transforms.
     pub step: f64,
 }
 
@@ -95,12 +95,6 @@ impl ObstacleMotion {
         self.motions.is_empty()
     }
 
-    /// Whether any transform places the frame that may move.
-    #[must_use]
-    pub fn may_move(&self) -> bool {
-        !self.observed.is_empty()
-    }
-
     /// Displacement (m) of an obstacle at a point if the motion continues for this time (s).
     #[must_use]
     pub fn displacement(&self, point_r: &Point, time: f64) -> Vector {
@@ -116,20 +110,30 @@ impl ObstacleMotion {
     }
 
     /// Upper bound (m/s) on the speed, at the end of the observation, of any point at this distance (m) from the root.
-    /// Velocities change at most by these accelerations, in m/s² and rad/s²; `None` if a transform was received only once.
+    /// The velocity that each transform gives the root changes at most by these accelerations, in m/s² and rad/s²; `None`
+    /// if a transform was received only once.
     ///
-    /// The mean velocity of a time T differs from the one at its end by at most ½ T times the acceleration.
+    /// The mean velocity of a time T differs from the one at its end by at most ½ T times the acceleration. Motion that is
+    /// too small to move the obstacles may have taken place in T, too.
     #[must_use]
     pub fn largest_speed(&self, radius: f64, [linear, angular]: [f64; 2]) -> Option<f64> {
-        if self.observed.iter().any(|observed| observed.time <= 0.0) {
-            return None;
+        let mut speed = self.largest_displacement(radius, 1.0);
+        for Observed { time, .. } in &self.observed {
+            if *time <= 0.0 {
+                return None;
+            }
+            speed += 0.5 * time * (linear + angular * radius) + LEAST_MOTION * (1.0 + radius) / time;
         }
-        let means = self.largest_displacement(radius, 1.0);
-        let time: f64 = self.observed.iter().map(|observed| observed.time).sum();
-        Some(means + 0.5 * time * (linear + angular * radius))
+        Some(speed)
     }
 
-    /// Time (s) by which its pose may be older than this stamp: `tf` may move it in steps, and may have stopped.
+    /// Upper bound (m/s²) on the acceleration of any point at this distance (m) from the root, with the same limits.
+    #[must_use]
+    pub fn largest_acceleration(&self, radius: f64, [linear, angular]: [f64; 2]) -> f64 {
+        self.observed.iter().map(|_| linear + angular * radius).sum()
+    }
+
+    /// Time (s) by which its pose may be older than this stamp: transforms come in steps, and may have stopped.
     #[must_use]
     pub fn age(&self, stamp: Time) -> f64 {
         let ages =
@@ -137,8 +141,8 @@ impl ObstacleMotion {
         ages.fold(0.0, f64::greater)
     }
 
-    /// As [`Self::largest_displacement`], but at least for the longest time in which `tf` said nothing new: it moves frames in steps, so that a
-    /// whole step may fall into a short time.
+    /// As [`Self::largest_displacement`], but at least for the longest time between two transforms: they move frames in
+    /// steps, and a whole step may fall into a short time.
     #[must_use]
     pub fn largest_step(&self, radius: f64, time: f64) -> f64 {
         self.motions.iter().map(|motion| motion.most(radius, time.greater(motion.step))).sum()

@@ -22,6 +22,8 @@ pub(super) struct RootLocationWatch {
     lost: Option<String>,
     /// Frame in which the root is assumed to be at the origin, since no transform places it.
     assumed: Option<String>,
+    /// Frame in which a transform placed the root that was received only once.
+    singly_placed: Option<String>,
     /// Whether the obstacles have to be moved to follow `tf`; this is in progress then.
     are_elsewhere: bool,
     /// Last time (steady clock) at which their poses were correct, if it is known.
@@ -53,6 +55,7 @@ impl RootLocationWatch {
             }
         });
         self.assumed = anchor_frames.assumed_frame(tree).map(str::to_owned);
+        self.singly_placed = anchor_frames.singly_placed_frame(tree).map(str::to_owned);
         self.are_elsewhere = anchor_frames.are_elsewhere(tree);
         let (seen, tracks) = (std::mem::take(&mut self.seen), std::mem::take(&mut self.tracks));
         for tracked in anchor_frames.tracked_frames(tree) {
@@ -94,6 +97,11 @@ impl RootLocationWatch {
     /// Current motions of these frames relative to the root.
     pub fn obstacle_motions(&self) -> Vec<ObstacleMotion> {
         self.seen.values().map(|seen| seen.obstacle_motion.clone()).collect()
+    }
+
+    /// A frame of obstacles in which nothing shows whether the root moves.
+    pub fn unwatched_frame(&self) -> Option<&str> {
+        self.assumed.as_deref().or(self.singly_placed.as_deref())
     }
 
     /// Warning about the assumed pose of the root.

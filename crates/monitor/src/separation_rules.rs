@@ -35,6 +35,15 @@ impl SeparationRules {
         }
     }
 
+    /// The names with a speed of which no obstacle exists; `exists` tells whether any obstacle has a name that matches.
+    pub(super) fn speeds_without_effect(
+        &self,
+        exists: impl Fn(&dyn Fn(&str) -> bool) -> bool,
+    ) -> Vec<String> {
+        let names = self.obstacle_speeds.iter().map(|(name, _)| name);
+        names.filter(|name| !exists(&|obstacle| matches(name, obstacle))).cloned().collect()
+    }
+
     /// Distance (m) from which the robot may move at its full speed, beside any obstacle.
     #[must_use]
     pub fn range(&self) -> f64 {

@@ -16,6 +16,7 @@
 
 use clearance_checker::{CollisionChecker, PairDistance};
 use clearance_geometry::math::Extremes;
+use clearance_robot::quoted_list;
 use clearance_scene::BodyId;
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -239,6 +240,18 @@ fn rule_of(
         Some(_) if checked_state.obstacle_motions.is_empty() && is_fixed(checker, body) => Rule::Nothing,
         Some(separation) => Rule::Separation(separation),
     }
+}
+
+/// Warning about speeds of obstacles that the world does not have.
+pub(super) fn speeds_without_effect(
+    checker: &CollisionChecker,
+    settings: &MonitorSettings,
+) -> Option<String> {
+    let rules = settings.speed.separation.as_ref()?;
+    let unknown = rules
+        .speeds_without_effect(|matches| checker.world().obstacles().any(|obstacle| matches(&obstacle.name)));
+    (!unknown.is_empty())
+        .then(|| format!("ssm_obstacle_speeds: the world has no obstacle {}", quoted_list(&unknown)))
 }
 
 /// Whether no joint moves this body.

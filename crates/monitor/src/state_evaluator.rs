@@ -17,6 +17,7 @@ use super::distance_bounds::DistanceBounds;
 use super::joint_state_merger::{JointStateMerger, MergedState};
 use super::look_ahead::{LookAheadEvaluator, LookAheadInput, obstacles_may_move};
 use super::obstacle_motion::ObstacleMotion;
+use super::speed::speeds_without_effect;
 use super::state_contacts::ContactQuery;
 use super::{CheckedState, LeftOut, MonitorSettings, Reason, Revision, Status};
 
@@ -40,6 +41,8 @@ pub(super) struct EvaluationInput<'i> {
     pub obstacle_motions: Vec<ObstacleMotion>,
     /// Time for which the obstacles have not been moved to follow `tf`.
     pub obstacle_lag: Duration,
+    /// A frame of obstacles in which nothing shows whether the root moves.
+    pub unwatched_frame: Option<&'i str>,
     pub settings: &'i MonitorSettings,
     pub check_budget: &'i CheckBudget,
     pub time: StateTime,
@@ -69,7 +72,7 @@ impl StateEvaluator {
     /// Checks a complete joint state.
     pub fn evaluate(&mut self, input: EvaluationInput) -> CheckResult {
         let EvaluationInput { merged, obstacle_motions, settings, check_budget, time, .. } = input;
-        let EvaluationInput { between_states, fixed, stopwatch, obstacle_lag, .. } = input;
+        let EvaluationInput { between_states, fixed, stopwatch, obstacle_lag, unwatched_frame, .. } = input;
         let MergedState { configuration, velocities, rates, are_of_joints, measured, spread, mut warnings } =
             merged;
         let checker = &self.revision.checker;
@@ -122,6 +125,7 @@ impl StateEvaluator {
             obstacle_motions: &obstacle_motions,
             stamp: time.stamp,
             obstacle_lag: obstacle_lag.as_secs_f64(),
+            unwatched_frame,
             is_late: left_out > LeftOut::Contacts || effort.is_over(),
         };
         if ahead.is_late && settings.look_ahead_horizon > 0.0 {
@@ -129,6 +133,7 @@ impl StateEvaluator {
         }
         let (look_ahead, of_look_ahead) = self.look_ahead.look_in_time(checker, &ahead, settings);
         warnings.extend(of_look_ahead);
+        warnings.extend(speeds_without_effect(checker, settings));
         let contacts = ContactQuery {
             checker,
             configuration: &configuration,
@@ -166,7 +171,7 @@ impl StateEvaluator {
     }
 }
 
-/// What the deadline cut off of the distances.
+/// The part of the distances that the deadline left out.
 fn left_out_of(report: &CollisionReport) -> LeftOut {
     if !report.undecided.is_empty() {
         LeftOut::Pairs

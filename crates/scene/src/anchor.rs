@@ -3,7 +3,7 @@
 use clearance_geometry::math::Pose;
 
 /// Smaller displacements (m, rad) do not count as motion of the root.
-const STILL: f64 = 1e-4;
+pub const LEAST_MOTION: f64 = 1e-4;
 
 /// Pose of an object or frame in a world-fixed frame, which is no part of the robot.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,5 +62,5 @@ impl Anchor {
 pub fn is_elsewhere(before: &Pose, now: &Pose) -> bool {
     // far from the root, the product of a pose and its own inverse differs from the identity by rounding
     let way = now * before.inverse();
-    before != now && (way.translation.vector.norm() > STILL || way.rotation.angle() > STILL)
+    before != now && (way.translation.vector.norm() > LEAST_MOTION || way.rotation.angle() > LEAST_MOTION)
 }

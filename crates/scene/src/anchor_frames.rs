@@ -64,6 +64,15 @@ impl AnchorFrames {
         self.frames.iter().find(is_assumed).map(|watched| watched.frame.as_str())
     }
 
+    /// A world-fixed frame with obstacles in which `tf` has placed the root by a transform that was received only once and is not
+    /// static.
+    pub fn singly_placed_frame(&self, transforms: &TransformTree) -> Option<&str> {
+        let is_single = |watched: &&WatchedFrame| {
+            transforms.path(&self.root, &watched.frame).is_some_and(|path| path.has_single_transform())
+        };
+        self.frames.iter().find(is_single).map(|watched| watched.frame.as_str())
+    }
+
     /// The world-fixed frames that `tf` publishes repeatedly, relative to the root.
     pub fn tracked_frames<'g>(
         &'g self,

@@ -70,6 +70,14 @@ impl<'t> FramePath<'t> {
         })
     }
 
+    /// True if a transform on the path is neither static nor published repeatedly so far: nobody knows whether it moves.
+    #[must_use]
+    pub fn has_single_transform(&self) -> bool {
+        let below = [&self.of_reference, &self.of_frame].into_iter().flat_map(|side| &side[..side.len() - 1]);
+        let mut known = below.filter_map(|ancestor| ancestor.transform);
+        known.any(|known| !known.is_alive && known.transform.stamp.is_some())
+    }
+
     /// Pose of the frame in the reference, if a frame on the path had another pose in its parent.
     #[must_use]
     pub fn pose_with(&self, link: &str, pose_pf: &Pose) -> Pose {

@@ -61,7 +61,7 @@ mod whole_scene_changes;
 mod world;
 
 pub use allowed_collision_matrix::{AllowedCollisionMatrix, MatrixEntries, MatrixError};
-pub use anchor::is_elsewhere;
+pub use anchor::{LEAST_MOTION, is_elsewhere};
 pub use anchor_frames::{AnchorFrames, RootPoseLoss, TrackedFrame};
 pub use applied::Applied;
 pub use attached_object::{AttachedId, AttachedObject};

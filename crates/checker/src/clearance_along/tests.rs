@@ -2,10 +2,12 @@
 
 use std::sync::Arc;
 
+use clearance_geometry::math::Pose;
 use clearance_geometry::testing::Random;
+use clearance_geometry::{Primitive, Shape};
 use clearance_motion::{MotionSegment, MovingObstacle, Trajectory};
 use clearance_robot::{Configuration, MeshFiles, RobotModel};
-use clearance_scene::{Settings, World};
+use clearance_scene::{Obstacle, Settings, World};
 
 use crate::random_scenes::{checker, curved_motion, robot, state};
 use crate::{
@@ -354,5 +356,29 @@ fn witness_points_of_two_links_are_in_the_root_frame() {
                 assert!(x.abs() < 1e-9 && (y - centre - towards).abs() < 1e-9, "{x} {y}: {nearest:?}");
             }
         }
+    }
+}
+
+/// A box slides along a wall, 0.1 m from it, by 0.16 m.
+#[test]
+fn lower_bounds_within_tracking_tolerances_are_near_the_distance() {
+    let urdf = "<robot name='slider'><link name='base'/>
+        <link name='arm'><collision><geometry><box size='0.1 0.1 0.1'/></geometry></collision></link>
+        <joint name='slide' type='prismatic'><parent link='base'/><child link='arm'/><axis xyz='0 1 0'/>
+          <limit lower='-1' upper='1' effort='1' velocity='1'/></joint></robot>";
+    let robot = Arc::new(RobotModel::from_urdf(urdf, &MeshFiles::default()).unwrap());
+    let wall = Shape::Primitive(Primitive::Box { half_extents: [1.0, 1.0, 1.0] });
+    let mut world = World::default();
+    world.add(Obstacle::of_shape("wall", Pose::translation(1.15, 0.0, 0.0), wall)).unwrap();
+    let checker = CollisionChecker::new(robot, &world, Settings::default()).unwrap();
+    let at = |q: f64| checker.robot().configuration(&[q]).unwrap();
+    for tube in [1e-4, 1e-3, 0.01, 0.05] {
+        let motion = MotionSegment::straight(checker.robot(), &at(-0.08), &at(0.08));
+        let motion = motion.with_tube(checker.robot(), vec![tube]).unwrap();
+        let options = MotionClearanceOptions::default();
+        let found = checker.clearance_along(&motion, &options, &mut checker.workspace());
+        let LeastClearance { lower, upper, .. } = found.nearest_world.unwrap();
+        assert!((upper - 0.1).abs() < 1e-9 && lower <= 0.1, "{found:?}");
+        assert!(lower > 0.1 - tube - 2.0 * options.absolute_tolerance, "{tube}: {found:?}");
     }
 }

@@ -2,8 +2,11 @@
 //!
 //! A pair's distance in an interval is at least its distance in the middle minus the bound on its motion. The least
 //! distance that was measured so far, minus the tolerance, is the *target*: where a lower bound exceeds the target, an
-//! interval is done. Other intervals are divided as in the proof that a motion is free, the one with the least lower
-//! bound first. The target only ever decreases, so that everything that was done before stays done.
+//! interval is done. Other intervals are divided, the one with the least lower bound first. The target only ever decreases,
+//! so that everything that was done before stays done.
+//!
+//! Points of the pair that were near each other in another interval show how much the distance in the middle can prove at
+//! most. If that is little, it is not measured, and the interval is divided into as many parts as it takes.
 //!
 //! 1. One state is measured, and then its nearest pair along the whole motion: the target is then near the result.
 //! 2. Level 0 excludes the pairs whose capsules stay farther apart than the target.
@@ -23,7 +26,7 @@ use super::motion_report::UndecidedReason;
 use super::motion_scratch::{BoundedInterval, MotionWorkspace, PairInterval};
 use crate::collision_report::{CollisionReport, Question};
 use crate::pair_kind::PairKind;
-use crate::pairs::{NearPoints, PosedPair, RoughDistance};
+use crate::pairs::{NearPoints, PosedPair, RoughDistance, hardly_less_than};
 use crate::state::{PairEvaluation, QueriedState, StateQuery};
 
 /// Motion (m) within an interval above which the hierarchies are not searched, and its share of the target.
@@ -89,7 +92,7 @@ struct IntervalBound {
     near: Option<NearPoints>,
 }
 
-/// What is known of a pair in the middle of an interval; distances are without padding.
+/// Bounds on the distance of a pair in the middle of an interval, without padding.
 struct Middle {
     t: f64,
     /// Lower bound (m) on the distance.
@@ -279,9 +282,12 @@ impl ClearanceSearch<'_, '_, '_> {
         if middle.lower - padding - approach.within(1.0) > target {
             return false;
         }
+        let is_short = motion <= WORTH_SEARCHING[0] + WORTH_SEARCHING[1] * target.greater(0.0);
         match &middle.near {
+            // tracking tolerances may leave no share, and the bounds of what cannot be refined must be good all the same
+            Some(_) if self.motion.segment.is_loose() => is_short,
             Some(near) => approach.share(near.distance - padding - target) >= LEAST_SHARE,
-            None => motion <= WORTH_SEARCHING[0] + WORTH_SEARCHING[1] * target.greater(0.0),
+            None => is_short,
         }
     }
 
@@ -366,7 +372,9 @@ impl ClearanceSearch<'_, '_, '_> {
                 level: scratch.level(),
             };
             let PlacedPair { pair, .. } = self.motion.placed_pair(nearest.index, nearest.t, &mut poses);
-            let limit = nearest.pair.distance + pair.info.padding + CONTACT_DISTANCE;
+            let distance = nearest.pair.distance + pair.info.padding;
+            let limit =
+                hardly_less_than(&Separation { distance, witness_points: nearest.pair.witness_points });
             if let Some(exact) = pair.separation(limit, scratch) {
                 // the frames of a self pair are relative to the common ancestor of its bodies
                 let q = segment.at(nearest.t);

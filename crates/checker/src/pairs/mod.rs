@@ -24,7 +24,7 @@ mod state_independent;
 pub use checked_pairs::{CheckedPairs, PairBodies};
 pub use inside_search::{InsideSearch, SearchedBodies};
 pub use measured_pair::{MeasuredPair, PostponedPair};
-pub use near_points::NearPoints;
+pub use near_points::{NearPoints, hardly_less_than};
 pub use obstacle_contacts::{ObstacleContacts, ObstacleScratch, StatesInLanes};
 pub use pair_memory::{PairMemory, RememberedPair};
 pub use placed_robot::PlacedRobot;

@@ -51,7 +51,8 @@ pub fn extent(robot: &RobotGeometry, poses: &LinkPoses) -> f64 {
     robot.parts().iter().map(of_part).fold(0.0, f64::greater)
 }
 
-/// The same in all states in which sliding positions are in their ranges (m); infinite where there is no bound.
+/// Upper bound (m) on [`extent`] in all states in which sliding positions are in their ranges (m); infinite where there is
+/// none.
 pub fn largest_extent(robot: &RobotGeometry, range_of: impl Fn(usize) -> Option<RangeInclusive<f64>>) -> f64 {
     let regions = robot.chain().territories(range_of);
     let of_part = |robot_body: &RobotBody| {

@@ -27,7 +27,7 @@ pub fn obstacle_speed(text: &str) -> Result<(String, f64), String> {
     Ok((name.to_owned(), number("speed (m/s)", speed, LARGEST_SPEED)?))
 }
 
-/// What stands before the last word, and that word.
+/// The last word, after the text before it.
 fn last_word(text: &str) -> Option<(&str, &str)> {
     let (rest, word) = text.trim().rsplit_once(char::is_whitespace)?;
     Some((rest.trim(), word))
