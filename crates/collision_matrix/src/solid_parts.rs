@@ -46,7 +46,7 @@ impl SolidPart {
         for (number, (pose, shape)) in shapes.iter().enumerate() {
             match shape {
                 Shape::Primitive(_) => {
-                    found.extend(Self::new(number, *pose, shape.clone(), PartInside::Solid))
+                    found.extend(Self::new(number, *pose, shape.clone(), PartInside::Solid));
                 }
                 Shape::Mesh(mesh) => found.extend(closed_parts(mesh).filter_map(|part| {
                     let inside = if part.is_whole { PartInside::WholeMesh } else { PartInside::PartOfMesh };

@@ -14,6 +14,9 @@ pub(super) struct ProofText<'p> {
     pub boxes: u64,
 }
 
+/// Evaluates the leaf of a character in the given ranges of the variables, and reads what belongs to it; `None` if there is no such leaf.
+pub(super) type LeafTest<'p, 't> = dyn FnMut(u8, &mut ProofText<'p>, &[[f64; 2]]) -> Option<bool> + 't;
+
 /// Reason why a tree of boxes is no proof, at the end of what was read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum BoxFault {
@@ -26,13 +29,8 @@ impl<'p> ProofText<'p> {
         Self { text: text.as_bytes(), at: 0, boxes: 0 }
     }
 
-    /// Reads the whole text. `is_proven` evaluates the leaf of a character in the given ranges of the variables, and reads what belongs to
-    /// it; `None` if there is no such leaf.
-    pub fn verify(
-        &mut self,
-        ranges: &[[f64; 2]],
-        is_proven: &mut dyn FnMut(u8, &mut Self, &[[f64; 2]]) -> Option<bool>,
-    ) -> Result<u64, BoxFault> {
+    /// Reads the whole text, and evaluates each leaf; returns the number of boxes.
+    pub fn verify(&mut self, ranges: &[[f64; 2]], is_proven: &mut LeafTest<'p, '_>) -> Result<u64, BoxFault> {
         self.verify_box(&mut ranges.to_vec(), 0, is_proven)?;
         if self.at == self.text.len() { Ok(self.boxes) } else { Err(BoxFault::Damaged) }
     }
@@ -41,7 +39,7 @@ impl<'p> ProofText<'p> {
         &mut self,
         ranges: &mut [[f64; 2]],
         depth: usize,
-        is_proven: &mut dyn FnMut(u8, &mut Self, &[[f64; 2]]) -> Option<bool>,
+        is_proven: &mut LeafTest<'p, '_>,
     ) -> Result<(), BoxFault> {
         let first = self.next().filter(|_| depth <= DEEPEST).ok_or(BoxFault::Damaged)?;
         let Some(variable) = char::from(first).to_digit(36) else {
