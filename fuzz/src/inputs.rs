@@ -9,8 +9,9 @@ use std::sync::{Arc, LazyLock};
 use clearance::checker::MotionOptions;
 use clearance::geometry::Shape;
 use clearance::geometry::math::Vector;
+use clearance::lint::{HausdorffOptions, LintOptions, html_report};
 use clearance::motion::{Certificate, Trajectory, model_fingerprint, world_fingerprint};
-use clearance::robot::{LinkPoses, MeshUse, RecordedMeshes, RobotText};
+use clearance::robot::{LinkPoses, MeshUse, RecordedMeshes, RobotText, VisualGeometry};
 use clearance::scene::{AllowedCollisionMatrix, MeshModel, NamedState, Scene, SceneLoader};
 use clearance::verifier::{Verifier, verify};
 use clearance::{CollisionChecker, MeshFiles, Question, RobotModel, Settings, World};
@@ -21,7 +22,7 @@ use clearance_ros::{Archive, Prepared, replay};
 pub type Target = fn(&[u8]);
 
 /// All fuzz targets, by the names of their corpora.
-pub const TARGETS: [(&str, Target); 18] = [
+pub const TARGETS: [(&str, Target); 19] = [
     ("urdf", urdf),
     ("srdf", srdf),
     ("stl", stl),
@@ -29,6 +30,7 @@ pub const TARGETS: [(&str, Target); 18] = [
     ("dae", dae),
     ("ply", ply),
     ("gltf", gltf),
+    ("lint", lint),
     ("pcd", pcd),
     ("ply_cloud", ply_cloud),
     ("octree", octree),
@@ -47,6 +49,9 @@ const URDF: &str = include_str!("../../urdf/two_link/two_link.urdf");
 
 /// More triangles take too long to check with each input.
 const MOST_TRIANGLES: usize = 2000;
+
+/// More points of a search for the largest distance take too long.
+const MOST_SAMPLES: usize = 500;
 
 /// More obstacles take too long to check with each input.
 const MOST_SHAPES: usize = 100;
@@ -101,6 +106,29 @@ pub fn ply(data: &[u8]) {
 /// JSON or binary; the content decides.
 pub fn gltf(data: &[u8]) {
     mesh(data, "m.gltf");
+}
+
+/// An OBJ file as collision geometry beside a visual box: its defects, and its distances from the box.
+pub fn lint(data: &[u8]) {
+    let files = in_memory("m.obj", "m.obj", data);
+    let Ok(loaded) = files.load("m.obj", Vector::from_element(1.0)) else { return };
+    if loaded.mesh.triangles().len() > MOST_TRIANGLES {
+        return;
+    }
+    let urdf = "<robot name='r'><link name='base'>
+        <collision><geometry><mesh filename='m.obj'/></geometry></collision>
+        <visual><geometry><box size='1 1 1'/></geometry></visual></link></robot>";
+    let text = RobotText { urdf, ..RobotText::default() };
+    let (robot, visuals) = (RobotModel::from_urdf(urdf, &files), VisualGeometry::from_text(&text, &files));
+    let (Ok(robot), Ok(visuals)) = (robot, visuals) else { return };
+    let hausdorff = HausdorffOptions { most_samples: MOST_SAMPLES, ..HausdorffOptions::default() };
+    let report =
+        clearance::lint::lint(&robot, &visuals, &LintOptions { hausdorff, ..LintOptions::default() });
+    let is_finite = |bounds: [f64; 2]| bounds[0] <= bounds[1] && bounds[0].is_finite();
+    for distance in report.links.iter().flat_map(|link| [link.unprotected, link.excess]).flatten() {
+        assert!(is_finite([distance.lower, distance.upper]), "{distance:?}");
+    }
+    assert!(html_report(&report, &robot, &visuals).starts_with('<'));
 }
 
 /// A cloud of points.

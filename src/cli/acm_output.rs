@@ -78,6 +78,7 @@ impl AcmOutput<'_> {
             if let Some(object) = value.as_object_mut() {
                 // proofs are for --certificate
                 object.remove("proof");
+                object.remove("evidence");
             }
             value
         });
@@ -180,7 +181,7 @@ fn pair_line(pair: &DecidedPair) -> String {
         Decision::Sometimes { .. } | Decision::Undecided { .. } => {
             format!(", in contact in {:.0} % of the states", 100.0 * pair.contact_share)
         }
-        Decision::Always {} => String::new(),
+        Decision::Always { .. } => String::new(),
     };
     let depth = pair.depth.map_or_else(String::new, |depth| format!(", depth {depth:.4} m"));
     let adjacent = if pair.is_adjacent && pair.touches_mostly() { ", adjacent" } else { "" };

@@ -48,14 +48,16 @@ pub fn run(
     let is_proven = verified.is_ok();
     print_line(&match (format, verified) {
         (Format::Text, Ok(boxes)) => format!(
-            "proven: {} pairs of links of '{}' never collide within the joint limits; {boxes} boxes hold",
+            "proven: {} pairs of links of '{}' never collide within the joint limits, {} always; {boxes} boxes hold",
             certificate.pairs.len(),
-            robot.name()
+            robot.name(),
+            certificate.always.len()
         ),
         (Format::Text, Err(rejection)) => format!("NOT PROVEN: {}", on_one_line(&rejection.to_string())),
         (Format::Json, Ok(boxes)) => {
-            let pairs = certificate.pairs.iter().map(|pair| [&pair.link1, &pair.link2]).collect::<Vec<_>>();
-            json!({"verified": true, "never": pairs, "boxes": boxes}).to_string()
+            let never = certificate.pairs.iter().map(|pair| [&pair.link1, &pair.link2]).collect::<Vec<_>>();
+            let always = certificate.always.iter().map(|pair| [&pair.link1, &pair.link2]).collect::<Vec<_>>();
+            json!({"verified": true, "never": never, "always": always, "boxes": boxes}).to_string()
         }
         (Format::Json, Err(rejection)) => {
             json!({"verified": false, "reason": rejection.to_string()}).to_string()
@@ -74,13 +76,13 @@ fn verify(
     if let Err(rejection) = verifier.check_subject(certificate) {
         return Ok(Err(rejection));
     }
-    let progress = Progress::new(certificate.pairs.len());
-    let verified: Vec<Result<u64, MatrixRejection>> = (certificate.pairs.par_iter().with_max_len(1))
-        .map(|proof| {
-            let verified = verifier.verify_pair(proof);
-            progress.piece_done();
-            verified
-        })
-        .collect();
+    let progress = Progress::new(certificate.pairs.len() + certificate.always.len());
+    let counted = |verified| {
+        progress.piece_done();
+        verified
+    };
+    let never = certificate.pairs.par_iter().with_max_len(1).map(|proof| verifier.verify_pair(proof));
+    let always = certificate.always.par_iter().with_max_len(1).map(|proof| verifier.verify_always(proof));
+    let verified: Vec<Result<u64, MatrixRejection>> = never.chain(always).map(counted).collect();
     Ok(verified.into_iter().sum())
 }

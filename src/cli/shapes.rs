@@ -68,28 +68,40 @@ pub fn write(
         let text = covers::shape_urdf(robot, cover, &text).map_err(Failure::input)?;
         input_files::write(file, text.as_bytes()).map_err(Failure::input)?;
     }
-    let what = match kind {
-        ShapeKind::Capsule => "capsules",
-        ShapeKind::Box => "boxes",
-    };
     print_line(&match args.format {
-        Format::Text => text(robot, what, cover),
-        Format::Json => json(robot, what, cover)?,
+        Format::Text => text(robot, kind, cover),
+        Format::Json => json(robot, plural(kind), cover)?,
     })?;
     Ok(ExitStatus::SUCCESS)
 }
 
-fn text(robot: &RobotModel, what: &str, cover: &ShapeCover) -> String {
+fn plural(kind: ShapeKind) -> &'static str {
+    match kind {
+        ShapeKind::Capsule => "capsules",
+        ShapeKind::Box => "boxes",
+    }
+}
+
+/// A number of shapes with their name.
+fn counted(count: usize, kind: ShapeKind) -> String {
+    match (count, kind) {
+        (1, ShapeKind::Capsule) => "1 capsule".to_owned(),
+        (1, ShapeKind::Box) => "1 box".to_owned(),
+        _ => format!("{count} {}", plural(kind)),
+    }
+}
+
+fn text(robot: &RobotModel, kind: ShapeKind, cover: &ShapeCover) -> String {
     let line = |link: &LinkShapes| {
         let name = on_one_line(&robot.link(link.link).name);
-        format!("{name}: {} {what}, excess {}\n", link.shapes.len(), millimetres(link.excess))
+        format!("{name}: {}, excess {}\n", counted(link.shapes.len(), kind), millimetres(link.excess))
     };
     let lines: String = cover.links.iter().map(line).collect();
     let note = note_of_time(cover.links.iter().filter(|link| link.is_cut).count(), "excess");
     format!(
-        "{lines}{}: {} {what}, proven to contain the links; excess at most {:.2} mm, proven{note}",
+        "{lines}{}: {}, proven to contain the links; excess at most {:.2} mm, proven{note}",
         on_one_line(robot.name()),
-        cover.count(),
+        counted(cover.count(), kind),
         1e3 * cover.largest_excess(),
     )
 }

@@ -251,19 +251,24 @@ pub fn note_of_time(links: usize, what: &str) -> String {
     }
 }
 
+/// A number of spheres.
+fn counted(count: usize) -> String {
+    if count == 1 { "1 sphere".to_owned() } else { format!("{count} spheres") }
+}
+
 fn text(robot: &RobotModel, cover: &SphereCover, inner: bool) -> String {
     let what = if inner { "depth left out" } else { "excess" };
     let line = |link: &LinkCover| {
         let name = on_one_line(&robot.link(link.link).name);
-        format!("{name}: {} spheres, {what} {}\n", link.spheres.len(), millimetres(link.error))
+        format!("{name}: {}, {what} {}\n", counted(link.spheres.len()), millimetres(link.error))
     };
     let lines: String = cover.links.iter().map(line).collect();
     let note = note_of_time(cover.links.iter().filter(|link| link.is_cut).count(), what);
     let proof = if inner { "proven inside of the links" } else { "proven to contain the links" };
     format!(
-        "{lines}{}: {} spheres, {proof}; {what} at most {:.2} mm, proven{note}",
+        "{lines}{}: {}, {proof}; {what} at most {:.2} mm, proven{note}",
         on_one_line(robot.name()),
-        cover.count(),
+        counted(cover.count()),
         1e3 * cover.largest_error(),
     )
 }

@@ -279,6 +279,16 @@ fn capsules_and_boxes_contain_the_links() {
 }
 
 #[test]
+fn one_shape_is_not_several() {
+    let folder = folder();
+    for (shape, singular) in [("capsules", "1 capsule,"), ("boxes", "1 box,"), ("spheres", "1 sphere,")] {
+        let output = folder.run(&["spheres", "--urdf", "r.urdf", "--shape", shape, "--count", "1"]);
+        let text = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(text.contains(singular) && !text.contains(&format!(" 1 {shape}")), "{text}");
+    }
+}
+
+#[test]
 fn options_of_spheres_are_rejected_for_other_shapes() {
     let folder = folder();
     for arguments in [["--total", "9"], ["--excess", "0.1"], ["--measure", "r.urdf"]] {

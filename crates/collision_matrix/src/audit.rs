@@ -63,8 +63,8 @@ fn finding(reason: &str, pair: &DecidedPair) -> AuditFinding {
     match &pair.decision {
         Decision::Never { .. } => AuditFinding::NeverProven,
         Decision::Undecided { .. } => AuditFinding::Undecided,
-        Decision::Sometimes { .. } | Decision::Always {} if claims_never => AuditFinding::Refuted,
+        Decision::Sometimes { .. } | Decision::Always { .. } if claims_never => AuditFinding::Refuted,
         Decision::Sometimes { .. } => AuditFinding::Hidden,
-        Decision::Always {} => AuditFinding::AlwaysProven,
+        Decision::Always { .. } => AuditFinding::AlwaysProven,
     }
 }

@@ -1,5 +1,6 @@
 //! Decision about one pair of links.
 
+use clearance_verifier::ContactEvidence;
 use serde::{Deserialize, Serialize};
 
 /// Decision about a pair of links, over all states within the joint limits.
@@ -14,7 +15,10 @@ pub enum Decision {
         least_distance: Option<f64>,
     },
     /// The links collide in every state: proven.
-    Always {},
+    Always {
+        /// Balls inside both links, and boxes of joint positions in which they overlap.
+        evidence: Box<ContactEvidence>,
+    },
     /// The links collide in some states only. Both states are confirmed by the checker.
     Sometimes {
         /// A state in which the links collide.
@@ -78,7 +82,7 @@ impl DecidedPair {
     /// True if the links are in contact in most states: usually parts that touch by design, or shapes that are too large.
     #[must_use]
     pub fn touches_mostly(&self) -> bool {
-        matches!(self.decision, Decision::Always {}) || self.contact_share > MOSTLY
+        matches!(self.decision, Decision::Always { .. }) || self.contact_share > MOSTLY
     }
 
     /// True if the pair is of these links, in any order.

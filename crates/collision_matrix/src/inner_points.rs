@@ -9,7 +9,7 @@ use clearance_geometry::{Primitive, Shape};
 use clearance_proximity::{CollisionBody, Scratch, collide, distance};
 use fastrand::Rng;
 
-use crate::joint_path::PlacedPath;
+use crate::joint_path::{PlacedAxis, PlacedPath};
 
 /// Random points at which a search starts.
 const STARTS: usize = 60;
@@ -63,7 +63,7 @@ impl PointDepth {
 }
 
 /// Depth (m) of a point in a primitive, a lower bound inside.
-fn depth_in(primitive: &Primitive, p: &Point) -> f64 {
+pub fn depth_in(primitive: &Primitive, p: &Point) -> f64 {
     let radial = p.x.hypot(p.y);
     match primitive {
         Primitive::Box { half_extents: [x, y, z] } => (x - p.x.abs()).min(y - p.y.abs()).min(z - p.z.abs()),
@@ -82,7 +82,7 @@ fn depth_in(primitive: &Primitive, p: &Point) -> f64 {
     }
 }
 
-/// Search for a point inside two solids that stays inside within a box.
+/// Search for balls with one centre inside two solids.
 #[derive(Debug)]
 pub struct InnerPointSearch {
     /// Points that were found before, in the frames of the first and of the second link.
@@ -102,8 +102,15 @@ pub struct OverlapBox<'b> {
     pub half_widths: &'b [f64],
     /// Box (m) in the frame of the first link that contains the overlap.
     pub region: [Point; 2],
-    /// A point of both surfaces.
-    pub contact: Option<Point>,
+}
+
+/// A ball in a solid of each link, with one centre at the centre of a box.
+#[derive(Clone, Copy, Debug)]
+pub struct ConcentricBalls {
+    /// Centre (m) in the frame of the first and of the second link.
+    pub centres: [Point; 2],
+    /// Radius (m) in the solid of the first and of the second link.
+    pub radii: [f64; 2],
 }
 
 impl InnerPointSearch {
@@ -115,10 +122,10 @@ impl InnerPointSearch {
         Some(Self { known: [None; 2], random: Rng::with_seed(5), probe })
     }
 
-    /// True if some point stays inside both solids in the whole box.
-    pub fn finds_constant_overlap(&mut self, overlap: &OverlapBox, scratch: &mut Scratch) -> bool {
+    /// Two balls that overlap in the whole box.
+    pub fn find(&mut self, overlap: &OverlapBox, scratch: &mut Scratch) -> Option<ConcentricBalls> {
         let pose_ab = &overlap.placed.pose_ab;
-        let known = [self.known[0], self.known[1].map(|p| pose_ab * p), overlap.contact];
+        let known = [self.known[0], self.known[1].map(|p| pose_ab * p)];
         let mut starts: Vec<(f64, Point)> = Vec::new();
         for p in known.into_iter().flatten() {
             starts.push((self.room(overlap, &p, scratch), p));
@@ -134,11 +141,13 @@ impl InnerPointSearch {
         for start in starts.into_iter().take(CLIMBS) {
             let (room, p) = self.climb(overlap, start, scratch);
             if room > 0.0 {
-                self.known = [Some(p), Some(&pose_ab.inverse() * p)];
-                return true;
+                let centres = [p, &pose_ab.inverse() * p];
+                self.known = centres.map(Some);
+                let radii = self.depths(overlap, &p, scratch).map(certain_radius);
+                return Some(ConcentricBalls { centres, radii });
             }
         }
-        false
+        None
     }
 
     /// Moves a point along the axes while its room grows, by smaller and smaller steps, until the room is positive.
@@ -166,14 +175,20 @@ impl InnerPointSearch {
         (room, p)
     }
 
+    /// Depths (m) of a point in both solids.
+    fn depths(&self, overlap: &OverlapBox, p: &Point, scratch: &mut Scratch) -> [f64; 2] {
+        let [a, b] = overlap.depths;
+        let p_b = &overlap.placed.pose_ab.inverse() * *p;
+        [a.of(p, &self.probe, scratch), b.of(&p_b, &self.probe, scratch)]
+    }
+
     /// How much farther (m) a point may move than the box allows; negative if it is not inside, or may leave.
     fn room(&self, overlap: &OverlapBox, p: &Point, scratch: &mut Scratch) -> f64 {
-        let [a, b] = overlap.depths;
-        let in_a = a.of(p, &self.probe, scratch);
-        let in_b = b.of(&(&overlap.placed.pose_ab.inverse() * *p), &self.probe, scratch);
-        let moved = displacement(overlap.placed, overlap.half_widths, p);
-        if in_a > 0.0 && in_b > 0.0 {
-            (in_a + in_b) * (1.0 - MOTION_SLACK) - MOTION_SLACK - moved
+        let [in_a, in_b] = self.depths(overlap, p, scratch);
+        let moved = displacement(overlap.placed, overlap.half_widths, [p, p]);
+        let radii = [in_a, in_b].map(certain_radius);
+        if radii.iter().all(|radius| *radius > MOTION_SLACK) {
+            radii[0] + radii[1] - moved
         } else {
             // all such points are behind those inside
             in_a.min(in_b) - moved - 1.0
@@ -181,17 +196,36 @@ impl InnerPointSearch {
     }
 }
 
-/// The largest displacement (m) of a point of the second link relative to the first.
-fn displacement(placed: &PlacedPath, half_widths: &[f64], p: &Point) -> f64 {
+/// The radius (m) of a ball in a solid around a point of this depth, less the rounding of depths.
+fn certain_radius(depth: f64) -> f64 {
+    depth * (1.0 - MOTION_SLACK) - 0.5 * MOTION_SLACK
+}
+
+/// The largest relative displacement (m) of a point of the first link and one of the second, both in the frame of the first.
+///
+/// One link of the path is held still, which makes the displacement least.
+pub fn displacement(placed: &PlacedPath, half_widths: &[f64], [a, b]: [&Point; 2]) -> f64 {
+    let of_first = displacements(placed.axes.iter(), half_widths, a);
+    let mut of_second = displacements(placed.axes.iter().rev(), half_widths, b);
+    of_second.reverse();
+    let held = |cut: usize| of_first[..cut].iter().chain(&of_second[cut..]).sum::<f64>();
+    let moved = (0..=placed.axes.len()).map(held).fold(f64::INFINITY, f64::min);
+    moved * (1.0 + 2.0 * MOTION_SLACK) + 2.0 * MOTION_SLACK
+}
+
+/// By joint, the nearest to the point first: the largest displacement (m) of the point by it.
+fn displacements<'p>(axes: impl Iterator<Item = &'p PlacedAxis>, half_widths: &[f64], p: &Point) -> Vec<f64> {
     let mut moved = 0.0;
-    for axis in placed.axes.iter().rev() {
+    axes.map(|axis| {
         let delta = axis.factor.abs() * half_widths[axis.variable];
-        moved += if axis.turns {
+        let displacement = if axis.turns {
             let reach = axis.axis.cross(&(p - axis.origin)).norm() + moved;
             2.0 * reach * (0.5 * delta.min(std::f64::consts::PI)).sin()
         } else {
             delta
         };
-    }
-    moved * (1.0 + 2.0 * MOTION_SLACK) + 2.0 * MOTION_SLACK
+        moved += displacement;
+        displacement
+    })
+    .collect()
 }

@@ -12,6 +12,7 @@
 //! | geometry of a link; points around it; its connected solids | `link_geometry`, `outline`, `solid_parts` |
 //! | distances and motions of a pair | `pair_problem`, `relative_motion` |
 //! | random states and descent to a collision | `witness_search` |
+//! | points of links that are fixed to each other | `fixed_contact` |
 //! | proofs by branch and bound | `never_proof`, `always_proof`, `inner_points`, `joint_box`, `split_tree`, `plane_direction` |
 //!
 //! A pair is decided over the joints between its links only; a mimic joint moves with its leader. `Never` and `Always` are proofs; both
@@ -23,6 +24,7 @@
 mod always_proof;
 mod audit;
 mod decision;
+mod fixed_contact;
 mod inner_points;
 mod joint_box;
 mod joint_path;

@@ -21,7 +21,8 @@ pub struct LinkGeometry {
     pub outline: Option<Outline>,
     /// Safety distance (m) against other links.
     pub padding: f64,
-    shapes: Vec<(Pose, Shape)>,
+    /// The shapes at their poses in the frame of the link.
+    pub shapes: Vec<(Pose, Shape)>,
     parts: OnceLock<Vec<SolidPart>>,
 }
 

@@ -11,6 +11,7 @@ use rayon::prelude::*;
 
 use crate::always_proof::{self, AlwaysSearch};
 use crate::decision::{DecidedPair, Decision};
+use crate::fixed_contact;
 use crate::joint_path::JointPath;
 use crate::link_geometry::LinkGeometry;
 use crate::never_proof::{self, NeverSearch, ProofLimits};
@@ -288,7 +289,7 @@ impl PairAttempt<'_, '_> {
             };
         }
         if self.problem.path.variables().is_empty() {
-            return self.decide_fixed(witnesses);
+            return self.decide_fixed(witnesses, limits);
         }
         if let Some(decision) = self.sometimes(witnesses) {
             return decision;
@@ -303,9 +304,13 @@ impl PairAttempt<'_, '_> {
     }
 
     /// Links that never move relative to each other.
-    fn decide_fixed(&mut self, witnesses: &Witnesses) -> Decision {
+    fn decide_fixed(&mut self, witnesses: &Witnesses, limits: ProofLimits) -> Decision {
         if witnesses.colliding.is_some() {
-            return Decision::Always {};
+            return match fixed_contact::search(self.problem, &mut self.workspace) {
+                Some(evidence) => Decision::Always { evidence: Box::new(evidence) },
+                // one link may be inside a closed mesh of the other
+                None => self.decide_touching(&mut witnesses.clone(), limits),
+            };
         }
         match witnesses.least.as_ref().map(|least| least.0) {
             Some(least) if least > self.problem.threshold() + FIXED_GAP => {
@@ -358,7 +363,7 @@ impl PairAttempt<'_, '_> {
         let limits = ProofLimits { boxes: limits.boxes.min(MOST_CONTACT_BOXES), ..limits };
         let is_solid = self.builder.meshes_are_solid;
         match always_proof::search(self.problem, is_solid, limits, &mut self.workspace) {
-            AlwaysSearch::Proven => return Decision::Always {},
+            AlwaysSearch::Proven(evidence) => return Decision::Always { evidence: Box::new(evidence) },
             AlwaysSearch::Free(values) => witnesses.free = Some(values),
             AlwaysSearch::Exhausted => {}
         }

@@ -3,7 +3,7 @@
 use clearance_motion::Fingerprint;
 use clearance_robot::RobotModel;
 use clearance_scene::Settings;
-use clearance_verifier::{MatrixCertificate, NeverProof, matrix_fingerprint};
+use clearance_verifier::{AlwaysProof, MatrixCertificate, NeverProof, matrix_fingerprint};
 use serde::{Deserialize, Serialize};
 
 use crate::decision::{DecidedPair, Decision};
@@ -88,7 +88,7 @@ impl MatrixDocument {
         serde_json::to_string(self).unwrap_or_default()
     }
 
-    /// The certificate of all pairs that never collide.
+    /// The certificate of all pairs that never collide, or always.
     #[must_use]
     pub fn certificate(&self, robot: &RobotModel, settings: &Settings) -> MatrixCertificate {
         let proofs = self.pairs.iter().filter_map(|pair| match &pair.decision {
@@ -99,7 +99,15 @@ impl MatrixDocument {
             }),
             _ => None,
         });
-        MatrixCertificate::new(robot, settings, proofs.collect())
+        let contacts = self.pairs.iter().filter_map(|pair| match &pair.decision {
+            Decision::Always { evidence } => Some(AlwaysProof {
+                link1: pair.link1.clone(),
+                link2: pair.link2.clone(),
+                evidence: evidence.as_ref().clone(),
+            }),
+            _ => None,
+        });
+        MatrixCertificate::new(robot, settings, proofs.collect(), contacts.collect())
     }
 
     /// The certificate as one line of JSON.

@@ -45,8 +45,13 @@ impl PlaneDirection {
 
     /// The three characters.
     pub fn text(self) -> impl Iterator<Item = char> {
-        [12, 6, 0].into_iter().map(move |shift| char::from(DIGITS[(self.0 >> shift & 63) as usize]))
+        three_digits(self.0)
     }
+}
+
+/// A number below 2¹⁸ as three characters.
+pub fn three_digits(number: u32) -> impl Iterator<Item = char> {
+    [12, 6, 0].into_iter().map(move |shift| char::from(DIGITS[(number >> shift & 63) as usize]))
 }
 
 #[cfg(test)]

@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use clearance_geometry::math::{Point, Pose};
 use clearance_geometry::{DisjointSets, Shape, TriangleMesh, WeldedMesh};
-use clearance_proximity::SolidBody;
 
 use crate::inner_points::PointDepth;
 use crate::outline::Outline;
@@ -16,14 +15,27 @@ const MOST_PARTS: usize = 3;
 /// A connected solid whose surface is connected, too.
 #[derive(Debug)]
 pub struct SolidPart {
-    /// For depths.
-    pub solid: SolidBody,
     /// Depths of points.
     pub depths: PointDepth,
     /// Points around it.
     pub outline: Outline,
-    /// True if only its surface counts for the checker.
-    pub is_mesh: bool,
+    /// Number of its shape among the collision shapes of the link.
+    pub shape: usize,
+    /// Number of its first face in a mesh; 0 for a primitive.
+    pub face: usize,
+    /// How its inside counts for the checker.
+    pub inside: PartInside,
+}
+
+/// How the inside of a solid counts for the checker.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PartInside {
+    /// A primitive.
+    Solid,
+    /// The only part of a mesh: solid if meshes are.
+    WholeMesh,
+    /// One part of a mesh, whose inside may be a cavity of another part.
+    PartOfMesh,
 }
 
 impl SolidPart {
@@ -31,14 +43,16 @@ impl SolidPart {
     #[must_use]
     pub fn all(shapes: &[(Pose, Shape)]) -> Vec<Self> {
         let mut found: Vec<Self> = Vec::new();
-        for (pose, shape) in shapes {
+        for (number, (pose, shape)) in shapes.iter().enumerate() {
             match shape {
-                Shape::Primitive(_) => found.extend(Self::new(*pose, shape.clone(), false)),
-                Shape::Mesh(mesh) => {
-                    let parts = closed_parts(mesh).into_iter();
-                    found
-                        .extend(parts.filter_map(|part| Self::new(*pose, Shape::Mesh(Arc::new(part)), true)));
+                Shape::Primitive(_) => {
+                    found.extend(Self::new(number, *pose, shape.clone(), PartInside::Solid));
                 }
+                Shape::Mesh(mesh) => found.extend(closed_parts(mesh).filter_map(|part| {
+                    let inside = if part.is_whole { PartInside::WholeMesh } else { PartInside::PartOfMesh };
+                    let found = Self::new(number, *pose, Shape::Mesh(Arc::new(part.mesh)), inside)?;
+                    Some(Self { face: part.face, ..found })
+                })),
                 Shape::Plane(_) | Shape::Points(_) | Shape::Voxels(_) => {}
             }
         }
@@ -47,11 +61,10 @@ impl SolidPart {
         found
     }
 
-    fn new(pose: Pose, shape: Shape, is_mesh: bool) -> Option<Self> {
-        let solid = SolidBody::new([(&pose, &shape)]);
+    fn new(number: usize, pose: Pose, shape: Shape, inside: PartInside) -> Option<Self> {
         let depths = PointDepth::new(&pose, &shape)?;
         let outline = Outline::new(&[(pose, shape)])?;
-        Some(Self { solid, depths, outline, is_mesh })
+        Some(Self { depths, outline, shape: number, face: 0, inside })
     }
 
     /// Sum of the widths (m) in many directions.
@@ -60,19 +73,29 @@ impl SolidPart {
     }
 }
 
+/// A connected part of a mesh without a free edge.
+struct ClosedPart {
+    mesh: TriangleMesh,
+    /// Number of its first face in the mesh.
+    face: usize,
+    /// True if the mesh has no other part.
+    is_whole: bool,
+}
+
 /// The connected parts of a mesh without a free edge; vertices at the same position are one.
-fn closed_parts(mesh: &TriangleMesh) -> Vec<TriangleMesh> {
-    let WeldedMesh { positions, mut faces } = WeldedMesh::new(mesh);
-    faces.retain(|[a, b, c]| a != b && b != c && c != a);
-    let mut sets = DisjointSets::of_faces(positions.len(), &faces);
-    let mut parts: BTreeMap<u32, Vec<[u32; 3]>> = BTreeMap::new();
-    for face in faces {
-        parts.entry(sets.smallest(face[0])).or_default().push(face);
+fn closed_parts(mesh: &TriangleMesh) -> impl Iterator<Item = ClosedPart> {
+    let WeldedMesh { positions, faces } = WeldedMesh::new(mesh);
+    let has_corners = |[a, b, c]: &[u32; 3]| a != b && b != c && c != a;
+    let mut sets = DisjointSets::of_faces(positions.len(), faces.iter().filter(|face| has_corners(face)));
+    // by part: its first face, and all faces
+    let mut parts: BTreeMap<u32, (usize, Vec<[u32; 3]>)> = BTreeMap::new();
+    for (number, face) in faces.into_iter().enumerate().filter(|(_, face)| has_corners(face)) {
+        parts.entry(sets.smallest(face[0])).or_insert_with(|| (number, Vec::new())).1.push(face);
     }
-    (parts.into_values())
-        .filter(|faces| is_closed(faces))
-        .filter_map(|faces| part_mesh(&positions, &faces))
-        .collect()
+    let is_whole = parts.len() == 1;
+    (parts.into_values()).filter(|(_, faces)| is_closed(faces)).filter_map(move |(face, faces)| {
+        Some(ClosedPart { mesh: part_mesh(&positions, &faces)?, face, is_whole })
+    })
 }
 
 /// True if every edge is used once in each direction.

@@ -2,9 +2,9 @@
 //!
 //! A digit or letter is a box that is halved along the variable of that number (`0`–`9`, then `A`–`Z`); its lower half follows, then its
 //! upper half. A leaf is a box that is proven: `.` by the distance at its centre, `|` by the gap along a joint axis, `/` and three
-//! characters by the gap along a direction.
+//! characters by the gap along a direction, `*` by the overlap of two balls.
 
-use crate::plane_direction::PlaneDirection;
+use crate::plane_direction::{PlaneDirection, three_digits};
 
 /// How a box is proven free.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,6 +15,13 @@ pub enum LeafProof {
     GapAlongAxis,
     /// The gap along a direction exceeds the motion along it.
     GapAlong(PlaneDirection),
+    /// Balls inside the links overlap.
+    Overlap {
+        /// Numbers of the balls of the first and of the second link.
+        balls: [u32; 2],
+        /// Direction along which the first solid sticks out of the second, and the reverse, where it matters.
+        outside: [Option<PlaneDirection>; 2],
+    },
 }
 
 /// A box.
@@ -70,6 +77,17 @@ impl SplitTree {
                 Node::Leaf(LeafProof::GapAlong(direction)) => {
                     text.push('/');
                     text.extend(direction.text());
+                }
+                Node::Leaf(LeafProof::Overlap { balls, outside }) => {
+                    text.push('*');
+                    text.extend(balls.into_iter().flat_map(three_digits));
+                    text.push(match outside.map(|direction| direction.is_some()) {
+                        [false, false] => '0',
+                        [true, false] => '1',
+                        [false, true] => '2',
+                        [true, true] => '3',
+                    });
+                    text.extend(outside.into_iter().flatten().flat_map(PlaneDirection::text));
                 }
                 Node::Split { variable, children } => {
                     text.push(char::from_digit(u32::from(variable), 36).unwrap_or('?').to_ascii_uppercase());

@@ -107,7 +107,7 @@ impl CollisionMatrix {
         add_disabled_pairs(original, self.model.name(), &entries).map_err(error)
     }
 
-    /// Proofs of the pairs that never collide: one line of JSON, which the command `clearance verify` checks with code that is independent
+    /// Proofs of the pairs that never collide, or always: one line of JSON, which the command `clearance verify` checks with code that is independent
     /// of this search.
     fn certificate(&self) -> String {
         self.document.certificate_json(&self.model, &self.settings)
@@ -141,7 +141,7 @@ fn link_pair<'py>(py: Python<'py>, pair: &DecidedPair) -> PyResult<Bound<'py, Py
     let state = |values: &[f64]| (!values.is_empty()).then(|| PyArray1::from_slice(py, values));
     let (colliding, free, nearest, least_distance) = match &pair.decision {
         Decision::Never { least_distance, .. } => (None, None, None, *least_distance),
-        Decision::Always {} => (None, None, None, None),
+        Decision::Always { .. } => (None, None, None, None),
         Decision::Sometimes { colliding, free } => (state(colliding), state(free), None, None),
         Decision::Undecided { least_distance, state: nearest } => {
             (None, None, state(nearest), *least_distance)

@@ -11,7 +11,7 @@
 //! | ways out of a collision | `recovery` |
 //! | paths of the planner | `planning` |
 //! | pairs of links that can collide | `collision_matrix` |
-//! | spheres that contain the links | `sphere_cover` |
+//! | spheres, capsules or boxes that contain the links | `sphere_cover`, `shape_cover` |
 //! | `Certificate` and its verification | `certificate`, `verification` |
 //! | arrays and poses | `arrays`, `poses` |
 //! | `View`, the view in a web browser | `view` |
@@ -48,6 +48,7 @@ mod results;
 mod robot;
 mod robot_sources;
 mod settings;
+mod shape_cover;
 mod shapes;
 mod sphere_cover;
 mod state_queries;
@@ -71,6 +72,7 @@ fn _clearance(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<certificate::Certificate>()?;
     module.add_class::<collision_matrix::CollisionMatrix>()?;
     module.add_class::<sphere_cover::SphereCover>()?;
+    module.add_class::<shape_cover::ShapeCover>()?;
     module.add_class::<view::View>()?;
     module.add_function(wrap_pyfunction!(verification::verify, module)?)?;
     module.add_function(wrap_pyfunction!(command::run_command, module)?)?;

@@ -50,6 +50,7 @@ options! {
     relative_tolerance: f64 = length;
     search_distance: f64 = |_, value| length("max_distance", value);
     seed: u64 = count;
+    shape_count: usize = |_, value| size_of("count", value);
     shortcuts: u32 = |name, value| whole(name, value, u64::from(u32::MAX));
     sphere_count: Option<usize> = |_, value| optional("count", value, size_of);
     size: Option<usize> = |name, value| optional(name, value, size_of);

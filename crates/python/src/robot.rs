@@ -18,6 +18,7 @@ use crate::collision_matrix::{CollisionMatrix, MatrixArguments};
 use crate::error::{error, warn};
 use crate::memory::collected;
 use crate::robot_sources::{MeshBytes, RobotSources, Text};
+use crate::shape_cover::{self, ShapeCover};
 use crate::sphere_cover::{SearchArguments, SizeArguments, SphereCover, measure};
 use crate::{options, pickles, poses};
 
@@ -301,6 +302,23 @@ impl Robot {
     ) -> PyResult<SphereCover> {
         let size = SizeArguments { count, total, excess, counts };
         SphereCover::compute(py, self, &size, inner, &SearchArguments { deadline: timeout, num_threads })
+    }
+
+    /// Covers the links with capsules or oriented boxes that are proven to contain them: `ShapeCover`.
+    ///
+    /// `shape` is `capsules` or `boxes`; each link gets at most `count`. After `timeout` (s), the best shapes so far are returned, and
+    /// `ended_by_time` is true. Without it, the result is the same for any `num_threads`.
+    #[pyo3(signature = (shape, *, count, timeout=None, num_threads=None))]
+    fn shape_cover(
+        &self,
+        py: Python<'_>,
+        shape: &str,
+        #[pyo3(from_py_with = options::shape_count)] count: usize,
+        #[pyo3(from_py_with = options::timeout)] timeout: Option<Instant>,
+        #[pyo3(from_py_with = options::num_threads)] num_threads: Option<usize>,
+    ) -> PyResult<ShapeCover> {
+        let (kind, search) = (shape_cover::kind(shape)?, SearchArguments { deadline: timeout, num_threads });
+        ShapeCover::compute(py, self, kind, count, &search)
     }
 
     /// Measures `spheres`, a robot with the same link names whose collision geometry is spheres, beside the collision geometry of this one:

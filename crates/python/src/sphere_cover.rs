@@ -46,7 +46,7 @@ pub struct SearchArguments {
 
 impl SearchArguments {
     /// Runs a search, which Ctrl-C ends.
-    fn run<T: Send>(&self, py: Python<'_>, search: impl FnOnce(&SearchLimit) -> T + Send) -> PyResult<T> {
+    pub fn run<T: Send>(&self, py: Python<'_>, search: impl FnOnce(&SearchLimit) -> T + Send) -> PyResult<T> {
         let limit = self.deadline.map_or_else(SearchLimit::default, SearchLimit::until);
         let copy = limit.clone();
         run(py, self.num_threads, move || copy.stop(), |_| search(&limit))

@@ -18,9 +18,12 @@
 //! | `body_geometry`, `body` | shapes of links, attached objects and obstacles as trees of boxes |
 //! | `separation_test` | all pairs of elements are proven apart, by boxes or by a separating direction |
 //! | `interior`, `ray_crossings` | nothing lies inside a closed mesh, if meshes are solids |
-//! | `matrix_certificate` | proofs that pairs of links never collide, as a document |
+//! | `matrix_certificate`, `always_certificate` | proofs that pairs of links never collide, or always, as a document |
 //! | `matrix_path`, `matrix_motion` | joints between two links and their ranges; motion of one relative to the other in a box |
-//! | `matrix_verifier` | every box of such a proof is proven apart, and the boxes are all of the range |
+//! | `matrix_boxes`, `matrix_pair` | the boxes are all of the range; two bodies are apart in a box |
+//! | `closed_part`, `inner_solid` | connected closed parts of meshes, and balls inside them |
+//! | `contact_verifier` | in every box, balls of two links overlap, and neither solid lies inside the other |
+//! | `matrix_verifier` | every box of such a proof is proven by the above |
 //! | `segment_verifier`, `verifier` | every proof of every segment is checked by the above |
 //!
 //! The search for directions (`separating_direction`) need not be correct: a wrong direction proves nothing, and the certificate is rejected.
@@ -29,18 +32,24 @@
 // minimum and maximum of floating-point numbers, see `math/extremes.rs` of clearance-geometry
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
+mod always_certificate;
 mod body;
 mod body_geometry;
 mod body_pair;
 mod certificate_content;
 mod certificate_differences;
+mod closed_part;
+mod contact_verifier;
 mod element;
 mod expected_motion;
+mod inner_solid;
 mod interior;
 mod interval_coverage;
 mod interval_midpoint;
+mod matrix_boxes;
 mod matrix_certificate;
 mod matrix_motion;
+mod matrix_pair;
 mod matrix_path;
 mod matrix_verifier;
 mod motion_bound;
@@ -60,6 +69,7 @@ mod verifier_model;
 #[cfg(test)]
 mod tests;
 
+pub use always_certificate::{AlwaysProof, ContactEvidence, ElementPoint, InnerBall};
 pub use certificate_differences::CertificateDifferences;
 pub use expected_motion::ExpectedMotion;
 pub use matrix_certificate::{MatrixCertificate, NeverProof, matrix_fingerprint};

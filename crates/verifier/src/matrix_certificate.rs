@@ -1,9 +1,11 @@
-//! Certificate of a collision matrix: proofs that pairs of links never collide within the joint limits.
+//! Certificate of a collision matrix: proofs that pairs of links never collide, or always, within the joint limits.
 
 use clearance_motion::{Fingerprint, model_fingerprint};
 use clearance_robot::RobotModel;
 use clearance_scene::{AllowedCollisionMatrix, Settings};
 use serde::{Deserialize, Serialize};
+
+use super::always_certificate::{AlwaysProof, ContactEvidence, ElementPoint, InnerBall};
 
 /// A document of proofs. The claims must be verified, not trusted.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -17,6 +19,8 @@ pub struct MatrixCertificate {
     pub model: String,
     /// The pairs that never collide.
     pub pairs: Vec<NeverProof>,
+    /// The pairs that always collide.
+    pub always: Vec<AlwaysProof>,
     /// SHA-256 of all the rest; detects accidental changes.
     pub digest: String,
 }
@@ -44,12 +48,18 @@ impl MatrixCertificate {
 
     /// A certificate of these proofs.
     #[must_use]
-    pub fn new(robot: &RobotModel, settings: &Settings, pairs: Vec<NeverProof>) -> Self {
+    pub fn new(
+        robot: &RobotModel,
+        settings: &Settings,
+        pairs: Vec<NeverProof>,
+        always: Vec<AlwaysProof>,
+    ) -> Self {
         let mut certificate = Self {
             format: Self::FORMAT.to_owned(),
             robot: robot.name().to_owned(),
             model: matrix_fingerprint(robot, settings),
             pairs,
+            always,
             digest: String::new(),
         };
         certificate.digest = certificate.computed_digest();
@@ -64,8 +74,28 @@ impl MatrixCertificate {
         for NeverProof { link1, link2, proof } in &self.pairs {
             print.text(link1).text(link2).text(proof);
         }
+        print.count(self.always.len());
+        for AlwaysProof { link1, link2, evidence } in &self.always {
+            print.text(link1).text(link2);
+            print_evidence(&mut print, evidence);
+        }
         print.finish()
     }
+}
+
+fn print_evidence(print: &mut Fingerprint, evidence: &ContactEvidence) {
+    for balls in [&evidence.balls1, &evidence.balls2] {
+        print.count(balls.len());
+        for InnerBall { shape, face, centre, radius } in balls {
+            print.count(*shape).count(*face).numbers(centre).numbers(&[*radius]);
+        }
+    }
+    let points = evidence.contact.iter().flatten();
+    print.count(points.clone().count());
+    for ElementPoint { shape, face, at } in points {
+        print.count(*shape).count(*face).numbers(at);
+    }
+    print.text(&evidence.proof);
 }
 
 /// SHA-256 of everything that decides which links can collide: shapes, joints with their limits, paddings, the meaning of meshes. The SRDF

@@ -76,7 +76,8 @@ impl MatrixMotion<'_> {
         .collect()
     }
 
-    fn rounding(&self) -> f64 {
+    /// Rounding error (m) of kinematics and distances.
+    pub fn rounding(&self) -> f64 {
         let of_axes = self.state.axes.iter().map(|axis| axis.origin.coords.amax());
         let of_poses = self.state.poses.iter().map(|pose| pose.translation.vector.amax());
         let of_bodies = self

@@ -19,12 +19,13 @@ fn document(robot: &Arc<RobotModel>) -> MatrixDocument {
 pub fn verify(robot: &RobotModel, certificate: &MatrixCertificate) -> Result<u64, MatrixRejection> {
     let verifier = MatrixVerifier::new(robot, &Settings::default()).unwrap();
     verifier.check_subject(certificate)?;
-    certificate.pairs.iter().map(|proof| verifier.verify_pair(proof)).sum()
+    let always = certificate.always.iter().map(|proof| verifier.verify_always(proof));
+    certificate.pairs.iter().map(|proof| verifier.verify_pair(proof)).chain(always).sum()
 }
 
 /// A certificate of other proofs, whose digest fits.
 pub fn claiming(robot: &RobotModel, pairs: Vec<NeverProof>) -> MatrixCertificate {
-    MatrixCertificate::new(robot, &Settings::default(), pairs)
+    MatrixCertificate::new(robot, &Settings::default(), pairs, Vec::new())
 }
 
 /// Robots with their matrices and certificates.
@@ -40,17 +41,18 @@ fn certified(seeds: std::ops::Range<u64>) -> Vec<(Arc<RobotModel>, MatrixDocumen
 
 #[test]
 fn proofs_verify() {
-    let (mut pairs, mut boxes, mut kinds) = (0, 0, [false; 3]);
+    let (mut pairs, mut contacts, mut boxes, mut kinds) = (0, 0, 0, [false; 3]);
     for (robot, _, certificate) in certified(0..25) {
         let verified = verify(&robot, &certificate);
         boxes += verified.unwrap_or_else(|rejection| panic!("{rejection}"));
         pairs += certificate.pairs.len();
+        contacts += certificate.always.len();
         for (kind, character) in kinds.iter_mut().zip(['.', '|', '/']) {
             *kind |= certificate.pairs.iter().any(|pair| pair.proof.contains(character));
         }
     }
-    println!("{pairs} pairs, {boxes} boxes, kinds of leaves {kinds:?}");
-    assert!(pairs >= 20 && boxes > 100 && kinds[0] && kinds[2], "{pairs} {boxes} {kinds:?}");
+    println!("{pairs} pairs apart, {contacts} in contact, {boxes} boxes, kinds of leaves {kinds:?}");
+    assert!(pairs >= 20 && contacts >= 2 && boxes > 100 && kinds[0] && kinds[2], "{pairs} {boxes} {kinds:?}");
 }
 
 #[test]
@@ -145,7 +147,7 @@ fn every_pair_of_the_panda_is_decided_and_every_proof_verifies() {
     assert!(pairs.iter().all(|pair| pair.decision.is_final()));
     let document = MatrixDocument::new(&robot, &Settings::default(), pairs);
     let certificate = document.certificate(&robot, &Settings::default());
-    assert!(certificate.pairs.len() > 20);
+    assert!(certificate.pairs.len() > 20 && certificate.always.len() > 5);
     let boxes = verify(&robot, &certificate).unwrap_or_else(|rejection| panic!("{rejection}"));
     println!("{} pairs, {boxes} boxes", certificate.pairs.len());
 }

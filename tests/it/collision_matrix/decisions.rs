@@ -67,7 +67,7 @@ fn assert_holds(robot: &Arc<RobotModel>, pair: &DecidedPair, states: &[Vec<f64>]
             }
             assert!(least_distance(robot, pair, &mut oracle, random) > 0.0, "{named}");
         }
-        Decision::Always {} => {
+        Decision::Always { .. } => {
             for state in states {
                 assert!(oracle.collides(pair, state), "{named} at {state:?}");
             }

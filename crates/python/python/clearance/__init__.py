@@ -10,7 +10,7 @@
     free = checker.is_free(checker.configuration(robot.group_states["home"]))
 
 Units are metres, radians and seconds. All poses and points are in the frame of the robot's root link. Joint positions are float64 arrays in
-the order of ``joint_names``. All objects but ``View``, ``CollisionMatrix`` and ``SphereCover`` pickle. The package has no thread of its own until the first batch.
+the order of ``joint_names``. All objects but ``View``, ``CollisionMatrix``, ``SphereCover`` and ``ShapeCover`` pickle. The package has no thread of its own until the first batch.
 """
 
 from ._clearance import (
@@ -19,6 +19,7 @@ from ._clearance import (
     CollisionMatrix,
     Error,
     Robot,
+    ShapeCover,
     SphereCover,
     View,
     World,
@@ -35,6 +36,7 @@ from ._results import (
     InputWarning,
     LeastClearance,
     LinkPair,
+    LinkShapes,
     LinkSpheres,
     MeasuredSpheres,
     MotionClearance,
@@ -61,6 +63,7 @@ __all__ = [
     "InputWarning",
     "LeastClearance",
     "LinkPair",
+    "LinkShapes",
     "LinkSpheres",
     "MeasuredSpheres",
     "MotionClearance",
@@ -69,6 +72,7 @@ __all__ = [
     "Plan",
     "Reason",
     "Robot",
+    "ShapeCover",
     "SphereCover",
     "TrajectoryReport",
     "Verdict",

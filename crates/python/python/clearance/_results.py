@@ -326,6 +326,24 @@ class LinkSpheres:
 
 
 @dataclass(frozen=True, eq=False)
+class LinkShapes:
+    """Capsules or boxes of a link. All bounds are proven: (lower, upper)."""
+
+    link: str
+    """Name of the link."""
+    poses: Floats
+    """Pose of each shape in the link frame; shape (N, 4, 4)."""
+    sizes: Floats
+    """By capsule: radius and length of its segment along z (m), shape (N, 2); by box: its edges (m), shape (N, 3)."""
+    excesses: Floats
+    """By shape: bound on the distance (m) of its points from the link; shape (N,)."""
+    excess: Tuple[float, float]
+    """Largest distance (m) of a point of the shapes from the link."""
+    ended_by_time: bool
+    """True if the time ended the search."""
+
+
+@dataclass(frozen=True, eq=False)
 class MeasuredSpheres:
     """Measurement of the spheres of a link. All bounds are proven: (lower, upper)."""
 
