@@ -124,7 +124,7 @@ pub fn lint(data: &[u8]) {
     let hausdorff = HausdorffOptions { most_samples: MOST_SAMPLES, ..HausdorffOptions::default() };
     let report =
         clearance::lint::lint(&robot, &visuals, &LintOptions { hausdorff, ..LintOptions::default() });
-    let is_finite = |bounds: [f64; 2]| bounds[0] <= bounds[1] && bounds[0].is_finite();
+    let is_finite = |bounds: [f64; 2]| bounds[0] <= bounds[1] && bounds.iter().all(|bound| bound.is_finite());
     for distance in report.links.iter().flat_map(|link| [link.unprotected, link.excess]).flatten() {
         assert!(is_finite([distance.lower, distance.upper]), "{distance:?}");
     }

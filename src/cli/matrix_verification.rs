@@ -25,10 +25,16 @@ struct Head {
 /// Reads a certificate of a collision matrix; `None` if the file is another certificate.
 pub fn read(file: &Path) -> Result<Option<MatrixCertificate>, Failure> {
     let text = input_files::read_text(file, STATES_LIMIT).map_err(Failure::input)?;
-    let is_matrix = serde_json::from_str::<Head>(&text)
-        .is_ok_and(|head| head.format.starts_with("clearance collision matrix certificate"));
-    if !is_matrix {
-        return Ok(None);
+    let head = serde_json::from_str::<Head>(&text).ok();
+    let is_matrix = |head: &Head| head.format.starts_with("clearance collision matrix certificate");
+    let Some(Head { format }) = head.filter(is_matrix) else { return Ok(None) };
+    if format != MatrixCertificate::FORMAT {
+        return Err(Failure::Input(format!(
+            "{}: its format is '{}', not '{}': write it again with clearance acm --certificate",
+            file.display(),
+            on_one_line(&format),
+            MatrixCertificate::FORMAT
+        )));
     }
     let rejected = |e: serde_json::Error| {
         let why = e.to_string();

@@ -72,7 +72,7 @@ def test_the_time_to_contact_of_a_root_that_drives_needs_its_accelerations(start
         return look().world_distance < 10.0
 
     cell.peer.wait_for(placed, "an obstacle in the frame of the room")
-    why = "the robot's root moves in odom, and look_ahead_root_acceleration or look_ahead_root_angular_acceleration is 0"
+    why = "the robot's root moves in 'odom': set look_ahead_root_acceleration and look_ahead_root_angular_acceleration"
     cell.peer.wait_for(lambda: any(why in warning for warning in look().warnings), "the reason in a warning")
     assert not look().time_to_contact_known
 

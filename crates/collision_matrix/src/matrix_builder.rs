@@ -360,6 +360,9 @@ impl PairAttempt<'_, '_> {
     }
 
     fn decide_touching(&mut self, witnesses: &mut Witnesses, limits: ProofLimits) -> Decision {
+        if self.problem.path.variables().len() > MOST_VARIABLES {
+            return self.undecided(witnesses.colliding.as_ref(), 0.0);
+        }
         let limits = ProofLimits { boxes: limits.boxes.min(MOST_CONTACT_BOXES), ..limits };
         let is_solid = self.builder.meshes_are_solid;
         match always_proof::search(self.problem, is_solid, limits, &mut self.workspace) {

@@ -26,7 +26,13 @@ pub struct MatrixDocument {
 }
 
 /// Name and version of the format.
-const FORMAT: &str = "clearance collision matrix 1";
+const FORMAT: &str = "clearance collision matrix 2";
+
+/// The field that all versions have.
+#[derive(Deserialize)]
+struct Head {
+    format: String,
+}
 
 /// Reason why a document cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -65,11 +71,12 @@ impl MatrixDocument {
     /// # Errors
     /// If the text is no such document, was altered, or is about another robot.
     pub fn from_json(text: &str, robot: &RobotModel, settings: &Settings) -> Result<Self, DocumentError> {
-        let read: Self =
-            serde_json::from_str(text).map_err(|error| DocumentError::NoMatrix(error.to_string()))?;
-        if read.format != FORMAT {
-            return Err(DocumentError::NoMatrix(format!("its format is '{}', not '{FORMAT}'", read.format)));
+        let damaged = |error: serde_json::Error| DocumentError::NoMatrix(error.to_string());
+        let Head { format } = serde_json::from_str(text).map_err(damaged)?;
+        if format != FORMAT {
+            return Err(DocumentError::NoMatrix(format!("its format is '{format}', not '{FORMAT}'")));
         }
+        let read: Self = serde_json::from_str(text).map_err(damaged)?;
         if read.digest != read.computed_digest() {
             return Err(DocumentError::Altered);
         }

@@ -9,8 +9,15 @@ use clearance_verifier::{
     AlwaysProof, ContactEvidence, ElementPoint, InnerBall, MatrixCertificate, MatrixRejection, MatrixVerifier,
 };
 
+/// A cube of edge length 1 around the origin, with a cavity of edge length 0.8.
+const HOLLOW: &[u8] =
+    b"v -.5 -.5 -.5\nv .5 -.5 -.5\nv .5 .5 -.5\nv -.5 .5 -.5\nv -.5 -.5 .5\nv .5 -.5 .5\nv .5 .5 .5\nv -.5 .5 .5\n\
+      v -.4 -.4 -.4\nv .4 -.4 -.4\nv .4 .4 -.4\nv -.4 .4 -.4\nv -.4 -.4 .4\nv .4 -.4 .4\nv .4 .4 .4\nv -.4 .4 .4\n\
+      f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n\
+      f 10 11 12 9\nf 16 15 14 13\nf 13 14 10 9\nf 14 15 11 10\nf 15 16 12 11\nf 16 13 9 12\n";
+
 /// A cube of edge length 1 around the origin.
-static MESHES: [(&str, &[u8]); 1] = [(
+static MESHES: [(&str, &[u8]); 2] = [("p/hollow.obj", HOLLOW), (
     "p/cube.obj",
     b"v -.5 -.5 -.5\nv .5 -.5 -.5\nv .5 .5 -.5\nv -.5 .5 -.5\nv -.5 -.5 .5\nv .5 -.5 .5\nv .5 .5 .5\nv -.5 .5 .5\n\
       f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n",
@@ -178,7 +185,7 @@ fn evidence_about_other_pairs_ranges_and_shapes_is_rejected() {
         let changed = AlwaysProof { link2: link2.to_owned(), ..drawer.clone() };
         assert!(verify(&robot(&text), &changed).is_err(), "{link2}");
     }
-    // with this range the drawer leaves the base; so does a thinner one beside it
+    // with this range the drawer leaves the base; the other drawer is beside it
     let wider = text.replace("upper='0.1'", "upper='0.5'");
     let beside = text.replace("<origin xyz='0 0 0'/><geometry><box", "<origin xyz='0 0.3 0'/><geometry><box");
     for other in [wider, beside] {
@@ -209,18 +216,73 @@ fn a_mesh_inside_another_is_no_contact_of_surfaces() {
     let robot = robot(&text);
     let ball = InnerBall { shape: 0, face: 0, centre: [0.0; 3], radius: 0.02 };
     let mut rejected = 0;
-    for directions in ["0", "1000", "2000", "3000000", "3Wo-bEA", "3zzzzzz"] {
+    let orders = [["base", "inner"], ["inner", "base"]];
+    let all = ["0", "1000", "2000", "3000000", "3Wo-bEA", "3zzzzzz"];
+    for (directions, [link1, link2]) in all.into_iter().flat_map(|text| orders.map(|order| (text, order))) {
         let evidence = ContactEvidence {
             balls1: vec![ball],
             balls2: vec![ball],
             contact: None,
             proof: format!("*000000{directions}"),
         };
-        let proof = AlwaysProof { link1: "base".to_owned(), link2: "inner".to_owned(), evidence };
+        let proof = AlwaysProof { link1: link1.to_owned(), link2: link2.to_owned(), evidence };
         rejected += usize::from(verify(&robot, &proof).is_err());
         let solid = Settings { mesh_model: MeshModel::Solid, ..Settings::default() };
         assert_eq!(MatrixVerifier::new(&robot, &solid).unwrap().verify_always(&proof), Ok(1));
     }
-    assert_eq!(rejected, 6);
+    assert_eq!(rejected, 12);
     assert!(certificate(&robot, &Settings::default()).always.is_empty());
+}
+
+/// A ball in the cavity of a mesh touches nothing, whatever meshes are.
+#[test]
+fn a_body_in_a_cavity_is_no_contact() {
+    let text = [
+        "<robot name='nest'>".to_owned(),
+        link("base", "0 0 0", "<mesh filename='package://p/hollow.obj'/>"),
+        link("inner", "0 0 0", "<sphere radius='0.05'/>"),
+        joint("inner", "revolute", "0 0 0", "0 0 1", [-1.0, 1.0]),
+        "</robot>".to_owned(),
+    ]
+    .concat();
+    let robot = robot(&text);
+    let ball = |face| InnerBall { shape: 0, face, centre: [0.0; 3], radius: 0.02 };
+    for meshes in [MeshModel::Surface, MeshModel::Solid] {
+        let settings = Settings { mesh_model: meshes, ..Settings::default() };
+        // the first faces of the outer cube and of the cavity
+        for face in [0, 12] {
+            for directions in ["0", "1000", "2000", "3000000", "3Wo-bEA"] {
+                let evidence = ContactEvidence {
+                    balls1: vec![ball(face)],
+                    balls2: vec![ball(0)],
+                    contact: None,
+                    proof: format!("*000000{directions}"),
+                };
+                let proof = AlwaysProof { link1: "base".to_owned(), link2: "inner".to_owned(), evidence };
+                let verifier = MatrixVerifier::new(&robot, &settings).unwrap();
+                assert!(verifier.verify_always(&proof).is_err(), "{meshes:?} {face} {directions}");
+            }
+        }
+        assert!(certificate(&robot, &settings).always.is_empty());
+    }
+}
+
+#[test]
+fn bad_paddings_and_doubled_pairs_are_rejected() {
+    let robot = robot(&urdf());
+    for padding in [-0.05, f64::INFINITY, f64::NAN] {
+        for pad_self in [false, true] {
+            let settings = Settings { padding, pad_self, ..Settings::default() };
+            let error = MatrixVerifier::new(&robot, &settings).unwrap_err().to_string();
+            assert!(error.contains("the padding of 'base'"), "{error}");
+        }
+    }
+    let valid = certificate(&robot, &Settings::default());
+    let mut always = valid.always.clone();
+    let doubled =
+        AlwaysProof { link1: always[0].link2.clone(), link2: always[0].link1.clone(), ..always[0].clone() };
+    always.push(doubled);
+    let changed = MatrixCertificate::new(&robot, &Settings::default(), valid.pairs, always);
+    let verifier = MatrixVerifier::new(&robot, &Settings::default()).unwrap();
+    assert!(matches!(verifier.check_subject(&changed), Err(MatrixRejection::Twice(..))));
 }

@@ -52,7 +52,7 @@ struct Comparison<'r> {
 }
 
 impl<'r> Comparison<'r> {
-    /// Decides all pairs, verifies every proof, and keeps the pairs that the checker checks: links that move relative to each other.
+    /// Keeps the pairs that the checker checks: links that move relative to each other.
     fn new(robot: &'r Arc<RobotModel>, pairs: &'r [DecidedPair]) -> Self {
         let all = AllowedCollisionMatrix::default();
         let (world, settings) = (World::default(), Settings::default());

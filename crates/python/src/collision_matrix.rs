@@ -107,8 +107,8 @@ impl CollisionMatrix {
         add_disabled_pairs(original, self.model.name(), &entries).map_err(error)
     }
 
-    /// Proofs of the pairs that never collide, or always: one line of JSON, which the command `clearance verify` checks with code that is independent
-    /// of this search.
+    /// Proofs of the pairs that never collide, or always: one line of JSON, which the command `clearance verify` checks
+    /// with code that is independent of this search.
     fn certificate(&self) -> String {
         self.document.certificate_json(&self.model, &self.settings)
     }

@@ -96,12 +96,16 @@ impl ShapeCover {
     }
 
     fn __repr__(&self) -> String {
+        let counted = |count: usize, names: [&str; 2]| format!("{count} {}", names[usize::from(count != 1)]);
+        let names = match self.kind {
+            ShapeKind::Capsule => ["capsule", "capsules"],
+            ShapeKind::Box => ["box", "boxes"],
+        };
         format!(
-            "<clearance.ShapeCover of '{}': {} {} around {} links, excess at most {:.2} mm>",
+            "<clearance.ShapeCover of '{}': {} around {}, excess at most {:.2} mm>",
             self.model.name(),
-            self.cover.count(),
-            self.shape(),
-            self.cover.links.len(),
+            counted(self.cover.count(), names),
+            counted(self.cover.links.len(), ["link", "links"]),
             1e3 * self.cover.largest_excess()
         )
     }

@@ -44,7 +44,7 @@ pub struct ContactEvidence {
 pub struct InnerBall {
     /// Number of the shape among the collision shapes of the link, from 0.
     pub shape: usize,
-    /// Number of a face of the connected part, from 0; 0 for a primitive.
+    /// Number of the first face of the connected part, from 0; 0 for a primitive.
     pub face: usize,
     /// Centre (m) in the frame of the link.
     pub centre: [f64; 3],

@@ -15,13 +15,13 @@ const RAYS: u32 = 32;
 pub(super) struct ClosedPart {
     /// Faces of the part.
     pub mesh: TriangleMesh,
-    /// True if no other face of the mesh has an area.
+    /// True if no other face of the mesh has an area, and every edge has two faces: a closed surface of its own.
     pub is_whole: bool,
     crossings: RayCrossings,
 }
 
 impl ClosedPart {
-    /// The part of a mesh with a face; `None` if it has a free edge or there is no such face.
+    /// The part of a mesh whose first face is this one; `None` if it has a free edge, or there is no such part.
     pub fn new(mesh: &TriangleMesh, face: usize) -> Option<Self> {
         let places = places(mesh);
         let corners = |t: &[u32; 3]| t.map(|v| places[v as usize]);
@@ -30,16 +30,21 @@ impl ClosedPart {
             a != b && b != c && c != a
         };
         let start = corners(mesh.triangles().get(face).filter(has_corners)?)[0];
+        let is_first = |reached: &HashSet<usize>| {
+            let before = mesh.triangles()[..face].iter().filter(has_corners);
+            before.map(corners).all(|t| !reached.contains(&t[0]))
+        };
         let faces: Vec<[u32; 3]> = mesh.triangles().iter().filter(has_corners).copied().collect();
         let is_reached = reached(&faces.iter().map(corners).collect::<Vec<_>>(), start);
         let part: Vec<[u32; 3]> =
             faces.iter().filter(|t| is_reached.contains(&corners(t)[0])).copied().collect();
-        if !is_closed(part.iter().map(corners)) {
+        let edges = Edges::of(part.iter().map(corners));
+        if !edges.are_balanced() || !is_first(&is_reached) {
             return None;
         }
         let points = |t: &[u32; 3]| t.map(|v| mesh.vertices()[v as usize]);
         let crossings = RayCrossings::new(part.iter().map(points).collect());
-        let is_whole = part.len() == faces.len();
+        let is_whole = part.len() == faces.len() && edges.have_two_faces();
         let mesh = TriangleMesh::new(mesh.vertices().to_vec(), part).ok()?;
         Some(Self { mesh, is_whole, crossings })
     }
@@ -82,15 +87,29 @@ fn reached(faces: &[[usize; 3]], start: usize) -> HashSet<usize> {
     reached
 }
 
-/// True if every edge is used equally often in both directions.
-fn is_closed(faces: impl Iterator<Item = [usize; 3]>) -> bool {
-    let mut uses: HashMap<[usize; 2], i64> = HashMap::new();
-    for [a, b, c] in faces {
-        for [from, to] in [[a, b], [b, c], [c, a]] {
-            *uses.entry([from.min(to), from.max(to)]).or_default() += if from < to { 1 } else { -1 };
+/// By edge: in how many faces it is used in either direction.
+struct Edges(HashMap<[usize; 2], [usize; 2]>);
+
+impl Edges {
+    fn of(faces: impl Iterator<Item = [usize; 3]>) -> Self {
+        let mut uses: HashMap<[usize; 2], [usize; 2]> = HashMap::new();
+        for [a, b, c] in faces {
+            for [from, to] in [[a, b], [b, c], [c, a]] {
+                uses.entry([from.min(to), from.max(to)]).or_default()[usize::from(from < to)] += 1;
+            }
         }
+        Self(uses)
     }
-    uses.values().all(|sum| *sum == 0)
+
+    /// True if every edge is used equally often in both directions.
+    fn are_balanced(&self) -> bool {
+        self.0.values().all(|[forwards, backwards]| forwards == backwards)
+    }
+
+    /// True if every edge is used once in either direction.
+    fn have_two_faces(&self) -> bool {
+        self.0.values().all(|uses| *uses == [1, 1])
+    }
 }
 
 #[cfg(test)]
@@ -113,10 +132,11 @@ mod tests {
         let whole = [[4, 6, 5], [4, 5, 7], [4, 7, 6], [5, 6, 7]];
         let both = tetrahedra(&whole);
         let inside = Point::new(0.2, 0.2, 0.2);
-        let part = ClosedPart::new(&both, 1).unwrap();
+        assert!(ClosedPart::new(&both, 1).is_none(), "not the first face of its part");
+        let part = ClosedPart::new(&both, 0).unwrap();
         assert!(part.winds_around(&inside, 1e-3) && !part.is_whole && part.mesh.triangles().len() == 4);
         assert!(!part.winds_around(&(inside + Vector::x() * 5.0), 1e-3));
-        assert!(ClosedPart::new(&both, 6).unwrap().winds_around(&(inside + Vector::x() * 5.0), 1e-3));
+        assert!(ClosedPart::new(&both, 4).unwrap().winds_around(&(inside + Vector::x() * 5.0), 1e-3));
         assert!(ClosedPart::new(&both, 8).is_none());
         let turned = [[4, 6, 5], [4, 7, 5], [4, 7, 6], [5, 6, 7]];
         for second in [&whole[..3], &turned[..]] {
@@ -125,6 +145,10 @@ mod tests {
             assert!(ClosedPart::new(&mesh, 0).is_some());
         }
         assert!(ClosedPart::new(&tetrahedra(&[]), 0).unwrap().is_whole);
+        // two tetrahedra with a common edge: four faces meet there
+        let edge = [[0, 5, 1], [0, 6, 5], [0, 1, 6], [1, 5, 6]];
+        let seam = ClosedPart::new(&tetrahedra(&edge), 0).unwrap();
+        assert!(!seam.is_whole && seam.mesh.triangles().len() == 8);
     }
 
     #[test]
@@ -133,7 +157,7 @@ mod tests {
         let vertices = (0..8).map(corner).collect();
         let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [1, 3, 7, 5], [3, 2, 6, 7], [2, 0, 4, 6]];
         let faces = quads.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect();
-        let part = ClosedPart::new(&TriangleMesh::new(vertices, faces).unwrap(), 3).unwrap();
+        let part = ClosedPart::new(&TriangleMesh::new(vertices, faces).unwrap(), 0).unwrap();
         assert_eq!(part.crossings.winding_number(&Point::origin()), None);
         assert!(part.winds_around(&Point::origin(), 0.4));
         assert!(!part.winds_around(&Point::new(-0.7, 0.0, 0.0), 0.1));

@@ -5,6 +5,8 @@
 //! in the region of the other: else, no surface would bound either region within the other, so that both would be one region with one
 //! boundary, and the surfaces had common points. A point of each surface outside the hull of the other excludes this.
 
+use std::collections::HashMap;
+
 use clearance_geometry::Shape;
 use clearance_geometry::math::{MatrixPose, Point, Pose, Vector};
 
@@ -44,9 +46,14 @@ struct VerifiedBall {
     solid: usize,
 }
 
+/// Largest number of balls of a link that the text of a proof can name.
+const MOST_BALLS: usize = 1 << 18;
+
 /// The verified balls of a link, with their solids.
 struct VerifiedBalls {
-    solids: Vec<([usize; 2], InnerSolid)>,
+    solids: Vec<InnerSolid>,
+    /// By number of the shape and of the face: the place of the solid.
+    places: HashMap<[usize; 2], usize>,
     balls: Vec<VerifiedBall>,
 }
 
@@ -84,7 +91,7 @@ impl ContactVerifier<'_> {
         let [out_of_second, out_of_first] = [direction(1)?, direction(2)?];
         let distance = nalgebra::distance(&centre.point(0, &a.centre), &centre.point(1, &b.centre));
         let motion = centre.motion([&a.body, &b.body]).bound(MotionAlong::Any);
-        let solids = [&balls[0].solids[a.solid].1, &balls[1].solids[b.solid].1];
+        let solids = [&balls[0].solids[a.solid], &balls[1].solids[b.solid]];
         let sticks_out = |side: usize, along: Option<Vector>| {
             !solids[1 - side].is_hollow(self.meshes_are_solid)
                 || along.is_some_and(|n| sticks_out(solids, side, centre, &centre.direction(&n)))
@@ -125,10 +132,13 @@ fn sticks_out(solids: [&InnerSolid; 2], side: usize, centre: &BoxCentre, along: 
 impl VerifiedBalls {
     /// The number of the first ball that is in no solid is the error.
     fn new(shapes: &[(Pose, Shape)], balls: &[InnerBall]) -> Result<Self, usize> {
-        let mut verified = Self { solids: Vec::new(), balls: Vec::new() };
+        let mut verified = Self { solids: Vec::new(), places: HashMap::new(), balls: Vec::new() };
+        if balls.len() > MOST_BALLS {
+            return Err(MOST_BALLS);
+        }
         for (number, ball) in balls.iter().enumerate() {
             let place = verified.solid(shapes, ball).ok_or(number)?;
-            if !verified.solids[place].1.contains(ball) {
+            if !verified.solids[place].contains(ball) {
                 return Err(number);
             }
             let centre = Point::from(ball.centre);
@@ -140,11 +150,12 @@ impl VerifiedBalls {
 
     /// The place of the solid that a ball names.
     fn solid(&mut self, shapes: &[(Pose, Shape)], ball: &InnerBall) -> Option<usize> {
-        let named = [ball.shape, ball.face];
-        let known = self.solids.iter().position(|(name, _)| *name == named);
-        if known.is_none() {
-            self.solids.push((named, InnerSolid::new(shapes, ball)?));
+        let name = [ball.shape, ball.face];
+        if let Some(place) = self.places.get(&name) {
+            return Some(*place);
         }
-        known.or(Some(self.solids.len() - 1))
+        self.places.insert(name, self.solids.len());
+        self.solids.push(InnerSolid::new(shapes, ball)?);
+        Some(self.solids.len() - 1)
     }
 }

@@ -35,6 +35,7 @@ impl InnerSolid {
     pub fn new(shapes: &[(Pose, Shape)], ball: &InnerBall) -> Option<Self> {
         let (pose, shape) = shapes.get(ball.shape)?;
         match shape {
+            Shape::Primitive(_) if ball.face != 0 => None,
             Shape::Primitive(primitive) => {
                 let body = Body::new(&[(*pose, shape)], false);
                 Some(Self { pose: *pose, content: Content::Primitive(*primitive), body })

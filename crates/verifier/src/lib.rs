@@ -73,7 +73,7 @@ pub use always_certificate::{AlwaysProof, ContactEvidence, ElementPoint, InnerBa
 pub use certificate_differences::CertificateDifferences;
 pub use expected_motion::ExpectedMotion;
 pub use matrix_certificate::{MatrixCertificate, NeverProof, matrix_fingerprint};
-pub use matrix_verifier::{MatrixRejection, MatrixVerifier};
+pub use matrix_verifier::{MatrixRejection, MatrixSettingsError, MatrixVerifier};
 pub use rejection::Rejection;
 pub use verification_statistics::VerificationStatistics;
 pub use verifier::{Verifier, verify};

@@ -44,7 +44,7 @@ pub struct NeverProof {
 
 impl MatrixCertificate {
     /// [`Self::format`] of this version.
-    pub const FORMAT: &'static str = "clearance collision matrix certificate 1";
+    pub const FORMAT: &'static str = "clearance collision matrix certificate 2";
 
     /// A certificate of these proofs.
     #[must_use]

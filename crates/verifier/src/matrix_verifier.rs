@@ -1,5 +1,7 @@
 //! Verifies the proofs of a collision matrix.
 
+use std::collections::HashSet;
+
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::Pose;
 use clearance_geometry::{ScaleError, Shape};
@@ -24,6 +26,8 @@ pub enum MatrixRejection {
     Digest,
     #[error("the certificate is about another robot, or about other joint limits, shapes or settings")]
     OtherModel,
+    #[error("there are two proofs about '{0}' – '{1}'")]
+    Twice(String, String),
     #[error("the robot has no link '{0}' with collision geometry")]
     UnknownLink(String),
     #[error("'{0}' – '{1}': a joint between the links has no finite range, so that nothing can be proven")]
@@ -36,8 +40,20 @@ pub enum MatrixRejection {
     Inside(String, String),
     #[error("'{0}' – '{1}': the links are not proven to touch in the box that ends at character {2}")]
     NotTouching(String, String, usize),
-    #[error("'{0}' – '{1}': ball {3} of '{2}' is in no primitive and no closed part of a mesh")]
+    #[error(
+        "'{0}' – '{1}': ball {3} of '{2}' is in no primitive and no closed part of a mesh, or one of too many"
+    )]
     Ball(String, String, String, usize),
+}
+
+/// Reason why the collision matrix of a robot cannot be verified with some settings.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the message of each variant describes it and its fields")]
+pub enum MatrixSettingsError {
+    #[error(transparent)]
+    Scale(#[from] ScaleError),
+    #[error("the padding of '{link}' is {value}, but must be a finite number of metres, zero or more")]
+    Padding { link: String, value: f64 },
 }
 
 /// Verifies certificates of the collision matrix of one robot. It can be shared by threads.
@@ -58,8 +74,8 @@ impl<'r> MatrixVerifier<'r> {
     /// Builds the bodies of all links.
     ///
     /// # Errors
-    /// If a shape cannot be scaled.
-    pub fn new(robot: &'r RobotModel, settings: &Settings) -> Result<Self, ScaleError> {
+    /// If a shape cannot be scaled, or a padding is negative or not finite.
+    pub fn new(robot: &'r RobotModel, settings: &Settings) -> Result<Self, MatrixSettingsError> {
         let solid = settings.mesh_model == MeshModel::Solid;
         let shapes = robot.links().iter().map(|link| {
             let scale = settings.link_scale.get(&link.name).copied().unwrap_or(1.0);
@@ -72,16 +88,17 @@ impl<'r> MatrixVerifier<'r> {
             let shapes: Vec<(Pose, &Shape)> = shapes.iter().map(|(pose, shape)| (*pose, shape)).collect();
             (!shapes.is_empty()).then(|| Body::new(&shapes, solid))
         };
-        let padding = |name: &String| settings.link_padding.get(name).copied().unwrap_or(settings.padding);
-        let paddings =
-            robot.links().iter().map(|link| if settings.pad_self { padding(&link.name) } else { 0.0 });
         Ok(Self {
             robot,
             fingerprint: matrix_fingerprint(robot, settings),
             bodies: shapes.iter().map(body).collect(),
             shapes,
             meshes_are_solid: solid,
-            paddings: paddings.collect(),
+            paddings: robot
+                .links()
+                .iter()
+                .map(|link| padding(settings, &link.name))
+                .collect::<Result<_, _>>()?,
         })
     }
 
@@ -99,6 +116,14 @@ impl<'r> MatrixVerifier<'r> {
         }
         if certificate.model != self.fingerprint {
             return Err(MatrixRejection::OtherModel);
+        }
+        let never = certificate.pairs.iter().map(|proof| [&proof.link1, &proof.link2]);
+        let always = certificate.always.iter().map(|proof| [&proof.link1, &proof.link2]);
+        let mut known = HashSet::new();
+        for [a, b] in never.chain(always) {
+            if !known.insert([a.min(b), a.max(b)]) {
+                return Err(MatrixRejection::Twice(a.clone(), b.clone()));
+            }
         }
         Ok(())
     }
@@ -187,4 +212,13 @@ impl<'r> MatrixVerifier<'r> {
 fn is_inside(bodies: [&Body; 2], centre: &BoxCentre) -> bool {
     let [Some(a), Some(b)] = bodies.map(|body| body.interior.as_ref()) else { return false };
     a.overlap(b, &centre.state.pose_ab())
+}
+
+/// The padding (m) of a link in checks with other links.
+fn padding(settings: &Settings, link: &str) -> Result<f64, MatrixSettingsError> {
+    let value = settings.link_padding.get(link).copied().unwrap_or(settings.padding);
+    if !(value.is_finite() && value >= 0.0) {
+        return Err(MatrixSettingsError::Padding { link: link.to_owned(), value });
+    }
+    Ok(if settings.pad_self { value } else { 0.0 })
 }

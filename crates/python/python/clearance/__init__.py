@@ -9,8 +9,9 @@
     q = robot.random(rng=0, size=1000)
     free = checker.is_free(checker.configuration(robot.group_states["home"]))
 
-Units are metres, radians and seconds. All poses and points are in the frame of the robot's root link. Joint positions are float64 arrays in
-the order of ``joint_names``. All objects but ``View``, ``CollisionMatrix``, ``SphereCover`` and ``ShapeCover`` pickle. The package has no thread of its own until the first batch.
+Units are metres, radians and seconds. All poses and points are in the frame of the robot's root link. Joint positions are
+float64 arrays in the order of ``joint_names``. All objects but ``View``, ``CollisionMatrix``, ``SphereCover`` and
+``ShapeCover`` pickle. The package has no thread of its own until the first batch.
 """
 
 from ._clearance import (
