@@ -23,11 +23,11 @@ pub struct SolidPart {
     pub shape: usize,
     /// Number of its first face in a mesh; 0 for a primitive.
     pub face: usize,
-    /// How its inside counts for the checker.
+    /// The meaning of its inside for the checker.
     pub inside: PartInside,
 }
 
-/// How the inside of a solid counts for the checker.
+/// Meaning of the inside of a solid for the checker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PartInside {
     /// A primitive.

@@ -28,7 +28,7 @@ struct Amount {
     starts: usize,
 }
 
-/// What was compared.
+/// Numbers of comparisons.
 #[derive(Debug, Default)]
 struct Counts {
     states: u64,

@@ -31,7 +31,7 @@ impl FramePoses {
         }
     }
 
-    /// How long the frame has been observed.
+    /// The time for which the frame has been observed.
     pub fn observation(&self) -> Observed {
         let ends = self.places.front().zip(self.places.back());
         let time = ends.map_or(0.0, |((from, _), (to, _))| to.seconds_since(*from));
@@ -50,7 +50,7 @@ impl FramePoses {
     }
 }
 
-/// How long a transform has been observed.
+/// Time for which a transform has been observed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Observed {
     /// Time (s) between the first pose that counts and the last one; 0 if there is only one.

@@ -1,4 +1,4 @@
-//! How far the root may move after a state: obstacles are displaced by it in the root frame.
+//! Bounds on the motion of the root after a state: obstacles are displaced by it in the root frame.
 //!
 //! Distances between the robot and obstacles change at most by the way of the robot's points in the obstacles' frame.
 //! With the speed v and the angular speed w of the root at the state, and its largest accelerations a and b, a point that
