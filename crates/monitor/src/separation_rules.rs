@@ -71,15 +71,7 @@ mod tests {
     #![expect(clippy::float_cmp, reason = "speeds are passed on as they are")]
 
     use super::*;
-
-    const CELL: SeparationSettings = SeparationSettings {
-        human_speed: 1.6,
-        robot_speed: 1.0,
-        reaction_time: 0.1,
-        deceleration: 2.0,
-        acceleration: 4.0,
-        margin: 0.2,
-    };
+    use crate::separation_settings::tests::CELL;
 
     #[test]
     fn names_may_end_in_a_star() {

@@ -81,4 +81,4 @@ impl SeparationSettings {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

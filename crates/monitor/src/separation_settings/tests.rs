@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use super::*;
 
 /// A robot of 1 m/s that stops within 0.1 s and 0.25 m.
-const CELL: SeparationSettings = SeparationSettings {
+pub const CELL: SeparationSettings = SeparationSettings {
     human_speed: 1.6,
     robot_speed: 1.0,
     reaction_time: 0.1,
