@@ -96,7 +96,7 @@ def test_heartbeat_messages_come_at_their_rate_and_count_all_messages(slow):
 
 
 def test_a_slow_subscriber_of_every_state_counts_contacts(slow):
-    """A queue of one message, and nobody looks while the robot touches."""
+    """A queue of one message, and nobody looks while the robot touches: the counters of the last message suffice."""
     with Peer(slow.peer.domain_id) as idle:
         seen = []
         idle.node.create_subscription(CollisionState, slow.node.private("state"), seen.append, 1)
@@ -104,11 +104,11 @@ def test_a_slow_subscriber_of_every_state_counts_contacts(slow):
         slow.driver.pause()
         with idle.paused():
             before = contacts(seen[-1])
-            number = len(seen)
             states = motion(slow, (STRETCHED, 1), (FOLDED, 3), (STRETCHED, 1), (FOLDED, 2), (STRETCHED, 1))
+        # How many of the states it has missed depends on when they reach it.
         idle.wait_for(lambda: contacts(seen[-1]) == contacts(states[-1]), "the last state")
     assert before == (0, 0) and contacts(seen[-1]) == (2, 2)
-    assert not any(state.status == CollisionState.COLLIDING for state in seen[number:])
+    assert seen[-1].status == CollisionState.FREE
 
 
 def test_a_contact_between_two_states_counts(slow):
