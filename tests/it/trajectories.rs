@@ -342,6 +342,7 @@ fn nothing_touches_before_the_look_ahead_says() {
             q: &q,
             velocities: &velocities,
             accelerations: &accelerations,
+            moving_obstacles: &[],
             obstacle_limits: None,
             obstacle_latency: 0.0,
         };
@@ -386,6 +387,7 @@ fn obstacles_that_move_come_within_the_look_ahead() {
             q: &q,
             velocities: &[0.0; 2],
             accelerations: &[0.0; 2],
+            moving_obstacles: &[],
             obstacle_limits: Some(&limits),
             obstacle_latency: latency,
         };

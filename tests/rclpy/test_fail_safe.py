@@ -18,6 +18,7 @@ from localization import Localization
 from clouds import cloud
 from scene import ball, fine_mesh, obstacle, pose
 from scene_client import SceneClient
+from tracker import Tracker
 
 PLANAR = """
 <robot name="two_link">
@@ -161,6 +162,15 @@ def stale_world(s):
     cell.driver.report(**ZERO)
 
 
+def lost_obstacle(s):
+    cell = s.start()
+    cell.driver.report(**ZERO)
+    SceneClient(cell).change(ball("cart", 9.0))
+    tracker = Tracker(cell, 9.0, 0.1)
+    cell.states.ever(lambda state: state.world_revision > 5, "an obstacle that moves")
+    tracker.falls_silent()
+
+
 def missing_scene(s):
     cell = s.start(parameters={"require_planning_scene": True})
     cell.driver.report(**ZERO)
@@ -266,6 +276,7 @@ SCENARIOS = {
     "messages about the world were lost (`lost_messages: unknown`)": lost_messages,
     "messages about the world were received more than 0.1 s ago and are not in force": world_update,
     "a cloud or octomap has expired, or a cloud has never arrived": stale_world,
+    "an obstacle moves, and its last state is older than `obstacle_state_ttl`": lost_obstacle,
     "a whole scene is required and has not arrived": missing_scene,
     "`tf` stopped reporting the root in the frame of the obstacles": lost_root,
     "`check_deadline` passed with undecided pairs and without a contact": deadline,

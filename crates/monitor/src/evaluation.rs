@@ -6,13 +6,13 @@ use std::time::Duration;
 use clearance_checker::{CollisionChecker, CollisionReport, LookAhead, PairDistance, PairKind};
 use clearance_geometry::math::Extremes;
 use clearance_robot::{Configuration, LinkPoses, quoted};
-use clearance_scene::AnchorFrames;
+use clearance_scene::{AnchorFrames, ObstacleTwist};
 
 use super::contact_history::ContactHistory;
 use super::motion_since_previous::{MotionSincePrevious, Passage};
 use super::obstacle_motion::ObstacleMotion;
 use super::state_contacts::ContactsOfPair;
-use super::{Now, Reason, Separation, Status, Time, WorldSource};
+use super::{Now, Reason, Separation, Status, Time, TrackedObstacle, WorldSource};
 
 /// A checker with its version numbers.
 #[derive(Debug)]
@@ -34,6 +34,8 @@ pub struct Revision {
     /// Time (steady clock) of the `tf` data that the obstacles were placed with; `None`: the time at which this
     /// revision is put into use.
     pub placed_at: Option<Duration>,
+    /// Velocities of the obstacles that move.
+    pub obstacle_twists: Vec<ObstacleTwist>,
 }
 
 impl Revision {
@@ -49,6 +51,7 @@ impl Revision {
             warnings: Vec::new(),
             anchor_frames: AnchorFrames::default(),
             placed_at: None,
+            obstacle_twists: Vec::new(),
         }
     }
 
@@ -97,6 +100,8 @@ pub struct CheckedState {
     pub measured: Vec<Option<Time>>,
     /// Motions of the obstacle frames relative to the robot's root, one for each tracked frame.
     pub obstacle_motions: Vec<ObstacleMotion>,
+    /// Obstacles that move by themselves.
+    pub tracked_obstacles: Vec<TrackedObstacle>,
     /// Distance (m) up to which pairs may slow the robot down.
     pub slowdown_range: f64,
     /// Whether all distances are exact; otherwise they are lower bounds within a tolerance.

@@ -3,10 +3,13 @@
 use std::sync::Arc;
 
 use clearance_checker::{CollisionChecker, CollisionReport, LookAhead, LookAheadState, Workspace};
+use clearance_geometry::math::Extremes;
+use clearance_motion::MovingObstacle;
 use clearance_robot::{Configuration, JointKind, LinkPoses, RobotModel, quoted_list};
 
 use super::obstacle_motion::ObstacleMotion;
 use super::root_speed::{JointRanges, RootSpeed};
+use super::tracked_obstacle::{TrackedObstacle, limits_beyond_motion, longest_age};
 use super::{MonitorSettings, Time};
 
 /// Look-ahead for one checker.
@@ -32,6 +35,8 @@ pub(super) struct LookAheadInput<'i> {
     pub report: &'i CollisionReport,
     pub poses: &'i LinkPoses,
     pub obstacle_motions: &'i [ObstacleMotion],
+    /// Obstacles that move by themselves.
+    pub tracked_obstacles: &'i [TrackedObstacle],
     /// Stamp of the state.
     pub stamp: Time,
     /// Time (s) for which the obstacles have not been moved to follow `tf`.
@@ -74,7 +79,7 @@ impl LookAheadEvaluator {
         input: &LookAheadInput,
         settings: &MonitorSettings,
     ) -> Result<LookAhead, String> {
-        let &LookAheadInput { configuration, velocities, spread, report, .. } = input;
+        let &LookAheadInput { configuration, velocities, spread, report, tracked_obstacles, .. } = input;
         let unknown = |why: &str| Err(format!("the time to contact is not known: {why}"));
         if let Some(&pair) = report.colliding_pairs.first() {
             return Ok(LookAhead { free_for: 0.0, first: Some(pair) });
@@ -96,16 +101,21 @@ impl LookAheadEvaluator {
         let ranges = JointRanges { positions, velocities, accelerations: &accelerations, horizon };
         let of_root = RootSpeed::after(input, checker, &ranges, settings.look_ahead_root_accelerations);
         let of_root = of_root.map_err(|why| format!("the time to contact is not known: {why}"))?;
-        let mut obstacle_limits = settings.moving_obstacles().cloned();
-        let mut obstacle_latency = settings.obstacle_latency;
+        let mut obstacle_limits = limits_beyond_motion(&settings.obstacle_limits, tracked_obstacles);
+        let mut obstacle_latency =
+            settings.obstacle_latency.greater(longest_age(&obstacle_limits, tracked_obstacles));
         if let Some(RootSpeed { limit, latency }) = of_root {
-            obstacle_limits = Some(Arc::new(settings.obstacle_limits.relative_to(limit)));
+            obstacle_limits = obstacle_limits.relative_to(limit);
             obstacle_latency += latency + input.obstacle_lag;
         }
+        let obstacle_limits = Some(Arc::new(obstacle_limits)).filter(|limits| !limits.is_zero());
+        let moving_obstacles: Vec<MovingObstacle> =
+            tracked_obstacles.iter().map(|obstacle| obstacle.after_state(horizon)).collect();
         let state = LookAheadState {
             q: configuration,
             velocities,
             accelerations: &accelerations,
+            moving_obstacles: &moving_obstacles,
             obstacle_limits: obstacle_limits.as_ref(),
             obstacle_latency,
         };

@@ -233,7 +233,9 @@ fn rule_of(
     };
     let name = checker.body_name(obstacle);
     let by_distances = |obstacle_motion| Rule::Distances { distances: speed.world, obstacle_motion };
-    let Some(rules) = &speed.separation else { return by_distances(settings.obstacle_motion(name)) };
+    let Some(rules) = &speed.separation else {
+        return by_distances(settings.obstacle_motion(name, &checked_state.tracked_obstacles));
+    };
     match rules.of(name) {
         None => by_distances(0.0),
         // where the root stays in place, a body that is fixed to it cannot approach

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Duration;
 
-use clearance_checker::{CollisionChecker, CollisionReport, PairKind, Question, Workspace};
+use clearance_checker::{CollisionChecker, CollisionReport, PairDistance, PairKind, Question, Workspace};
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::Extremes;
 use clearance_proximity::Effort;
@@ -19,7 +19,7 @@ use super::look_ahead::{LookAheadEvaluator, LookAheadInput, obstacles_may_move};
 use super::obstacle_motion::ObstacleMotion;
 use super::speed::speeds_without_effect;
 use super::state_contacts::ContactQuery;
-use super::{CheckedState, LeftOut, MonitorSettings, Reason, Revision, Status};
+use super::{CheckedState, LeftOut, MonitorSettings, Reason, Revision, Status, TrackedObstacle};
 
 /// Time since any fixed moment. It is read before and after each check.
 pub type Stopwatch = fn() -> Duration;
@@ -79,17 +79,19 @@ impl StateEvaluator {
         let started = stopwatch();
         let mut poses = LinkPoses::new(checker.robot());
         checker.robot().forward_kinematics(&configuration, &mut poses);
+        let tracked_obstacles = TrackedObstacle::all(&self.revision, time.stamp);
         let moving = MovingState {
             configuration: &configuration,
             poses: &poses,
             rates: rates.as_deref(),
             obstacle_motions: &obstacle_motions,
+            tracked_obstacles: &tracked_obstacles,
         };
         let slowdown_range = slowdown_range(checker, &moving, settings);
+        let effort = effort(settings, check_budget, slowdown_range, fixed);
         let influence_distance = settings.influence_distance.greater(slowdown_range);
         let limit = settings.distance_limit;
         let survey = Question::Survey { influence_distance, limit };
-        let effort = effort(settings, check_budget, slowdown_range, fixed);
         let mut report = checker.check_with(&configuration, survey, &effort, &mut self.workspace);
         if fixed == Some(LeftOut::FartherDistance) {
             leave_farther_distance_open(&mut report, checker);
@@ -97,10 +99,7 @@ impl StateEvaluator {
         let is_exact = report.is_exact();
         report.use_lower_bounds();
         let bounds = DistanceBounds::of(&report, checker, [influence_distance, limit]);
-        let reported = settings.influence_distance.greater(settings.speed.reach());
-        let (reported, approaching_pairs) =
-            report.pair_distances.into_iter().partition(|pair| pair.distance <= reported);
-        report.pair_distances = reported;
+        let approaching_pairs = take_approaching_pairs(&mut report, settings);
         let mut left_out = fixed.unwrap_or_default().max(left_out_of(&report));
         let left_out_between = between_states.check(&CurrentState {
             checker,
@@ -123,6 +122,7 @@ impl StateEvaluator {
             report: &report,
             poses: &poses,
             obstacle_motions: &obstacle_motions,
+            tracked_obstacles: &tracked_obstacles,
             stamp: time.stamp,
             obstacle_lag: obstacle_lag.as_secs_f64(),
             unwatched_frame,
@@ -156,11 +156,13 @@ impl StateEvaluator {
             configuration,
             poses,
             look_ahead,
-            obstacles_may_move: look_ahead.is_some() && obstacles_may_move(checker, settings),
+            obstacles_may_move: look_ahead.is_some()
+                && (!tracked_obstacles.is_empty() || obstacles_may_move(checker, settings)),
             velocities,
             rates: rates.filter(|_| are_of_joints),
             measured,
             obstacle_motions,
+            tracked_obstacles,
             slowdown_range,
             is_exact,
             is_hurried: !is_exact && effort.exact_cost > 0,
@@ -169,6 +171,15 @@ impl StateEvaluator {
         between_states.keep(&checked_state, time, bounds, settings);
         CheckResult { status, checked_state: Some(checked_state), left_out, warnings }
     }
+}
+
+/// Removes the pairs beyond the reporting distance, which only the speed scale needs.
+fn take_approaching_pairs(report: &mut CollisionReport, settings: &MonitorSettings) -> Vec<PairDistance> {
+    let reported = settings.influence_distance.greater(settings.speed.reach());
+    let pairs = std::mem::take(&mut report.pair_distances).into_iter();
+    let (near, approaching) = pairs.partition(|pair| pair.distance <= reported);
+    report.pair_distances = near;
+    approaching
 }
 
 /// The part of the distances that the deadline left out.

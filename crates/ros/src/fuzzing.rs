@@ -26,7 +26,7 @@ use crate::parameters::parameter_store::ParameterStore;
 use crate::recording::step::SceneSource;
 use crate::scene::cloud_inbox::CloudMessage;
 use crate::scene::command_conversion::{
-    attached_command, object_command, octomap_command, scene_command, world_command,
+    attached_command, object_command, octomap_command, scene_command, states_command, world_command,
 };
 use crate::scene::loader_command::LoaderCommand;
 use crate::scene::scene_command::SceneCommand;
@@ -68,10 +68,11 @@ pub enum MessageKind {
     SetParameters,
     FindFreeState,
     CheckMotions,
+    ObstacleStates,
 }
 
 impl MessageKind {
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 20] = [
         Self::Description,
         Self::Semantic,
         Self::JointState,
@@ -91,6 +92,7 @@ impl MessageKind {
         Self::SetParameters,
         Self::FindFreeState,
         Self::CheckMotions,
+        Self::ObstacleStates,
     ];
 }
 
@@ -154,6 +156,7 @@ impl OfflineNode {
             }
             MessageKind::CollisionObject => self.change_scene(object_command(&cdr::decode(bytes)?)),
             MessageKind::AttachedCollisionObject => self.change_scene(attached_command(&cdr::decode(bytes)?)),
+            MessageKind::ObstacleStates => self.change_scene(states_command(&cdr::decode(bytes)?, now)),
             MessageKind::PlanningSceneWorld => {
                 self.change_scene(world_command(cdr::decode(bytes)?, false, now));
             }

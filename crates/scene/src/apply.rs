@@ -17,6 +17,11 @@ impl Scene {
                 applied.record(result);
             }
             SceneUpdate::Octomap(octomap) => applied.record(self.set_octomap(octomap.as_ref(), context)),
+            SceneUpdate::States(states) => {
+                for result in self.set_states(states, context) {
+                    applied.record(result);
+                }
+            }
             SceneUpdate::World(world) => self.replace_world(world, false, context, &mut applied),
             SceneUpdate::Scene(change) => self.change_scene(change, context, &mut applied),
         }

@@ -44,6 +44,7 @@ impl Scene {
                 let object = self.object_to_attach(change, context, warnings)?;
                 (self.world.attach(object)).map_err(|error| SceneRejection::of(id, error.to_string()))?;
                 self.anchors.remove(id);
+                self.twists.remove(id);
                 self.note_kind(&change.object);
                 Ok(())
             }

@@ -15,6 +15,10 @@ impl SceneUpdate {
         match self {
             Self::Object(object) => object.remaining_gap(gap, is_rejected),
             Self::Attached(attached) => attached.remaining_gap(gap, is_rejected),
+            Self::States(given) => {
+                let mut states = given.states.iter();
+                states.try_fold(gap, |gap, state| state.change().remaining_gap(gap, is_rejected))
+            }
             Self::World(_) => Some(gap).filter(|gap| gap.subject != GapSubject::Object && !is_octomap),
             Self::Octomap(_) => Some(gap).filter(|_| !is_octomap || is_rejected),
             Self::Scene(scene) if scene.is_diff => scene.remaining_gap(gap, is_rejected),
@@ -43,6 +47,7 @@ impl SceneUpdate {
         match self {
             Self::Object(change) => object(change).into_iter().collect(),
             Self::Attached(change) => vec![attached(change)],
+            Self::States(given) => given.states.iter().filter_map(|state| object(&state.change())).collect(),
             Self::Octomap(map) => map.iter().map(|_| octomap()).collect(),
             Self::World(world) => {
                 let octomap = world.octomap.iter().map(|_| octomap());

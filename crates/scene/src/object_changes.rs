@@ -107,6 +107,7 @@ impl Scene {
     ) -> Result<(), SceneRejection> {
         let id = obstacle.name.clone();
         (self.world.replace(obstacle)).map_err(|error| SceneRejection::of(&id, error.to_string()))?;
+        self.twists.remove(&id);
         self.anchor(&id, frame, context);
         Ok(())
     }
@@ -152,6 +153,7 @@ impl Scene {
         })?;
         (self.world.replace(Obstacle { pose_ro, ..moved }))
             .map_err(|error| SceneRejection::of(id, error.to_string()))?;
+        self.twists.remove(id);
         self.anchor(id, &change.frame, context);
         if !change.shapes.is_empty() {
             warnings.push(format!("object '{id}' is moved; the shapes given with the move are ignored"));
@@ -176,6 +178,7 @@ impl Scene {
         })?;
         self.kinds.remove(id);
         self.anchors.remove(id);
+        self.twists.remove(id);
         // as in MoveIt: the next object with this name is a different one
         if let Some(matrix) = &mut self.matrix {
             matrix.forget(&HashSet::from([id]));
@@ -189,6 +192,7 @@ impl Scene {
         for name in &names {
             self.kinds.remove(name);
             self.anchors.remove(name);
+            self.twists.remove(name);
             // cannot fail: its name was just listed
             let _ = self.world.remove(name);
         }

@@ -6,7 +6,7 @@ use clearance_geometry::math::Pose;
 use clearance_robot::RobotModel;
 
 use super::anchor::Anchor;
-use super::{AllowedCollisionMatrix, Obstacle, World};
+use super::{AllowedCollisionMatrix, Obstacle, ObstacleTwist, World};
 
 /// Everything around a robot that messages can change. Copies share their content.
 #[derive(Clone, Debug, Default)]
@@ -27,6 +27,8 @@ pub struct Scene {
     pub(super) anchors: BTreeMap<String, Anchor>,
     /// Anchors of fixed frames.
     pub(super) frame_anchors: BTreeMap<String, Anchor>,
+    /// By name of an obstacle: its velocity, if a message with its pose gave one. Any other change of its pose removes it.
+    pub(super) twists: BTreeMap<String, ObstacleTwist>,
     /// Obstacles from sensors: only the sensor that added them removes them.
     pub sensed: BTreeSet<String>,
 }

@@ -7,7 +7,7 @@ use clearance_geometry::Shape;
 use clearance_geometry::math::Pose;
 use clearance_robot::{check_name_length, quoted};
 
-use crate::{MatrixEntries, ObstacleShape};
+use crate::{MatrixEntries, ObstacleShape, ObstacleStates};
 
 /// Operation on an object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -216,7 +216,7 @@ impl SceneUpdate {
         match self {
             Self::World(_) => true,
             Self::Scene(scene) => !scene.is_diff,
-            Self::Object(_) | Self::Attached(_) | Self::Octomap(_) => false,
+            Self::Object(_) | Self::Attached(_) | Self::States(_) | Self::Octomap(_) => false,
         }
     }
 
@@ -232,7 +232,7 @@ impl SceneUpdate {
         match self {
             Self::Octomap(_) | Self::World(_) => true,
             Self::Scene(scene) => !(scene.is_diff || scene.keeps_octomap) || scene.world.octomap.is_some(),
-            Self::Object(_) | Self::Attached(_) => false,
+            Self::Object(_) | Self::Attached(_) | Self::States(_) => false,
         }
     }
 
@@ -243,18 +243,18 @@ impl SceneUpdate {
             Self::Octomap(octomap) => octomap.as_ref(),
             Self::World(world) => world.octomap.as_ref(),
             Self::Scene(scene) => scene.world.octomap.as_ref(),
-            Self::Object(_) | Self::Attached(_) => None,
+            Self::Object(_) | Self::Attached(_) | Self::States(_) => None,
         };
         octomap.is_some_and(|octomap| !octomap.is_blank)
     }
 
-    /// True if it changes objects, or their handling by the robot. False for an octomap or joint positions alone, which are sent
-    /// repeatedly.
+    /// True if it changes objects, or their handling by the robot. False for states of obstacles, an octomap or joint positions alone,
+    /// which are sent repeatedly.
     #[must_use]
     pub fn changes_objects(&self) -> bool {
         match self {
             Self::Object(_) | Self::Attached(_) | Self::World(_) => true,
-            Self::Octomap(_) => false,
+            Self::States(_) | Self::Octomap(_) => false,
             Self::Scene(scene) => {
                 let SceneChange {
                     is_diff,
@@ -287,6 +287,8 @@ pub enum SceneUpdate {
     Object(Box<ObjectChange>),
     /// A change of one attached object.
     Attached(Box<AttachedChange>),
+    /// Poses and velocities of obstacles.
+    States(ObstacleStates),
     /// A replacement of all obstacles.
     World(Box<WorldChange>),
     /// A scene, or a difference to one.

@@ -3,8 +3,10 @@
 mod anchor_updates;
 mod attached;
 mod moveit;
+mod states;
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use clearance_geometry::math::{Pose, Vector};
 use clearance_geometry::{Primitive, Shape};

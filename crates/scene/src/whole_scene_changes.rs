@@ -27,6 +27,7 @@ impl Scene {
         for name in self.given_names() {
             let _ = self.world.remove(&name);
             self.anchors.remove(&name);
+            self.twists.remove(&name);
         }
         if !keeps_octomap {
             let _ = self.world.remove(OCTOMAP);

@@ -170,6 +170,7 @@ impl StateControl {
             velocities: None,
             rates: None,
             obstacle_motions: Vec::new(),
+            tracked_obstacles: Vec::new(),
             slowdown_range: 0.0,
             is_exact: true,
             is_hurried: false,

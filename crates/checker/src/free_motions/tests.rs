@@ -224,6 +224,22 @@ fn obstacles_within_their_limits_touch_nothing_on_free_motions() {
     assert!(touched > 100, "{touched}");
 }
 
+/// Known motions of about half of the obstacles, which have begun before.
+fn motions_of_some(world: &World, random: &mut Random) -> Vec<MovingObstacle> {
+    let mut motions = Vec::new();
+    for obstacle in world.obstacles() {
+        if random.below(2) == 0 {
+            let mut vector = |size: f64| [0, 1, 2].map(|_| random.within(size));
+            let (centre, linear, angular) = (vector(1.0), vector(0.5), vector(1.0));
+            let name = obstacle.name.clone();
+            let motion = MovingObstacle { name, centre, linear, angular, start: None };
+            let begin = random.within(0.2);
+            motions.push(motion.part([begin, begin + 1.0]));
+        }
+    }
+    motions
+}
+
 /// Robot and obstacles accelerate at random within their limits; before the time of the look-ahead nothing touches. Returns
 /// the number of motions that touched later, of at least so many that ended before.
 fn touched_after_the_look_ahead(motions: u32, random: &mut Random) -> u32 {
@@ -238,10 +254,12 @@ fn touched_after_the_look_ahead(motions: u32, random: &mut Random) -> u32 {
         let velocities: Vec<f64> = from.positions().iter().map(|_| random.within(1.0)).collect();
         let accelerations: Vec<f64> = from.positions().iter().map(|_| random.within(2.0).abs()).collect();
         let horizon = 1.0;
+        let moving_obstacles = motions_of_some(checker.world(), random);
         let now = LookAheadState {
             q: &from,
             velocities: &velocities,
             accelerations: &accelerations,
+            moving_obstacles: &moving_obstacles,
             obstacle_limits: Some(&limits),
             obstacle_latency: text.time[0],
         };
@@ -253,7 +271,9 @@ fn touched_after_the_look_ahead(motions: u32, random: &mut Random) -> u32 {
             for obstacle in checker.world().obstacles() {
                 let way = random.direction().into_inner() * uncertainty(&obstacle.name);
                 let deviation = Pose::from_parts(way.into(), Rotation::identity());
-                world.move_to(&obstacle.name, deviation * obstacle.pose_ro).unwrap();
+                let known = moving_obstacles.iter().find(|mover| mover.name == obstacle.name);
+                let moved = known.map_or_else(Pose::identity, |mover| mover.displacement(time / horizon));
+                world.move_to(&obstacle.name, deviation * moved * obstacle.pose_ro).unwrap();
             }
             let later = (0..velocities.len()).map(|i| {
                 let acceleration = [-1.0, 1.0, random.within(1.0)][random.below(3)] * accelerations[i];

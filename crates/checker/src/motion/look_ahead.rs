@@ -6,7 +6,9 @@
 
 use std::sync::Arc;
 
-use clearance_motion::{MotionSegment, ObstacleLimits, ObstacleUncertainty, SegmentError, floating};
+use clearance_motion::{
+    MotionSegment, MovingObstacle, ObstacleLimits, ObstacleUncertainty, SegmentError, floating,
+};
 use clearance_robot::{Configuration, RobotModel};
 use clearance_scene::BodyId;
 
@@ -40,7 +42,9 @@ pub struct LookAheadState<'s> {
     pub velocities: &'s [f64],
     /// Maximum accelerations (rad/s², m/s²).
     pub accelerations: &'s [f64],
-    /// How fast obstacles may move; `None` if they stand.
+    /// Known motions of obstacles from this state to the horizon.
+    pub moving_obstacles: &'s [MovingObstacle],
+    /// How fast obstacles may move, beyond their known motions; `None` if they do not.
     pub obstacle_limits: Option<&'s Arc<ObstacleLimits>>,
     /// Time (s) that has passed since the obstacles had their poses.
     pub obstacle_latency: f64,
@@ -95,12 +99,13 @@ fn widening_segment(
     Ok(segment.with_spread(spread))
 }
 
-/// The same, with obstacles that move within their limits.
+/// The same, with obstacles that move as known and within their limits.
 fn with_moving_obstacles(
     segment: MotionSegment,
-    LookAheadState { obstacle_limits, obstacle_latency, .. }: LookAheadState,
+    LookAheadState { moving_obstacles, obstacle_limits, obstacle_latency, .. }: LookAheadState,
     horizon: f64,
 ) -> Result<MotionSegment, SegmentError> {
+    let segment = segment.with_movers(moving_obstacles.to_vec())?;
     let Some(limits) = obstacle_limits else { return Ok(segment) };
     let time = [obstacle_latency, obstacle_latency + horizon];
     Ok(segment.with_uncertainty(ObstacleUncertainty::new(Arc::clone(limits), time)?))

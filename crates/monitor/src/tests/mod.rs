@@ -17,6 +17,7 @@ mod root_location;
 mod self_and_world;
 mod separation;
 mod speed;
+mod tracked_obstacles;
 mod transform_joints;
 mod unpositioned;
 mod world_updates;

@@ -207,13 +207,17 @@ impl Peers {
         }
     }
 
-    /// Warning about another node with the same name: it publishes on a private topic of this node.
+    /// Warning about another node with the same name: it publishes on a private topic on which this node publishes. On a
+    /// topic that this node subscribes to, anybody may publish.
     fn namesake(&self, event: &DomainParticipantStatusEvent) -> Option<String> {
         let DomainParticipantStatusEvent::WriterDetected { writer } = event else { return None };
         let name = writer.topic_name.strip_prefix("rt")?;
         name.strip_prefix(&self.node)?.strip_prefix('/')?;
         let endpoints = lock(&self.endpoints);
-        let mut ours = endpoints.iter().filter(|(_, endpoint)| endpoint.name == name).map(|(guid, _)| guid);
+        let is_ours =
+            |guid: &GUID, endpoint: &Endpoint| endpoint.name == name && guid.entity_id.kind().is_writer();
+        let mut ours =
+            endpoints.iter().filter(|(guid, endpoint)| is_ours(guid, endpoint)).map(|(guid, _)| guid);
         let another = ours.next().is_some_and(|guid| guid.prefix != writer.guid.prefix);
         another.then(|| {
             format!(

@@ -455,6 +455,7 @@ impl Loader {
             warnings,
             anchor_frames: scene.anchor_frames(robot),
             placed_at: Some(now.steady),
+            obstacle_twists: scene.obstacle_twists().cloned().collect(),
         });
         (self.model_revision, self.world_revision) = (model, world);
         *lock(&self.active_scene) = Some(Arc::new(ActiveScene {

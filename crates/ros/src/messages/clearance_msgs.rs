@@ -140,6 +140,21 @@ pub struct ObstacleLimit {
     pub acceleration: f64,
 }
 
+/// Pose and velocity of an obstacle.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ObstacleState {
+    pub name: String,
+    pub pose: Pose,
+    pub twist: Twist,
+}
+
+/// Poses and velocities of obstacles at one time.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ObstacleStates {
+    pub header: Header,
+    pub obstacles: Vec<ObstacleState>,
+}
+
 /// Summary of the states since the previous message of the heartbeat topic. The default claims nothing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SinceHeartbeat {
@@ -231,6 +246,7 @@ impl Message for DistanceEvent {}
 impl Message for PassedThrough {}
 impl Message for SkippedPairs {}
 impl Message for CollisionState {}
+impl Message for ObstacleStates {}
 
 #[cfg(test)]
 mod tests {
@@ -256,6 +272,8 @@ mod tests {
         assert_eq!(fields_in_rust::<SinceHeartbeat>(), fields_in_text(msg!("SinceHeartbeat")));
         assert_eq!(fields_in_rust::<ObstacleLimit>(), fields_in_text(msg!("ObstacleLimit")));
         assert_eq!(fields_in_rust::<MovingObstacle>(), fields_in_text(msg!("MovingObstacle")));
+        assert_eq!(fields_in_rust::<ObstacleState>(), fields_in_text(msg!("ObstacleState")));
+        assert_eq!(fields_in_rust::<ObstacleStates>(), fields_in_text(msg!("ObstacleStates")));
         assert_eq!(fields_in_rust::<CollisionState>(), fields_in_text(msg!("CollisionState")));
     }
 

@@ -253,6 +253,13 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             "Largest speed of any point of an obstacle at the time of the joint state, for ~/time_to_contact and ~/speed_scale; 0 and no acceleration: obstacles stand.",
         ),
         double(
+            "obstacle_state_ttl",
+            "s",
+            (0.01, 86400.0),
+            |p| &mut p.obstacle_state_ttl,
+            "Age beyond which the last message of ~/obstacle_states about an obstacle that moves is out of date.",
+        ),
+        double(
             "octomap_ttl",
             "s",
             (0.0, 86400.0),

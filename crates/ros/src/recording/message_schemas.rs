@@ -15,8 +15,9 @@ macro_rules! ours {
     };
 }
 
-const OURS: [(&str, &str); 7] = ours! {
-    "BodyPair" "CollisionState" "Contact" "PairDistance" "PassedThrough" "SinceHeartbeat" "SkippedPairs"
+const OURS: [(&str, &str); 9] = ours! {
+    "BodyPair" "CollisionState" "Contact" "ObstacleState" "ObstacleStates" "PairDistance" "PassedThrough" "SinceHeartbeat"
+    "SkippedPairs"
 };
 
 /// Definition of each message, by its full name.
@@ -68,7 +69,7 @@ mod tests {
     use ros2_interfaces_jazzy_serde::{moveit_msgs, octomap_msgs, sensor_msgs, std_msgs, tf2_msgs};
 
     use super::*;
-    use crate::messages::clearance_msgs::CollisionState;
+    use crate::messages::clearance_msgs::{CollisionState, ObstacleStates};
     use crate::messages::interface_text::{fields_in_rust, fields_in_text};
 
     #[test]
@@ -82,6 +83,7 @@ mod tests {
         }
         same! {
             CollisionState => "clearance_msgs/msg/CollisionState",
+            ObstacleStates => "clearance_msgs/msg/ObstacleStates",
             sensor_msgs::msg::JointState => "sensor_msgs/msg/JointState",
             sensor_msgs::msg::PointCloud2 => "sensor_msgs/msg/PointCloud2",
             std_msgs::msg::Header => "std_msgs/msg/Header",

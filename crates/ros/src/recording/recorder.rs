@@ -397,6 +397,9 @@ impl Writer {
             OriginalMessage::Attached(message) => {
                 self.message(&topic, "moveit_msgs/msg/AttachedCollisionObject", message, at)
             }
+            OriginalMessage::States(message) => {
+                self.message(&topic, "clearance_msgs/msg/ObstacleStates", message, at)
+            }
             OriginalMessage::Octomap(message) => {
                 self.message(&topic, "octomap_msgs/msg/Octomap", message, at)
             }

@@ -16,7 +16,7 @@ use ros2_interfaces_jazzy_serde::rosgraph_msgs::msg::Clock;
 use ros2_interfaces_jazzy_serde::sensor_msgs::msg::{JointState, PointCloud2};
 use ros2_interfaces_jazzy_serde::tf2_msgs::msg::TFMessage;
 
-use crate::messages::clearance_msgs::{BodyPair, CollisionState};
+use crate::messages::clearance_msgs::{BodyPair, CollisionState, ObstacleStates};
 use crate::messages::collision_state::collision_state;
 use crate::parameters::parameter_set::Parameters;
 use crate::recording::step::{RecordedCommand, RecordedMonitorEvent};
@@ -44,6 +44,7 @@ pub enum OriginalMessage {
     World(Box<PlanningSceneWorld>),
     Object(Box<CollisionObject>),
     Attached(Box<AttachedCollisionObject>),
+    States(Box<ObstacleStates>),
     Octomap(Box<Octomap>),
 }
 
@@ -234,6 +235,9 @@ fn size(what: &RecordedEvent) -> usize {
         }
         OriginalMessage::Object(object) => of_objects(std::slice::from_ref(object)),
         OriginalMessage::Attached(attached) => of_attached(std::slice::from_ref(attached)),
+        OriginalMessage::States(states) => {
+            states.obstacles.iter().map(|state| size_of_val(state) + state.name.len()).sum()
+        }
         OriginalMessage::Octomap(octomap) => octomap.data.len(),
     };
     ANY + match what {

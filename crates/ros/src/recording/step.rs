@@ -157,6 +157,7 @@ pub enum SceneSource {
     PlanningSceneWorld,
     CollisionObject,
     AttachedCollisionObject,
+    ObstacleStates,
     OctomapBinary,
     OctomapFull,
 }
@@ -181,6 +182,7 @@ impl SceneSource {
             Self::PlanningSceneWorld => "planning_scene_world",
             Self::CollisionObject => "collision_object",
             Self::AttachedCollisionObject => "attached_collision_object",
+            Self::ObstacleStates => "~/obstacle_states",
             Self::OctomapBinary => "octomap_binary",
             Self::OctomapFull => "octomap_full",
         }

@@ -9,8 +9,8 @@ use crate::messages::joint_state::joint_state_input;
 use crate::recording::mcap_file::RawMessage;
 use crate::recording::step::{Clocks, RecordedCommand, SceneSource};
 use crate::scene::command_conversion::{
-    attached_command, clear_octomap, object_command, octomap_command, scene_command, undecodable_command,
-    world_command,
+    attached_command, clear_octomap, object_command, octomap_command, scene_command, states_command,
+    undecodable_command, world_command,
 };
 use crate::scene::loader_command::LoaderCommand;
 use crate::scene::scene_command::SceneCommand;
@@ -87,6 +87,7 @@ fn read_scene_command(
     Ok(match by {
         SceneSource::CollisionObject => object_command(&messages.next(name)?),
         SceneSource::AttachedCollisionObject => attached_command(&messages.next(name)?),
+        SceneSource::ObstacleStates => states_command(&messages.next(name)?, received_at),
         SceneSource::PlanningSceneWorld => world_command(messages.next(name)?, unknown, received_at),
         SceneSource::PlanningScene | SceneSource::ApplyPlanningScene | SceneSource::GetPlanningScene => {
             scene_command(by, messages.next(name)?, unknown, received_at)

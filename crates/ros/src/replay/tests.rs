@@ -3,6 +3,7 @@
 mod contacts;
 mod damaged_files;
 mod limits;
+mod obstacle_states;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

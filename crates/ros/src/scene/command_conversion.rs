@@ -8,8 +8,10 @@ use ros2_interfaces_jazzy_serde::moveit_msgs::msg::{
 };
 use ros2_interfaces_jazzy_serde::octomap_msgs::msg::{Octomap, OctomapWithPose};
 
+use crate::messages::clearance_msgs::ObstacleStates;
 use crate::messages::time_and_geometry::time_of;
 use crate::recording::step::SceneSource;
+use crate::scene::obstacle_state_reader::obstacle_states;
 use crate::scene::octomap_messages::octomap_placement;
 use crate::scene::scene_command::CLEAR_OCTOMAP;
 use crate::scene::scene_command::SceneCommand;
@@ -31,6 +33,14 @@ pub fn attached_command(message: &AttachedCollisionObject) -> SceneCommand {
         Ok(change) => command.with_update(SceneUpdate::Attached(Box::new(change))),
         Err(rejection) => command.with_rejections(vec![rejection]),
     }
+}
+
+/// Command for a message that was received at `received_at`.
+#[must_use]
+pub fn states_command(message: &ObstacleStates, received_at: Now) -> SceneCommand {
+    let read = obstacle_states(message, received_at);
+    let command = SceneCommand::on(SceneSource::ObstacleStates.name());
+    command.with_update(SceneUpdate::States(read.change)).with_rejections(read.rejections)
 }
 
 /// Command for a message that was received at `received_at`.

@@ -18,6 +18,7 @@ use smol::channel::Sender;
 use crate::log_rate_limiter::LogRateLimiter;
 use crate::monitor_events::cloud_report::CloudReports;
 use crate::parameters::parameter_set::Parameters;
+use crate::recording::step::SceneSource;
 use crate::scene::lost_messages::LostMessages;
 use crate::scene::missing_objects::MissingObjects;
 use crate::scene::scene_command::SceneCommand;
@@ -336,6 +337,11 @@ impl LoaderScene {
         let mut watched = self.watched(parameters);
         watched.retain(|source| !self.dropped.contains(&source.name));
         watched.extend(self.whole.awaited(parameters));
+        watched.extend(self.state.obstacle_twists().map(|twist| WorldSource {
+            name: format!("{} of {}", SceneSource::ObstacleStates.name(), twist.name),
+            seen: Some(Observation { stamp: twist.stamp, at: twist.received }),
+            ttl: parameters.obstacle_state_ttl,
+        }));
         watched
     }
 

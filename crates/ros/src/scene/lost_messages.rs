@@ -40,7 +40,9 @@ impl LostMessages {
 
     /// All obstacles were replaced.
     fn on_world_replaced(&mut self) {
-        let of_world = [SceneSource::CollisionObject, SceneSource::PlanningSceneWorld].map(SceneSource::name);
+        let of_world =
+            [SceneSource::CollisionObject, SceneSource::ObstacleStates, SceneSource::PlanningSceneWorld]
+                .map(SceneSource::name);
         self.now.retain(|topic, _| !of_world.contains(topic));
     }
 

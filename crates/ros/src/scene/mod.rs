@@ -13,6 +13,7 @@ pub mod loader_command; // commands of the loader
 pub mod loader_scene; // the scene of the loader
 pub mod lost_messages; // scene messages that were lost
 pub mod missing_objects; // objects that were rejected
+pub mod obstacle_state_reader; // states of obstacles to scene changes
 pub mod octomap_messages; // octomap messages to scene changes
 pub mod point_cloud_decoder; // decoder of `PointCloud2`
 pub mod scene_checker; // checker of a robot in a scene

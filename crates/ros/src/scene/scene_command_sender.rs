@@ -12,12 +12,14 @@ use ros2_interfaces_jazzy_serde::moveit_msgs::msg::{
 use ros2_interfaces_jazzy_serde::octomap_msgs::msg::Octomap;
 use smol::channel::{self, Sender};
 
+use crate::messages::clearance_msgs::ObstacleStates;
 use crate::monitor_events::monitor_event::MonitorEvent;
 use crate::monitor_events::world_update::WorldUpdate;
 use crate::recording::recorder_handle::OriginalMessage;
 use crate::recording::step::{RecordedCommand, SceneSource};
 use crate::scene::command_conversion::{
-    attached_command, object_command, octomap_command, scene_command, undecodable_command, world_command,
+    attached_command, object_command, octomap_command, scene_command, states_command, undecodable_command,
+    world_command,
 };
 use crate::scene::loader_command::LoaderCommand;
 use crate::scene::scene_command::SceneCommand;
@@ -140,6 +142,12 @@ impl SceneCommandSender {
     pub fn attached(&self, message: AttachedCollisionObject) -> SceneCommand {
         let keep = |m| OriginalMessage::Attached(Box::new(m));
         self.command(SceneSource::AttachedCollisionObject, message, keep, |m, _, _| attached_command(&m))
+    }
+
+    pub fn states(&self, message: ObstacleStates) -> SceneCommand {
+        let keep = |m| OriginalMessage::States(Box::new(m));
+        let read = |m, _, received_at| states_command(&m, received_at);
+        self.command(SceneSource::ObstacleStates, message, keep, read)
     }
 
     pub fn world(&self, message: PlanningSceneWorld) -> SceneCommand {

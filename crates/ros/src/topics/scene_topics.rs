@@ -22,6 +22,7 @@ use crate::dds::quality::Quality;
 use crate::dds::sequence_gaps::SequenceGaps;
 use crate::dds::subscription::{Origin, Subscription};
 use crate::dds::type_name::TypeName;
+use crate::messages::clearance_msgs::ObstacleStates;
 use crate::names::Names;
 use crate::recording::recorder_handle::RecordedEvent;
 use crate::recording::step::SceneSource;
@@ -44,6 +45,7 @@ pub struct SceneTopics {
     worlds: Subscription<PlanningSceneWorld>,
     objects: Subscription<CollisionObject>,
     attached: Subscription<AttachedCollisionObject>,
+    states: Subscription<ObstacleStates>,
     /// Each octomap topic has two subscriptions, one for each kind of publisher.
     octomaps: [[Subscription<Octomap>; 2]; 2],
     tf: Subscription<TFMessage>,
@@ -97,6 +99,12 @@ impl SceneTopics {
                 moveit("AttachedCollisionObject"),
                 reliable,
             )?,
+            // a state that is lost is replaced by the next one
+            states: middleware.subscription(
+                &names.resolve("~/obstacle_states")?,
+                TypeName::new("clearance_msgs", "ObstacleStates"),
+                Quality::BestEffort,
+            )?,
             octomaps: [octomap("octomap_binary")?, octomap("octomap_full")?],
             tf: middleware.subscription(&names.resolve("tf")?, tf, Quality::BestEffort)?,
             tf_static: middleware.subscription(&names.resolve("tf_static")?, tf, Quality::Kept)?,
@@ -117,6 +125,8 @@ impl SceneTopics {
         let attached = self.receive_topic(SceneSource::AttachedCollisionObject, &self.attached, |m, lost| {
             Some(sender.after(sender.attached(m), lost))
         });
+        let states =
+            self.receive_topic(SceneSource::ObstacleStates, &self.states, |m, _| Some(sender.states(m)));
         let worlds =
             self.receive_topic(SceneSource::PlanningSceneWorld, &self.worlds, |m, _| Some(sender.world(m)));
         let scenes = self.receive_topic(SceneSource::PlanningScene, &self.scenes, |m, lost| {
@@ -129,7 +139,8 @@ impl SceneTopics {
                 last.is_new(subscription, &m).then(|| sender.octomap(OCTOMAP_SOURCES[topic], m))
             })
         };
-        let scenes = future::zip(future::zip(objects, attached), future::zip(worlds, scenes));
+        let objects = future::zip(future::zip(objects, attached), states);
+        let scenes = future::zip(objects, future::zip(worlds, scenes));
         let octomaps =
             future::zip(future::zip(octomap(0, 0), octomap(0, 1)), future::zip(octomap(1, 0), octomap(1, 1)));
         let transforms = future::zip(

@@ -1,0 +1,135 @@
+//! Obstacles that move at a velocity of their own.
+
+use clearance_geometry::math::{Pose, Vector, pose_from_xyz_rpy};
+use clearance_geometry::{Primitive, Shape};
+use clearance_motion::{ObstacleLimits, SpeedLimit};
+use clearance_scene::{Obstacle, ObstacleTwist};
+
+use super::*;
+
+/// Distance (m) from the robot's outstretched ball to the cart.
+const GAP: f64 = 1.0;
+
+/// A ball of 10 cm in front of the robot, and its velocity in the root frame at this time (s).
+fn cart(pose_ro: Pose, linear: [f64; 3], angular: [f64; 3], seconds: f64) -> Arc<Revision> {
+    let mut world = World::default();
+    let ball = Shape::Primitive(Primitive::Sphere { radius: 0.1 });
+    world.add(Obstacle::of_shape("cart", pose_ro, ball)).unwrap();
+    let robot = RobotModel::from_urdf(URDF, &MeshFiles::default()).unwrap();
+    let checker = CollisionChecker::new(Arc::new(robot), &world, Settings::default()).unwrap();
+    let [linear_o, angular_o] = [linear, angular].map(|v| pose_ro.rotation.inverse() * Vector::from(v));
+    let twist = ObstacleTwist {
+        name: "cart".to_owned(),
+        linear_o,
+        angular_o,
+        stamp: time(START + seconds),
+        received: Duration::from_secs_f64(seconds),
+    };
+    let mut revision = Revision::new(checker, 1, 1);
+    revision.obstacle_twists.push(twist);
+    Arc::new(revision)
+}
+
+fn in_front() -> Pose {
+    pose_from_xyz_rpy([2.2 + GAP, 0.0, 0.0], [0.3, -0.5, 2.0])
+}
+
+/// The evaluation of a robot at rest, one second after the start.
+fn evaluated(revision: Arc<Revision>, settings: MonitorSettings) -> Evaluation {
+    let mut monitor = Monitor::new(settings, stopwatch);
+    monitor.set_checker(revision);
+    let evaluation = monitor.on_joint_state(moving(1.0, FREE, &[0.0, 0.0]), at(1.0));
+    assert_eq!(code(&evaluation), "FREE");
+    evaluation
+}
+
+fn looking_ahead(limit: SpeedLimit) -> MonitorSettings {
+    let obstacle_limits = Arc::new(ObstacleLimits { default: limit, ..ObstacleLimits::default() });
+    // the joints do not accelerate
+    let (look_ahead_horizon, look_ahead_acceleration) = (3.0, 0.0);
+    MonitorSettings { look_ahead_horizon, look_ahead_acceleration, obstacle_limits, ..settings_of_lookout() }
+}
+
+fn time_to_contact(revision: Arc<Revision>, limit: SpeedLimit) -> f64 {
+    evaluated(revision, looking_ahead(limit)).time_to_contact()
+}
+
+#[test]
+fn the_time_to_contact_is_that_of_the_motion() {
+    let rest = SpeedLimit::default();
+    for (linear, first) in [
+        ([-0.5, 0.0, 0.0], 2.0),
+        ([-1.0, 0.0, 0.0], 1.0),
+        ([0.5, 0.0, 0.0], f64::INFINITY),
+        ([0.0, -0.5, 0.0], f64::INFINITY),
+        ([-0.5, 0.5, 0.0], f64::INFINITY),
+    ] {
+        let found = time_to_contact(cart(in_front(), linear, [0.0; 3], 1.0), rest);
+        assert!(found <= first && found > first.min(3.0) - 0.02, "{found} {first}");
+    }
+    // turning about its own centre changes nothing
+    let found = time_to_contact(cart(in_front(), [-0.5, 0.0, 0.0], [1.0, -2.0, 3.0], 1.0), rest);
+    assert!((1.9..=2.0).contains(&found), "{found}");
+}
+
+#[test]
+fn the_stamp_of_the_pose_counts() {
+    // the pose is 0.4 s older than the state, or 0.3 s newer
+    for (seconds, first) in [(0.6, 1.6), (1.3, 2.3)] {
+        let revision = cart(in_front(), [-0.5, 0.0, 0.0], [0.0; 3], seconds);
+        let found = time_to_contact(revision, SpeedLimit::default());
+        assert!(found <= first && found > first - 0.02, "{found} {first}");
+    }
+}
+
+#[test]
+fn an_acceleration_limit_allows_departures_and_a_speed_limit_none() {
+    let linear = [-0.5, 0.0, 0.0];
+    let with = |speed, acceleration, seconds| {
+        let limit = SpeedLimit { speed, acceleration };
+        time_to_contact(cart(in_front(), linear, [0.0; 3], seconds), limit)
+    };
+    assert_eq!(with(0.0, 0.0, 1.0), with(5.0, 0.0, 1.0));
+    // 0.5 t + t² / 2 = 1
+    let exact = (0.25_f64 + 2.0).sqrt() - 0.5;
+    let found = with(0.0, 1.0, 1.0);
+    assert!(found <= exact && found > exact - 0.02, "{found} {exact}");
+    // it may have accelerated since its pose: 0.5 (t + 0.2) + (t + 0.2)² / 2 = 1
+    let found = with(0.0, 1.0, 0.8);
+    assert!(found <= exact - 0.2 && found > exact - 0.22, "{found} {exact}");
+}
+
+#[test]
+fn the_motion_is_reported() {
+    let with =
+        |linear| evaluated(cart(in_front(), linear, [0.0; 3], 1.0), looking_ahead(SpeedLimit::default()));
+    assert!(with([0.5, 0.0, 0.0]).checked_state.unwrap().obstacles_may_move);
+}
+
+#[test]
+fn the_speed_scale_counts_the_velocity_along_its_direction() {
+    let world = SpeedDistances { slowdown: 1.5, stop: 0.5 };
+    let still = SpeedDistances { slowdown: 0.0, stop: 0.0 };
+    let share = |linear: [f64; 3], acceleration| {
+        let speed = SpeedSettings {
+            own: still,
+            world,
+            reaction_time: 0.2,
+            trigger_count: 1,
+            release_count: 1,
+            separation: None,
+        };
+        let default = SpeedLimit { speed: 9.0, acceleration };
+        let obstacle_limits = Arc::new(ObstacleLimits { default, ..ObstacleLimits::default() });
+        let settings = MonitorSettings { speed, obstacle_limits, ..MonitorSettings::default() };
+        evaluated(cart(in_front(), linear, [0.0; 3], 1.0), settings).speed_scale
+    };
+    // (1 m - 0.2 s · 0.5 m/s - 0.5 m) / 1 m
+    assert!((share([-0.5, 0.0, 0.0], 0.0) - 0.4).abs() < 1e-6);
+    assert!((share([-0.5, 3.0, 0.0], 0.0) - 0.4).abs() < 1e-3, "what passes by does not approach");
+    // 2 m/s² · (0.2 s)² / 2
+    assert!((share([-0.5, 0.0, 0.0], 2.0) - 0.36).abs() < 1e-6);
+    assert_eq!(share([0.5, 0.0, 0.0], 0.0), 1.0, "it moves away");
+    // from beyond the slow-down distance
+    assert!((share([-4.0, 0.0, 0.0], 0.0)).abs() < 1e-6);
+}

@@ -1,0 +1,116 @@
+//! Obstacles whose pose and velocity a tracker measures.
+
+use std::collections::HashSet;
+use std::time::Duration;
+
+use clearance_geometry::math::{Pose, Vector};
+
+use super::{ObjectChange, Operation, Scene, SceneContext, SceneRejection, Time};
+
+/// Pose and velocity of an obstacle of the world: `clearance_msgs/ObstacleState`.
+#[derive(Clone, Debug)]
+pub struct ObstacleState {
+    /// Name of the obstacle.
+    pub id: String,
+    /// The frame of its pose and velocity; if empty, the robot's root frame.
+    pub frame: String,
+    /// Pose of the obstacle in that frame.
+    pub pose_fo: Pose,
+    /// Velocity (m/s) of the obstacle's origin, along the axes of that frame.
+    pub linear_f: Vector,
+    /// Angular velocity (rad/s), along the axes of that frame.
+    pub angular_f: Vector,
+}
+
+/// States of obstacles at one time.
+#[derive(Clone, Debug)]
+pub struct ObstacleStates {
+    /// The time.
+    pub stamp: Time,
+    /// Time of reception (steady clock).
+    pub received: Duration,
+    /// One for each obstacle.
+    pub states: Vec<ObstacleState>,
+}
+
+/// Velocity of an obstacle at the time of its pose. It is given in the obstacle's frame, so that it stays the same while
+/// the robot moves among its obstacles.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ObstacleTwist {
+    /// Name of the obstacle.
+    pub name: String,
+    /// Velocity (m/s) of its origin.
+    pub linear_o: Vector,
+    /// Angular velocity (rad/s).
+    pub angular_o: Vector,
+    /// Time of the pose and the velocity.
+    pub stamp: Time,
+    /// Time of reception (steady clock).
+    pub received: Duration,
+}
+
+impl ObstacleState {
+    /// The change that moves the obstacle to its pose.
+    pub(super) fn change(&self) -> ObjectChange {
+        let change = ObjectChange::named(self.id.clone(), Operation::Move);
+        ObjectChange { frame: self.frame.clone(), pose_fo: self.pose_fo, ..change }
+    }
+}
+
+impl Scene {
+    /// Velocities of the obstacles that move, in the order of their names.
+    pub fn obstacle_twists(&self) -> impl Iterator<Item = &ObstacleTwist> {
+        self.twists.values().filter(|twist| self.world.id(&twist.name).is_some())
+    }
+
+    /// Moves obstacles to their poses and notes their velocities. Returns one result for each state.
+    pub(super) fn set_states(
+        &mut self,
+        given: &ObstacleStates,
+        context: &SceneContext,
+    ) -> Vec<Result<(), SceneRejection>> {
+        let mut names = HashSet::new();
+        let mut results = Vec::new();
+        for state in &given.states {
+            results.push(if names.insert(state.id.as_str()) {
+                self.set_state(state, given, context)
+            } else {
+                let why = "a message gives it twice: give each obstacle once";
+                Err(SceneRejection::of(&state.id, why).of_pose())
+            });
+        }
+        results
+    }
+
+    fn set_state(
+        &mut self,
+        state: &ObstacleState,
+        ObstacleStates { stamp, received, .. }: &ObstacleStates,
+        context: &SceneContext,
+    ) -> Result<(), SceneRejection> {
+        let ObstacleState { id, pose_fo, linear_f, angular_f, .. } = state;
+        self.check_is_obstacle(id)?;
+        self.change_object(&state.change(), context, &mut Vec::new())?;
+        if *linear_f == Vector::zeros() && *angular_f == Vector::zeros() {
+            return Ok(());
+        }
+        let [linear_o, angular_o] = [linear_f, angular_f].map(|v| pose_fo.rotation.inverse() * v);
+        let twist =
+            ObstacleTwist { name: id.clone(), linear_o, angular_o, stamp: *stamp, received: *received };
+        self.twists.insert(id.clone(), twist);
+        Ok(())
+    }
+
+    fn check_is_obstacle(&self, id: &str) -> Result<(), SceneRejection> {
+        if let Some(held) = self.world.attached_by_name(id) {
+            let why =
+                format!("it is attached to link '{}' and moves with it: its state is not used", held.link);
+            return Err(SceneRejection::of(id, why).without_gap());
+        }
+        if !id.is_empty() && self.world.id(id).is_none() {
+            let why = "the world has no such obstacle: add it, and then send its state";
+            return Err(SceneRejection::of(id, why).of_pose());
+        }
+        Ok(())
+    }
+}
