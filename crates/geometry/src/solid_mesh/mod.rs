@@ -8,6 +8,7 @@
 //! Assumption: a closed surface does not pass through itself such that it is inside out in one part and not in another, and these parts
 //! overlap; in the overlap the winding number is 0.
 
+mod angle_sum;
 mod cavities;
 mod closed_surface;
 mod cycles;

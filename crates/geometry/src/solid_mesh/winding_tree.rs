@@ -1,6 +1,7 @@
 //! Winding number of a surface by a hierarchy over its faces (Barill, Dickson, Schmidt, Levin & Jacobson 2018, *Fast winding numbers for
 //! soups and clouds*): faces far from a point count by their far field, those near it one by one.
 
+use super::angle_sum::AngleSum;
 use super::far_field::{FarField, SolidAngle};
 use super::inside_work::InsideWork;
 use super::moments::Moments;
@@ -97,7 +98,7 @@ impl WindingTree {
         sharpness: f64,
         work: &mut InsideWork,
     ) -> WindingNumber {
-        let (mut far, mut half_angles, mut near_faces) = (SolidAngle::default(), 0.0, 0);
+        let (mut far, mut half_angles, mut near_faces) = (SolidAngle::default(), AngleSum::default(), 0);
         let mut left = self.nodes.len();
         while left > 0 {
             left -= 1;
@@ -108,7 +109,7 @@ impl WindingTree {
             } else if node.begin as usize == left {
                 let faces = &self.triangles[node.faces[0] as usize..node.faces[1] as usize];
                 near_faces += faces.len();
-                half_angles += faces.iter().map(|t| half_solid_angle(vertices, t, point)).sum::<f64>();
+                faces.iter().for_each(|t| half_angles.add(with_half_solid_angle(vertices, t, point)));
             }
         }
         work.visited += near_faces as u64;
@@ -116,7 +117,7 @@ impl WindingTree {
         let near_magnitude = near_faces as f64 * std::f64::consts::TAU;
         let all = SolidAngle { magnitude: far.magnitude + near_magnitude, ..far };
         WindingNumber {
-            value: (half_angles + 0.5 * far.value) / std::f64::consts::TAU,
+            value: (half_angles.value() + 0.5 * far.value) / std::f64::consts::TAU,
             error: all.error(self.triangles.len()) / (2.0 * std::f64::consts::TAU),
         }
     }
@@ -159,8 +160,14 @@ fn overlap(a: &[Point; 2], b: &[Point; 2]) -> bool {
 
 /// Half the solid angle of a triangle around a point (van Oosterom & Strackee 1983).
 pub(super) fn half_solid_angle(vertices: &[Point], triangle: &[u32; 3], point: &Point) -> f64 {
+    let [re, im] = with_half_solid_angle(vertices, triangle, point);
+    im.atan2(re)
+}
+
+/// The complex number, `[re, im]`, that has this angle.
+fn with_half_solid_angle(vertices: &[Point], triangle: &[u32; 3], point: &Point) -> [f64; 2] {
     let [a, b, c] = triangle.map(|v| vertices[v as usize] - point);
     let (la, lb, lc) = (a.norm(), b.norm(), c.norm());
     let below = la * lb * lc + a.dot(&b) * lc + b.dot(&c) * la + c.dot(&a) * lb;
-    a.dot(&b.cross(&c)).atan2(below)
+    [below, a.dot(&b.cross(&c))]
 }
