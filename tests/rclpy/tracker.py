@@ -13,9 +13,9 @@ class Tracker:
         self.name, self.speed = name, speed
         self._damage = damage
         self._peer = cell.peer
-        self._from = (x, cell.peer.now())
         self._publisher = cell.peer.node.create_publisher(ObstacleStates, cell.node.private("obstacle_states"), 10)
         cell.peer.wait_for(self._publisher.get_subscription_count, "a subscription of ~/obstacle_states")
+        self._from = (x, cell.peer.now())
         self._timer = cell.peer.node.create_timer(0.02, self.publish)
 
     def at(self, stamp):
@@ -28,6 +28,7 @@ class Tracker:
 
     def falls_silent(self):
         self._timer.cancel()
+        self._peer.between_callbacks(lambda: None)
 
     def publish(self):
         stamp = self._peer.now().to_msg()

@@ -9,7 +9,7 @@ use clearance_scene::BodyId;
 use super::CheckedState;
 use super::obstacle_motion::ObstacleMotion;
 use super::settings::MonitorSettings;
-use super::tracked_obstacle::{TrackedObstacle, largest_displacement, own_displacement};
+use super::tracked_obstacle::TrackedObstacles;
 
 /// Time step (s) over which links are moved by their velocities: far above rounding errors, short enough for a straight
 /// motion.
@@ -29,7 +29,7 @@ pub(super) struct MovingState<'s> {
     pub rates: Option<&'s [f64]>,
     pub obstacle_motions: &'s [ObstacleMotion],
     /// Obstacles that move by themselves.
-    pub tracked_obstacles: &'s [TrackedObstacle],
+    pub tracked_obstacles: &'s TrackedObstacles,
 }
 
 /// Distance (m) up to which pairs may slow the robot down.
@@ -66,8 +66,8 @@ fn range_of_distances(
     let of_root = moving
         .map(|obstacle_motion| obstacle_motion.largest_displacement(checker.extent(poses), reaction_time));
     let of_robot = (of_joints + of_root.fold(0.0, f64::greater)).lesser(LONGEST_MOTION);
-    let of_tracked = largest_displacement(tracked_obstacles, checker, poses, reaction_time);
-    reach + of_robot + of_tracked + settings.largest_obstacle_motion(checker.world())
+    let of_tracked = tracked_obstacles.largest_approach(checker, poses, settings);
+    reach + of_robot + of_tracked.greater(settings.largest_obstacle_motion(checker.world()))
 }
 
 /// Link poses at another time.
@@ -95,15 +95,16 @@ pub(super) fn poses_after_step(robot: &RobotModel, checked_state: &CheckedState)
 
 /// Rate (m/s) at which the distance of a pair shrinks; negative when it grows, `None` when the bodies touch.
 ///
-/// Obstacles are at rest in the frames that they are placed in, or move there at their known velocity. If there are
-/// several such frames, the fastest approach counts.
+/// Obstacles are at rest in the frames that they are placed in; motion of their own is not that of the robot. If there are several such frames, the fastest approach
+/// counts.
 pub(super) fn approach_rate(
     checker: &CollisionChecker,
     pair: &PairDistance,
     checked_state: &CheckedState,
     other: &PosesAtOtherTime,
 ) -> Option<f64> {
-    let rate = |obstacle_motion| approach_rate_in(checker, pair, (checked_state, other), obstacle_motion);
+    let rate =
+        |obstacle_motion| approach_rate_in(checker, pair, (&checked_state.poses, other), obstacle_motion);
     let is_of_world = [pair.a, pair.b].iter().any(|body| matches!(body, BodyId::Obstacle(_)));
     if !is_of_world || checked_state.obstacle_motions.is_empty() {
         return rate(None);
@@ -121,7 +122,7 @@ pub(super) fn approach_rate(
 fn approach_rate_in(
     checker: &CollisionChecker,
     pair: &PairDistance,
-    (now, other): (&CheckedState, &PosesAtOtherTime),
+    (now, other): (&LinkPoses, &PosesAtOtherTime),
     obstacle_motion: Option<&ObstacleMotion>,
 ) -> Option<f64> {
     let [a, b] = pair.witness_points;
@@ -129,14 +130,10 @@ fn approach_rate_in(
     if way.norm() < LEAST_DISTANCE || pair.distance <= 0.0 {
         return None;
     }
-    let of_obstacle = |body, point| {
-        let of_frame = obstacle_motion.map(|of| of.displacement(&point, other.after)).unwrap_or_default();
-        let name = checker.body_name(body);
-        of_frame + own_displacement(&now.tracked_obstacles, name, &point, other.after)
-    };
     let moved = |body, point| match carrier(checker, body) {
-        Some(link) => displacement(&point, now.poses.pose(link), other.poses.pose(link)),
-        None => of_obstacle(body, point),
+        Some(link) => displacement(&point, now.pose(link), other.poses.pose(link)),
+        None => obstacle_motion
+            .map_or_else(Vector::zeros, |obstacle_motion| obstacle_motion.displacement(&point, other.after)),
     };
     let rate = way.normalize().dot(&(moved(pair.a, a) - moved(pair.b, b))) / other.after;
     rate.is_finite().then_some(rate)

@@ -12,7 +12,7 @@ use super::contact_history::ContactHistory;
 use super::motion_since_previous::{MotionSincePrevious, Passage};
 use super::obstacle_motion::ObstacleMotion;
 use super::state_contacts::ContactsOfPair;
-use super::{Now, Reason, Separation, Status, Time, TrackedObstacle, WorldSource};
+use super::{Now, Reason, Separation, Status, Time, TrackedObstacles, WorldSource};
 
 /// A checker with its version numbers.
 #[derive(Debug)]
@@ -34,7 +34,7 @@ pub struct Revision {
     /// Time (steady clock) of the `tf` data that the obstacles were placed with; `None`: the time at which this
     /// revision is put into use.
     pub placed_at: Option<Duration>,
-    /// Velocities of the obstacles that move.
+    /// Velocities of the obstacles with known ones, in the order of their names.
     pub obstacle_twists: Vec<ObstacleTwist>,
 }
 
@@ -101,7 +101,7 @@ pub struct CheckedState {
     /// Motions of the obstacle frames relative to the robot's root, one for each tracked frame.
     pub obstacle_motions: Vec<ObstacleMotion>,
     /// Obstacles that move by themselves.
-    pub tracked_obstacles: Vec<TrackedObstacle>,
+    pub tracked_obstacles: TrackedObstacles,
     /// Distance (m) up to which pairs may slow the robot down.
     pub slowdown_range: f64,
     /// Whether all distances are exact; otherwise they are lower bounds within a tolerance.

@@ -101,5 +101,5 @@ pub use speed_settings::{SpeedDistances, SpeedSettings};
 pub use state_contacts::ContactsOfPair;
 pub use state_evaluator::Stopwatch;
 pub use status::{Reason, Status};
-pub use tracked_obstacle::TrackedObstacle;
+pub use tracked_obstacle::TrackedObstacles;
 pub use world_source::{Observation, WorldSource};

@@ -4,12 +4,11 @@ use std::sync::Arc;
 
 use clearance_checker::{CollisionChecker, CollisionReport, LookAhead, LookAheadState, Workspace};
 use clearance_geometry::math::Extremes;
-use clearance_motion::MovingObstacle;
-use clearance_robot::{Configuration, JointKind, LinkPoses, RobotModel, quoted_list};
+use clearance_robot::{Configuration, JointKind, LinkPoses, RobotModel, quoted, quoted_list};
 
 use super::obstacle_motion::ObstacleMotion;
 use super::root_speed::{JointRanges, RootSpeed};
-use super::tracked_obstacle::{TrackedObstacle, limits_beyond_motion, longest_age};
+use super::tracked_obstacle::TrackedObstacles;
 use super::{MonitorSettings, Time};
 
 /// Look-ahead for one checker.
@@ -36,7 +35,7 @@ pub(super) struct LookAheadInput<'i> {
     pub poses: &'i LinkPoses,
     pub obstacle_motions: &'i [ObstacleMotion],
     /// Obstacles that move by themselves.
-    pub tracked_obstacles: &'i [TrackedObstacle],
+    pub tracked_obstacles: &'i TrackedObstacles,
     /// Stamp of the state.
     pub stamp: Time,
     /// Time (s) for which the obstacles have not been moved to follow `tf`.
@@ -101,16 +100,20 @@ impl LookAheadEvaluator {
         let ranges = JointRanges { positions, velocities, accelerations: &accelerations, horizon };
         let of_root = RootSpeed::after(input, checker, &ranges, settings.look_ahead_root_accelerations);
         let of_root = of_root.map_err(|why| format!("the time to contact is not known: {why}"))?;
-        let mut obstacle_limits = limits_beyond_motion(&settings.obstacle_limits, tracked_obstacles);
-        let mut obstacle_latency =
-            settings.obstacle_latency.greater(longest_age(&obstacle_limits, tracked_obstacles));
+        if let Some(name) = tracked_obstacles.of_a_later_clock() {
+            return unknown(&format!("the last state of obstacle {} has a later stamp", quoted(name)));
+        }
+        let mut obstacle_limits = tracked_obstacles.limits_beyond_motion(&settings.obstacle_limits);
+        let accelerating = tracked_obstacles.longest_age(|limit| limit.acceleration > 0.0, settings);
+        let mut obstacle_latency = settings.obstacle_latency.greater(accelerating);
         if let Some(RootSpeed { limit, latency }) = of_root {
             obstacle_limits = obstacle_limits.relative_to(limit);
-            obstacle_latency += latency + input.obstacle_lag;
+            // the root has moved since a state, too
+            obstacle_latency +=
+                latency + input.obstacle_lag + tracked_obstacles.longest_age(|_| true, settings);
         }
         let obstacle_limits = Some(Arc::new(obstacle_limits)).filter(|limits| !limits.is_zero());
-        let moving_obstacles: Vec<MovingObstacle> =
-            tracked_obstacles.iter().map(|obstacle| obstacle.after_state(horizon)).collect();
+        let moving_obstacles = tracked_obstacles.motions(horizon);
         let state = LookAheadState {
             q: configuration,
             velocities,

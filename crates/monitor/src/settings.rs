@@ -8,7 +8,6 @@ use clearance_proximity::Effort;
 use clearance_scene::World;
 
 use super::SpeedSettings;
-use super::tracked_obstacle::{TrackedObstacle, limit_beyond_motion};
 
 /// Longer than any check takes.
 const UNHURRIED: Duration = Duration::from_secs(86_400);
@@ -124,11 +123,9 @@ impl MonitorSettings {
         Some(&self.obstacle_limits).filter(|limits| !limits.is_zero())
     }
 
-    /// Upper bound (m) on the motion of an obstacle on its own, beyond its known velocity, until the speed scale has an
-    /// effect.
-    pub(super) fn obstacle_motion(&self, obstacle: &str, tracked: &[TrackedObstacle]) -> f64 {
-        let limit = limit_beyond_motion(&self.obstacle_limits, tracked, obstacle);
-        limit.displacement(self.obstacle_latency + self.speed.reaction_time)
+    /// Upper bound (m) on the motion of an obstacle on its own until the speed scale has an effect.
+    pub(super) fn obstacle_motion(&self, obstacle: &str) -> f64 {
+        self.obstacle_limits.of(obstacle).displacement(self.obstacle_latency + self.speed.reaction_time)
     }
 
     /// The same for all obstacles of a world.

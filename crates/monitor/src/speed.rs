@@ -234,7 +234,9 @@ fn rule_of(
     let name = checker.body_name(obstacle);
     let by_distances = |obstacle_motion| Rule::Distances { distances: speed.world, obstacle_motion };
     let Some(rules) = &speed.separation else {
-        return by_distances(settings.obstacle_motion(name, &checked_state.tracked_obstacles));
+        let tracked = checked_state.tracked_obstacles.of(name);
+        let approach = tracked.map(|tracked| tracked.approach(pair, settings));
+        return by_distances(approach.unwrap_or_else(|| settings.obstacle_motion(name)));
     };
     match rules.of(name) {
         None => by_distances(0.0),

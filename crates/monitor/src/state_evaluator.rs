@@ -19,7 +19,7 @@ use super::look_ahead::{LookAheadEvaluator, LookAheadInput, obstacles_may_move};
 use super::obstacle_motion::ObstacleMotion;
 use super::speed::speeds_without_effect;
 use super::state_contacts::ContactQuery;
-use super::{CheckedState, LeftOut, MonitorSettings, Reason, Revision, Status, TrackedObstacle};
+use super::{CheckedState, LeftOut, MonitorSettings, Reason, Revision, Status, TrackedObstacles};
 
 /// Time since any fixed moment. It is read before and after each check.
 pub type Stopwatch = fn() -> Duration;
@@ -79,7 +79,7 @@ impl StateEvaluator {
         let started = stopwatch();
         let mut poses = LinkPoses::new(checker.robot());
         checker.robot().forward_kinematics(&configuration, &mut poses);
-        let tracked_obstacles = TrackedObstacle::all(&self.revision, time.stamp);
+        let tracked_obstacles = TrackedObstacles::of_state(&self.revision, time.stamp, settings);
         let moving = MovingState {
             configuration: &configuration,
             poses: &poses,
@@ -157,7 +157,7 @@ impl StateEvaluator {
             poses,
             look_ahead,
             obstacles_may_move: look_ahead.is_some()
-                && (!tracked_obstacles.is_empty() || obstacles_may_move(checker, settings)),
+                && (tracked_obstacles.any_moves() || obstacles_may_move(checker, settings)),
             velocities,
             rates: rates.filter(|_| are_of_joints),
             measured,

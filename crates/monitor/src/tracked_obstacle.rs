@@ -3,43 +3,121 @@
 //! Such an obstacle moves on at its velocity. What it may do beyond this is limited by its acceleration, so that a point is
 //! at most ½ a t² from where the velocity alone would bring it in a time t.
 
-use clearance_checker::CollisionChecker;
+use clearance_checker::{CollisionChecker, PairDistance};
 use clearance_geometry::math::{Extremes, Point, Vector};
 use clearance_motion::{MovingObstacle, ObstacleLimits, SpeedLimit};
 use clearance_robot::LinkPoses;
 use clearance_scene::{BodyId, ObstacleTwist};
 
-use super::{Revision, Time};
+use super::{MonitorSettings, Revision, Time};
 
 /// Largest motion (m) by a rotation that the range of `slowdown_range` takes into account.
 const LONGEST_TURN: f64 = 1.0;
 
+/// Time (s) by which the stamp of an obstacle may be later than that of the joint state, if both have one clock.
+const LARGEST_LEAD: f64 = 1.0;
+
 /// A moving obstacle, as seen from one joint state.
 #[derive(Clone, Debug, PartialEq)]
-pub struct TrackedObstacle {
+pub(super) struct TrackedObstacle {
     /// Its motion in one second, in the root frame.
     motion: MovingObstacle,
     /// Time (s) from its pose to the joint state; negative if the pose is newer.
     age: f64,
 }
 
-impl TrackedObstacle {
-    /// The moving obstacles of a revision, for a joint state with this stamp.
-    pub(super) fn all(revision: &Revision, stamp: Time) -> Vec<Self> {
+/// Moving obstacles, as seen from one joint state, in the order of their names.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TrackedObstacles(Vec<TrackedObstacle>);
+
+impl TrackedObstacles {
+    /// The obstacles of a revision that move or, by their limits, may start to move, for a joint state with this stamp.
+    pub(super) fn of_state(revision: &Revision, stamp: Time, settings: &MonitorSettings) -> Self {
         let world = revision.checker.world();
+        let may_move = |twist: &&ObstacleTwist| {
+            twist.moves() || settings.obstacle_limits.of(&twist.name).acceleration > 0.0
+        };
         let tracked = |twist: &ObstacleTwist| {
             let pose_ro = world.obstacle_by_name(&twist.name)?.pose_ro;
             let [linear, angular] = [twist.linear_o, twist.angular_o].map(|v| (pose_ro.rotation * v).into());
             let centre = pose_ro.translation.vector.into();
             let motion = MovingObstacle { name: twist.name.clone(), centre, linear, angular, start: None };
-            Some(Self { motion, age: stamp.seconds_since(twist.stamp) })
+            Some(TrackedObstacle { motion, age: stamp.seconds_since(twist.stamp) })
         };
-        revision.obstacle_twists.iter().filter_map(tracked).collect()
+        Self(revision.obstacle_twists.iter().filter(may_move).filter_map(tracked).collect())
     }
 
-    /// Its motion from the joint state on, for a time (s).
-    pub(super) fn after_state(&self, time: f64) -> MovingObstacle {
-        self.motion.part([self.age, self.age + time])
+    /// Whether any of them has a velocity.
+    pub(super) fn any_moves(&self) -> bool {
+        self.0.iter().any(|obstacle| !obstacle.motion.stands())
+    }
+
+    /// The obstacle with a name, if it is one of these.
+    pub(super) fn of(&self, name: &str) -> Option<&TrackedObstacle> {
+        let found = self.0.binary_search_by(|obstacle| obstacle.motion.name.as_str().cmp(name));
+        found.ok().map(|index| &self.0[index])
+    }
+
+    /// An obstacle whose stamp is too late for the joint state: the clock was set back since.
+    pub(super) fn of_a_later_clock(&self) -> Option<&str> {
+        let found = self.0.iter().find(|obstacle| obstacle.age < -LARGEST_LEAD);
+        found.map(|obstacle| obstacle.motion.name.as_str())
+    }
+
+    /// Their motions from the joint state on, for a time (s).
+    pub(super) fn motions(&self, time: f64) -> Vec<MovingObstacle> {
+        let moving = self.0.iter().filter(|obstacle| !obstacle.motion.stands());
+        moving.map(|obstacle| obstacle.motion.part([obstacle.age, obstacle.age + time])).collect()
+    }
+
+    /// Limits of what obstacles do beyond their known motion: these have their velocity already.
+    pub(super) fn limits_beyond_motion(&self, limits: &ObstacleLimits) -> ObstacleLimits {
+        let mut beyond = limits.clone();
+        for TrackedObstacle { motion: MovingObstacle { name, .. }, .. } in &self.0 {
+            beyond.by_name.insert(name.clone(), SpeedLimit { speed: 0.0, ..limits.of(name) });
+        }
+        beyond
+    }
+
+    /// Longest time (s) between the joint state and the poses of those with such a limit.
+    pub(super) fn longest_age(&self, of: impl Fn(SpeedLimit) -> bool, settings: &MonitorSettings) -> f64 {
+        let limit = |obstacle: &TrackedObstacle| settings.obstacle_limits.of(&obstacle.motion.name);
+        let ages = self.0.iter().filter(|obstacle| of(limit(obstacle))).map(|obstacle| obstacle.age.abs());
+        ages.fold(0.0, f64::greater)
+    }
+
+    /// Upper bound (m) on [`TrackedObstacle::approach`] of all of them.
+    pub(super) fn largest_approach(
+        &self,
+        checker: &CollisionChecker,
+        poses: &LinkPoses,
+        settings: &MonitorSettings,
+    ) -> f64 {
+        let approaches = self.0.iter().map(|obstacle| {
+            let time = settings.speed.reaction_time;
+            obstacle.largest_displacement(checker, poses, time) + obstacle.uncertainty(settings)
+        });
+        if settings.speed.world.reach() > 0.0 { approaches.fold(0.0, f64::greater) } else { 0.0 }
+    }
+}
+
+impl TrackedObstacle {
+    /// Distance (m) by which it may be nearer to the other body of a pair when the speed scale has an effect: it moves at
+    /// its velocity, and the age of its pose and its acceleration make it uncertain where it is.
+    pub(super) fn approach(&self, pair: &PairDistance, settings: &MonitorSettings) -> f64 {
+        let [a, b] = pair.witness_points;
+        let (on_obstacle, on_other) = if matches!(pair.a, BodyId::Obstacle(_)) { (a, b) } else { (b, a) };
+        let towards = (on_other - on_obstacle).try_normalize(0.0).unwrap_or_default();
+        let displacement = self.displacement(&on_obstacle, settings.speed.reaction_time);
+        displacement.dot(&towards).greater(0.0) + self.uncertainty(settings)
+    }
+
+    /// Distance (m) between where it is at the end of the reaction time and where its pose and velocity alone have it.
+    fn uncertainty(&self, settings: &MonitorSettings) -> f64 {
+        let MovingObstacle { name, linear, .. } = &self.motion;
+        let age = self.age.abs();
+        let limit = SpeedLimit { speed: 0.0, ..settings.obstacle_limits.of(name) };
+        Vector::from(*linear).norm() * age + limit.displacement(age + settings.speed.reaction_time)
     }
 
     /// Displacement of its point in a time (s).
@@ -62,52 +140,4 @@ impl TrackedObstacle {
         let turned = if turning > 0.0 { (turning * extent).lesser(LONGEST_TURN) } else { 0.0 };
         speed + turned
     }
-}
-
-/// Displacement in a time (s) of a point of an obstacle by its own velocity.
-pub(super) fn own_displacement(
-    tracked: &[TrackedObstacle],
-    name: &str,
-    point_r: &Point,
-    time: f64,
-) -> Vector {
-    let of = tracked.iter().find(|obstacle| obstacle.motion.name == name);
-    of.map_or_else(Vector::zeros, |obstacle| obstacle.displacement(point_r, time))
-}
-
-/// Upper bound (m) on the displacement of any point of a moving obstacle in a time (s).
-pub(super) fn largest_displacement(
-    tracked: &[TrackedObstacle],
-    checker: &CollisionChecker,
-    poses: &LinkPoses,
-    time: f64,
-) -> f64 {
-    let displacements = tracked.iter().map(|obstacle| obstacle.largest_displacement(checker, poses, time));
-    displacements.fold(0.0, f64::greater)
-}
-
-/// Limit of what an obstacle does beyond its known motion: one that moves has its velocity already.
-pub(super) fn limit_beyond_motion(
-    limits: &ObstacleLimits,
-    tracked: &[TrackedObstacle],
-    name: &str,
-) -> SpeedLimit {
-    let limit = limits.of(name);
-    let is_tracked = tracked.iter().any(|obstacle| obstacle.motion.name == name);
-    if is_tracked { SpeedLimit { speed: 0.0, ..limit } } else { limit }
-}
-
-/// The same for all obstacles.
-pub(super) fn limits_beyond_motion(limits: &ObstacleLimits, tracked: &[TrackedObstacle]) -> ObstacleLimits {
-    let mut beyond = limits.clone();
-    for TrackedObstacle { motion: MovingObstacle { name, .. }, .. } in tracked {
-        beyond.by_name.insert(name.clone(), limit_beyond_motion(limits, tracked, name));
-    }
-    beyond
-}
-
-/// Longest time (s) between the joint state and the pose of a moving obstacle that may accelerate.
-pub(super) fn longest_age(limits: &ObstacleLimits, tracked: &[TrackedObstacle]) -> f64 {
-    let accelerating = tracked.iter().filter(|obstacle| limits.of(&obstacle.motion.name).acceleration > 0.0);
-    accelerating.map(|obstacle| obstacle.age.abs()).fold(0.0, f64::greater)
 }

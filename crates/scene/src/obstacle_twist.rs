@@ -4,8 +4,13 @@ use std::collections::HashSet;
 use std::time::Duration;
 
 use clearance_geometry::math::{Pose, Vector};
+use clearance_robot::quoted;
 
 use super::{ObjectChange, Operation, Scene, SceneContext, SceneRejection, Time};
+
+/// Largest time (s) by which a state may be older than the last one of its obstacle and is dropped. An even older one is of a
+/// clock that was set back.
+const LARGEST_DELAY: f64 = 1.0;
 
 /// Pose and velocity of an obstacle of the world: `clearance_msgs/ObstacleState`.
 #[derive(Clone, Debug)]
@@ -49,6 +54,14 @@ pub struct ObstacleTwist {
     pub received: Duration,
 }
 
+impl ObstacleTwist {
+    /// True if the obstacle moves.
+    #[must_use]
+    pub fn moves(&self) -> bool {
+        [self.linear_o, self.angular_o] != [Vector::zeros(); 2]
+    }
+}
+
 impl ObstacleState {
     /// The change that moves the obstacle to its pose.
     pub(super) fn change(&self) -> ObjectChange {
@@ -58,7 +71,7 @@ impl ObstacleState {
 }
 
 impl Scene {
-    /// Velocities of the obstacles that move, in the order of their names.
+    /// Velocities of the obstacles with known ones, in the order of their names.
     pub fn obstacle_twists(&self) -> impl Iterator<Item = &ObstacleTwist> {
         self.twists.values().filter(|twist| self.world.id(&twist.name).is_some())
     }
@@ -90,15 +103,30 @@ impl Scene {
     ) -> Result<(), SceneRejection> {
         let ObstacleState { id, pose_fo, linear_f, angular_f, .. } = state;
         self.check_is_obstacle(id)?;
-        self.change_object(&state.change(), context, &mut Vec::new())?;
-        if *linear_f == Vector::zeros() && *angular_f == Vector::zeros() {
-            return Ok(());
+        self.check_is_newest(id, *stamp)?;
+        if !context.stands_still(&state.frame, self) {
+            let frame = quoted(&state.frame);
+            let why =
+                format!("header.frame_id: {frame} moves with the robot: give states in a frame of the room");
+            return Err(SceneRejection::of(id, why).of_pose());
         }
+        self.change_object(&state.change(), context, &mut Vec::new())?;
         let [linear_o, angular_o] = [linear_f, angular_f].map(|v| pose_fo.rotation.inverse() * v);
         let twist =
             ObstacleTwist { name: id.clone(), linear_o, angular_o, stamp: *stamp, received: *received };
         self.twists.insert(id.clone(), twist);
         Ok(())
+    }
+
+    /// An older state than the last one, as of a second tracker, changes nothing.
+    fn check_is_newest(&self, id: &str, stamp: Time) -> Result<(), SceneRejection> {
+        let delay = self.twists.get(id).map_or(0.0, |known| known.stamp.seconds_since(stamp));
+        if delay <= 0.0 || delay > LARGEST_DELAY {
+            return Ok(());
+        }
+        let why =
+            format!("header.stamp is {delay:.3} s older than that of its last state: the state is dropped");
+        Err(SceneRejection::of(id, why).without_gap())
     }
 
     fn check_is_obstacle(&self, id: &str) -> Result<(), SceneRejection> {

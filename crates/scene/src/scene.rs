@@ -27,7 +27,7 @@ pub struct Scene {
     pub(super) anchors: BTreeMap<String, Anchor>,
     /// Anchors of fixed frames.
     pub(super) frame_anchors: BTreeMap<String, Anchor>,
-    /// By name of an obstacle: its velocity, if a message with its pose gave one. Any other change of its pose removes it.
+    /// By name of an obstacle: its velocity, which may be zero, if a message with its pose gave one. Any other change of its pose removes it.
     pub(super) twists: BTreeMap<String, ObstacleTwist>,
     /// Obstacles from sensors: only the sensor that added them removes them.
     pub sensed: BTreeSet<String>,

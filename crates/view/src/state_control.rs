@@ -6,7 +6,7 @@ use std::time::{Instant, SystemTime, UNIX_EPOCH};
 use clearance_checker::{CollisionChecker, CollisionReport, Question, Workspace};
 use clearance_monitor::{
     CheckedState, ContactHistory, ContactsOfPair, Evaluation, Expiry, LeftOut, MonitorSettings,
-    MotionSincePrevious, Revision, Status,
+    MotionSincePrevious, Revision, Status, TrackedObstacles,
 };
 use clearance_robot::{Configuration, ConfigurationError, JointKind, LinkPoses, RobotModel};
 use serde::{Deserialize, Serialize};
@@ -170,7 +170,7 @@ impl StateControl {
             velocities: None,
             rates: None,
             obstacle_motions: Vec::new(),
-            tracked_obstacles: Vec::new(),
+            tracked_obstacles: TrackedObstacles::default(),
             slowdown_range: 0.0,
             is_exact: true,
             is_hurried: false,

@@ -57,7 +57,9 @@ mod tests {
 
     fn sum(numbers: &[[f64; 2]]) -> [f64; 2] {
         let mut product = AngleSum::default();
-        numbers.iter().for_each(|z| product.add(*z));
+        for z in numbers {
+            product.add(*z);
+        }
         [product.value(), numbers.iter().map(|[re, im]| im.atan2(*re)).sum()]
     }
 

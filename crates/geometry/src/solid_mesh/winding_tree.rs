@@ -109,7 +109,9 @@ impl WindingTree {
             } else if node.begin as usize == left {
                 let faces = &self.triangles[node.faces[0] as usize..node.faces[1] as usize];
                 near_faces += faces.len();
-                faces.iter().for_each(|t| half_angles.add(with_half_solid_angle(vertices, t, point)));
+                for triangle in faces {
+                    half_angles.add(with_half_solid_angle(vertices, triangle, point));
+                }
             }
         }
         work.visited += near_faces as u64;

@@ -99,18 +99,42 @@ fn an_acceleration_limit_allows_departures_and_a_speed_limit_none() {
     assert!(found <= exact - 0.2 && found > exact - 0.22, "{found} {exact}");
 }
 
+/// What rests may start to move at any time since its pose; without an acceleration limit, its speed limit applies.
+#[test]
+fn limits_of_an_obstacle_at_rest_hold() {
+    let with = |speed, acceleration| {
+        let limit = SpeedLimit { speed, acceleration };
+        time_to_contact(cart(in_front(), [0.0; 3], [0.0; 3], 0.8), limit)
+    };
+    assert!(with(0.0, 0.0) >= 3.0);
+    for (found, exact) in [(with(0.5, 0.0), 2.0), (with(0.0, 2.0), 1.0 - 0.2)] {
+        assert!(found <= exact && found > exact - 0.05, "{found} {exact}");
+    }
+}
+
+/// The clock was set back by a minute since the last state.
+#[test]
+fn a_stamp_of_another_clock_says_nothing() {
+    let revision = cart(in_front(), [-0.5, 0.0, 0.0], [0.0; 3], 61.0);
+    let evaluation = evaluated(revision, looking_ahead(SpeedLimit::default()));
+    assert!(evaluation.time_to_contact() <= 0.0);
+    let why = "the last state of obstacle 'cart' has a later stamp";
+    assert!(evaluation.warnings.iter().any(|found| found.contains(why)), "{:?}", evaluation.warnings);
+}
+
 #[test]
 fn the_motion_is_reported() {
     let with =
         |linear| evaluated(cart(in_front(), linear, [0.0; 3], 1.0), looking_ahead(SpeedLimit::default()));
     assert!(with([0.5, 0.0, 0.0]).checked_state.unwrap().obstacles_may_move);
+    assert!(!with([0.0; 3]).checked_state.unwrap().obstacles_may_move);
 }
 
 #[test]
 fn the_speed_scale_counts_the_velocity_along_its_direction() {
     let world = SpeedDistances { slowdown: 1.5, stop: 0.5 };
     let still = SpeedDistances { slowdown: 0.0, stop: 0.0 };
-    let share = |linear: [f64; 3], acceleration| {
+    let share_at = |linear: [f64; 3], acceleration, seconds| {
         let speed = SpeedSettings {
             own: still,
             world,
@@ -122,14 +146,19 @@ fn the_speed_scale_counts_the_velocity_along_its_direction() {
         let default = SpeedLimit { speed: 9.0, acceleration };
         let obstacle_limits = Arc::new(ObstacleLimits { default, ..ObstacleLimits::default() });
         let settings = MonitorSettings { speed, obstacle_limits, ..MonitorSettings::default() };
-        evaluated(cart(in_front(), linear, [0.0; 3], 1.0), settings).speed_scale
+        evaluated(cart(in_front(), linear, [0.0; 3], seconds), settings).speed_scale
     };
+    let share = |linear, acceleration| share_at(linear, acceleration, 1.0);
     // (1 m - 0.2 s · 0.5 m/s - 0.5 m) / 1 m
     assert!((share([-0.5, 0.0, 0.0], 0.0) - 0.4).abs() < 1e-6);
     assert!((share([-0.5, 3.0, 0.0], 0.0) - 0.4).abs() < 1e-3, "what passes by does not approach");
     // 2 m/s² · (0.2 s)² / 2
     assert!((share([-0.5, 0.0, 0.0], 2.0) - 0.36).abs() < 1e-6);
-    assert_eq!(share([0.5, 0.0, 0.0], 0.0), 1.0, "it moves away");
+    assert!((share([0.5, 0.0, 0.0], 0.0) - 0.5).abs() < 1e-6, "what moves away counts where it is");
+    // its pose is 0.4 s older than the state, or newer: 0.2 m
+    for seconds in [0.6, 1.4] {
+        assert!((share_at([-0.5, 0.0, 0.0], 0.0, seconds) - 0.2).abs() < 1e-6);
+    }
     // from beyond the slow-down distance
     assert!((share([-4.0, 0.0, 0.0], 0.0)).abs() < 1e-6);
 }

@@ -3,7 +3,7 @@
 mod clouds;
 mod incomplete;
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, HashSet, VecDeque};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -11,7 +11,9 @@ use clearance_geometry::math::Extremes;
 use clearance_monitor::cloud::SelfFilter;
 use clearance_monitor::{Now, Observation, WorldSource};
 use clearance_robot::RobotModel;
-use clearance_scene::{DroppedParts, GapSubject, OCTOMAP, Scene, SceneContext, SceneRejection, SceneUpdate};
+use clearance_scene::{
+    DroppedParts, GapSubject, OCTOMAP, ObstacleTwist, Scene, SceneContext, SceneRejection, SceneUpdate,
+};
 use ros2_interfaces_jazzy_serde::octomap_msgs::msg::OctomapWithPose;
 use smol::channel::Sender;
 
@@ -102,7 +104,8 @@ impl LoaderScene {
 
     /// Counts commands of these topics as lost, because the robot that they waited for was rejected.
     pub fn count_as_lost(&mut self, topics: &[&'static str]) {
-        for topic in topics {
+        // states come again
+        for topic in topics.iter().filter(|topic| **topic != SceneSource::ObstacleStates.name()) {
             self.lost.note(topic, 1);
         }
     }
@@ -133,6 +136,18 @@ impl LoaderScene {
             if let Some(done) = command.done {
                 let _ = done.try_send(false);
             }
+        } else if let Some(SceneUpdate::States(states)) = &command.update {
+            // the newest state of each obstacle suffices
+            let names: HashSet<&str> = states.states.iter().map(|state| state.id.as_str()).collect();
+            let is_needed = |update: &SceneUpdate| match update {
+                SceneUpdate::States(earlier) => {
+                    earlier.states.iter().any(|state| !names.contains(state.id.as_str()))
+                }
+                _ => true,
+            };
+            self.waiting.retain(|waiting| waiting.update.as_ref().is_none_or(is_needed));
+            self.waiting.push_back(command);
+            self.waiting.truncate(WAITING);
         } else if self.waiting.len() < WAITING {
             self.waiting.push_back(command);
         } else {
@@ -337,7 +352,9 @@ impl LoaderScene {
         let mut watched = self.watched(parameters);
         watched.retain(|source| !self.dropped.contains(&source.name));
         watched.extend(self.whole.awaited(parameters));
-        watched.extend(self.state.obstacle_twists().map(|twist| WorldSource {
+        let limits = parameters.obstacle_limits();
+        let may_move = |twist: &&ObstacleTwist| twist.moves() || limits.of(&twist.name).acceleration > 0.0;
+        watched.extend(self.state.obstacle_twists().filter(may_move).map(|twist| WorldSource {
             name: format!("{} of {}", SceneSource::ObstacleStates.name(), twist.name),
             seen: Some(Observation { stamp: twist.stamp, at: twist.received }),
             ttl: parameters.obstacle_state_ttl,

@@ -1,6 +1,5 @@
 //! Conversion of `clearance_msgs/ObstacleStates` to a scene update.
 
-use clearance_geometry::constants::LARGEST_COORDINATE;
 use clearance_geometry::math::Vector;
 use clearance_monitor::{Now, Time};
 use clearance_scene::{ObstacleState, ObstacleStates, SceneRejection};
@@ -14,7 +13,10 @@ use crate::scene::scene_message_reader::Converted;
 use crate::scene::transform_messages::pose;
 
 /// Largest time (s) by which a stamp may be in the future.
-const LARGEST_LEAD: f64 = 0.5;
+const LARGEST_LEAD: f64 = 0.1;
+
+/// Largest speed (m/s, rad/s); a faster one is a mistake.
+const LARGEST_SPEED: f64 = 1000.0;
 
 /// Converts a message that was received at `received_at`. Obstacles with invalid numbers are rejected; with a stamp in
 /// the future, all are.
@@ -25,7 +27,7 @@ pub fn obstacle_states(message: &ObstacleStatesMessage, received_at: Now) -> Con
         Time::ZERO => now,
         stamp => stamp,
     };
-    let lead = stamp.seconds_since(now);
+    let lead = received_at.ros.map_or(0.0, |now| stamp.seconds_since(now));
     let frame = &message.header.frame_id;
     let (mut states, mut rejections) = (Vec::new(), Vec::new());
     for state in &message.obstacles {
@@ -57,10 +59,10 @@ fn obstacle_state(
 
 fn velocity(Vector3 { x, y, z }: &Vector3, field: &str) -> Result<Vector, String> {
     let velocity = Vector::new(*x, *y, *z);
-    let is_valid = velocity.iter().all(|v| v.abs() <= LARGEST_COORDINATE);
-    is_valid
-        .then_some(velocity)
-        .ok_or_else(|| format!("{field}: ({x}, {y}, {z}) is not finite, or too large"))
+    let is_valid = velocity.iter().all(|v| v.abs() <= LARGEST_SPEED);
+    is_valid.then_some(velocity).ok_or_else(|| {
+        format!("{field}: ({x}, {y}, {z}) must be finite, and at most {LARGEST_SPEED} in each direction")
+    })
 }
 
 #[cfg(test)]
@@ -90,7 +92,7 @@ mod tests {
 
     #[test]
     fn a_message_without_a_stamp_is_of_the_time_of_its_reception() {
-        for (given, stamp) in [(0, 10.0), (9500, 9.5), (10_400, 10.4)] {
+        for (given, stamp) in [(0, 10.0), (9500, 9.5), (10_090, 10.09)] {
             let Converted { change, rejections } = obstacle_states(&message("a", given), now());
             assert!(rejections.is_empty() && change.states.len() == 1, "{rejections:?}");
             assert!((change.stamp.seconds_since(Time::ZERO) - stamp).abs() < 1e-9);

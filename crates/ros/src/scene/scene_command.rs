@@ -55,7 +55,10 @@ impl SceneCommand {
     /// Whether it contains data of objects, or robot settings that apply to them.
     #[must_use]
     pub fn concerns_objects(&self) -> bool {
-        !self.rejections.is_empty() || self.update.as_ref().is_none_or(SceneUpdate::changes_objects)
+        // states come again
+        let is_of_states = matches!(self.update, Some(SceneUpdate::States(_)));
+        (!self.rejections.is_empty() && !is_of_states)
+            || self.update.as_ref().is_none_or(SceneUpdate::changes_objects)
     }
 
     /// Sets the number of messages that were lost before this one.

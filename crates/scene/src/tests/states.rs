@@ -23,7 +23,8 @@ fn velocities(cell: &Cell) -> Vec<(&str, [f64; 3])> {
         let pose_ro = cell.scene.world.obstacle_by_name(&twist.name).unwrap().pose_ro;
         rounded(pose_ro.rotation * twist.linear_o)
     };
-    cell.scene.obstacle_twists().map(|twist| (twist.name.as_str(), velocity(twist))).collect()
+    let moving = cell.scene.obstacle_twists().filter(|twist| twist.moves());
+    moving.map(|twist| (twist.name.as_str(), velocity(twist))).collect()
 }
 
 fn turned(yaw: f64) -> Pose {
@@ -37,16 +38,35 @@ fn a_state_moves_an_obstacle_and_gives_it_a_velocity() {
         cell.object(add(id, "", at(5.0, 0.0, 0.0))).unwrap();
     }
     let velocity = [1.0, 2.0, 0.0];
-    let both = vec![state("a", "", at(6.0, 0.0, 0.0), velocity), state("b", "hand", turned(1.0), velocity)];
+    let both = vec![state("a", "", at(6.0, 0.0, 0.0), velocity), state("b", "flange", turned(1.0), velocity)];
     cell.apply(&states(both)).unwrap();
-    assert_eq!((cell.places("a"), cell.places("b")), (vec![[6.0, 0.0, 0.0]], vec![[6.0, 0.0, 3.0]]));
+    assert_eq!((cell.places("a"), cell.places("b")), (vec![[6.0, 0.0, 0.0]], vec![[5.0, 2.0, 0.0]]));
     assert_eq!(velocities(&cell), [("a", velocity), ("b", velocity)]);
     let twist = cell.scene.obstacle_twists().next().unwrap();
     assert_eq!((twist.stamp, twist.received), (seconds(99.0), Duration::from_secs(5)));
-    // an obstacle at rest has no velocity
+    // at rest
     cell.apply(&states(vec![state("a", "", at(7.0, 0.0, 0.0), [0.0; 3])])).unwrap();
     assert_eq!(cell.places("a"), [[7.0, 0.0, 0.0]]);
     assert_eq!(velocities(&cell), [("b", velocity)]);
+    assert_eq!(cell.scene.obstacle_twists().count(), 2);
+}
+
+/// Two trackers, of which one is late; and a clock that is set back.
+#[test]
+fn an_older_state_does_not_replace_a_newer_one() {
+    let mut cell = Cell::new();
+    cell.object(add("a", "", at(5.0, 0.0, 0.0))).unwrap();
+    let at_time = |x: f64, time: f64| {
+        let states = vec![state("a", "", at(x, 0.0, 0.0), [0.0; 3])];
+        SceneUpdate::States(ObstacleStates { stamp: seconds(time), received: Duration::ZERO, states })
+    };
+    cell.apply(&at_time(6.0, 99.0)).unwrap();
+    cell.assert_rejected(&at_time(7.0, 98.7), Some("a"), "0.300 s older");
+    cell.apply(&at_time(8.0, 30.0)).unwrap();
+    assert_eq!(cell.places("a"), [[8.0, 0.0, 0.0]]);
+    cell.object(shift("a", "", at(9.0, 0.0, 0.0))).unwrap();
+    cell.apply(&at_time(7.0, 29.9)).unwrap();
+    assert_eq!(cell.places("a"), [[7.0, 0.0, 0.0]]);
 }
 
 #[test]
@@ -117,6 +137,7 @@ fn states_of_nothing_are_rejected_by_name() {
         ("held", "", "it is attached to link 'flange'"),
         ("hand", "", "the world has no such obstacle"),
         ("a", "nowhere", "header.frame_id"),
+        ("a", "hand", "header.frame_id: 'hand' moves with the robot"),
     ] {
         cell.assert_rejected(&one(id, frame), Some(id), named);
     }
