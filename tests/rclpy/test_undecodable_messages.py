@@ -1,7 +1,7 @@
 """Messages that cannot be decoded, such as text that is not UTF-8: what they announce is missing, and nothing is free without it."""
 
 import pytest
-from clearance_msgs.msg import CollisionState
+from clearance_msgs.msg import CollisionState, ObstacleState, ObstacleStates
 from moveit_msgs.msg import AttachedCollisionObject, CollisionObject, PlanningScene, PlanningSceneWorld
 from octomap_msgs.msg import Octomap
 from rclpy.serialization import serialize_message
@@ -67,3 +67,23 @@ def test_what_a_message_announced_that_cannot_be_decoded_is_missing(start, topic
     assert any("UTF-8" in text for text in (state.reason, *state.warnings))
     scene.publish(remedy, topic=topic if isinstance(remedy, Octomap) else None)
     cell.becomes(CollisionState.FREE, "FREE again", after=state)
+
+
+def test_states_of_obstacles_that_cannot_be_decoded_count_as_lost(start):
+    cell = start()
+    cell.evaluate(**ZERO)
+    raw = in_latin_1(ObstacleStates(obstacles=[ObstacleState(name=NAME)]))
+    publisher = cell.peer.node.create_publisher(ObstacleStates, cell.node.private("obstacle_states"), 10)
+    # the subscription is best effort
+    timer = cell.peer.node.create_timer(0.05, lambda: publisher.publish(raw))
+    state = cell.unknown("lost_messages")
+    assert "obstacle_states" in state.reason
+    timer.cancel()
+    cell.peer.between_callbacks(lambda: None)
+    scene = SceneClient(cell)
+
+    def is_free():
+        scene.publish(full())
+        return cell.state_now().status == CollisionState.FREE
+
+    cell.peer.wait_for(is_free, "FREE again")
