@@ -22,6 +22,7 @@ mod doctor;
 mod exit_status;
 mod failure;
 mod lint;
+mod meshes;
 mod matrix_verification;
 mod model_args;
 mod motion;

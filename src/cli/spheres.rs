@@ -1,4 +1,4 @@
-//! `clearance spheres`: covers the links of a robot with spheres, capsules or boxes, or measures a model of spheres.
+//! `clearance spheres`: covers the links of a robot with spheres, capsules or boxes, simplifies its meshes, or measures a model of spheres.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -15,12 +15,14 @@ use serde::Serialize;
 use super::exit_status::ExitStatus;
 use super::failure::Failure;
 use super::lint::deadline_in;
+use super::meshes;
 use super::model_args::RobotArgs;
 use super::progress::Progress;
 use super::run_args::{Format, internal, positive, print_line};
 use super::shapes;
 
-/// Cover the links of a robot with spheres, capsules or boxes that are proven to contain them, or measure a model of spheres.
+/// Cover the links of a robot with spheres, capsules or boxes that are proven to contain them, simplify its collision meshes with a proven
+/// error, or measure a model of spheres.
 ///
 /// The spheres of a link contain all triangles of its collision geometry and the inside of closed meshes and primitives. The excess is the
 /// largest distance of a point of the spheres from the link: its upper bound is proven.
@@ -31,7 +33,8 @@ pub struct SpheresArgs {
     #[command(flatten)]
     pub robot: RobotArgs,
 
-    /// Kind of the shapes; capsules and boxes need --count, and have no --curobo and --xrdf
+    /// Kind of the shapes; capsules and boxes need --count, meshes need --count (triangles of a link) or --excess (distance of both
+    /// surfaces); all of them have no --curobo and --xrdf
     #[arg(long, value_enum, default_value_t = ShapeArg::Spheres)]
     shape: ShapeArg,
 
@@ -54,7 +57,8 @@ pub struct SpheresArgs {
     #[arg(long, value_name = "FILE", conflicts_with = "measure")]
     xrdf: Option<PathBuf>,
 
-    /// Write the URDF with the spheres as collision geometry, as VAMP and foam read it; a capsule is a cylinder and two spheres
+    /// Write the URDF with the spheres as collision geometry, as VAMP and foam read it; a capsule is a cylinder and two spheres; simplified
+    /// meshes are STL files in a folder beside it, which has its name and `_meshes`
     #[arg(long, visible_alias = "shape-urdf", value_name = "FILE", conflicts_with = "measure")]
     pub sphere_urdf: Option<PathBuf>,
 
@@ -69,13 +73,15 @@ enum ShapeArg {
     Spheres,
     Capsules,
     Boxes,
+    /// Simplified collision meshes
+    Mesh,
 }
 
 /// How many spheres.
 #[derive(Args, Clone, Debug)]
 #[group(required = true, multiple = false)]
 struct SizeArgs {
-    /// At most this many spheres for each link
+    /// At most this many spheres for each link; with --shape mesh, triangles
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     count: Option<usize>,
 
@@ -83,7 +89,7 @@ struct SizeArgs {
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     total: Option<usize>,
 
-    /// As few spheres as are found for this largest excess, in metres
+    /// As few spheres, or triangles, as are found for this largest excess, in metres
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     excess: Option<f64>,
 
@@ -151,6 +157,13 @@ pub fn run(args: &SpheresArgs) -> Result<ExitStatus, Failure> {
         ShapeArg::Spheres => None,
         ShapeArg::Capsules => Some(ShapeKind::Capsule),
         ShapeArg::Boxes => Some(ShapeKind::Box),
+        ShapeArg::Mesh => {
+            let size = args.mesh_size()?;
+            meshes::check_folder(args)?;
+            let cover = covers::mesh_cover(&robot, &size, &limit, &on_link);
+            drop(progress);
+            return meshes::write(args, &robot, &size, &cover.map_err(Failure::input)?);
+        }
     };
     if let Some(kind) = kind {
         let count = args.count_of_shapes()?;
@@ -195,6 +208,19 @@ impl SpheresArgs {
                 "capsules and boxes are made with --count, without --inner, --curobo and --xrdf".to_owned(),
             )
         })
+    }
+
+    /// The size of simplified meshes; options of spheres are rejected.
+    fn mesh_size(&self) -> Result<CoverSize, Failure> {
+        let is_for_spheres = self.inner || self.curobo.is_some() || self.xrdf.is_some();
+        match (&self.size, is_for_spheres) {
+            (SizeArgs { count: Some(count), .. }, false) => Ok(CoverSize::PerLink(*count)),
+            (SizeArgs { excess: Some(excess), .. }, false) => Ok(CoverSize::Excess(*excess)),
+            _ => Err(Failure::Input(
+                "meshes are simplified with --count or --excess, without --inner, --curobo and --xrdf"
+                    .to_owned(),
+            )),
+        }
     }
 
     fn model_of_spheres(&self, file: &Path) -> Result<RobotModel, Failure> {

@@ -40,6 +40,7 @@ mod replays;
 mod requested_motions;
 mod robots;
 mod self_and_world_distances;
+mod simplified_meshes;
 mod snapshots;
 mod solid_meshes;
 mod solid_scenes;

@@ -6,7 +6,9 @@
 //! | which spheres lie inside of the robot, and how deep is the rest? | [`inner_sphere_cover`] |
 //! | how good is a model of spheres? | [`measure_spheres`] |
 //! | which capsules or boxes contain the robot? | [`shape_cover`] |
+//! | collision meshes with less triangles, and how far they differ? | [`mesh_cover`] |
 //! | files for cuRobo, Isaac and VAMP | [`curobo_yaml`], [`xrdf`], [`sphere_urdf`], [`shape_urdf`] |
+//! | URDF and STL files of simplified meshes | [`mesh_urdf`], [`stl`] |
 //!
 //! The search is approximate: signed distances on a grid, set cover, refinement. The result is proven: `containment` proves that the spheres
 //! contain the solid, `excess` bounds how far they reach out.
@@ -16,9 +18,10 @@
 //! | the geometry of a link as a solid, distances from it | `link_solid`, `triangle_tree`, `primitive_mesh` |
 //! | search of few balls, and its end by time | `distance_grid`, `offset_balls`, `samples`, `cover_search`, `refinement`; `search_limit` |
 //! | capsules and boxes around parts of a solid | `cover_shape`, `link_parts`, `shape_fit` |
+//! | simplification of meshes, with the distance of both surfaces | `mesh_simplification` |
 //! | proofs | `containment`, `excess`, `uncovered_area`, `branch_and_bound` |
 //! | covers of one solid | `outer_cover`, `inner_cover` |
-//! | covers of a robot | `sphere_cover`, `shape_cover`, `measured_cover`, `formats` |
+//! | covers of a robot | `sphere_cover`, `shape_cover`, `mesh_cover`, `measured_cover`, `formats` |
 
 #![deny(missing_docs)]
 // minimum and maximum of floating-point numbers, see `math/extremes.rs` of clearance-geometry
@@ -36,6 +39,8 @@ mod inner_cover;
 mod link_parts;
 mod link_solid;
 mod measured_cover;
+mod mesh_cover;
+mod mesh_simplification;
 mod offset_balls;
 mod options;
 mod outer_cover;
@@ -52,8 +57,9 @@ mod triangle_tree;
 mod uncovered_area;
 
 pub use cover_shape::{CoverShape, ShapeSize};
-pub use formats::{curobo_yaml, shape_urdf, sphere_urdf, xrdf};
+pub use formats::{curobo_yaml, mesh_urdf, shape_urdf, sphere_urdf, stl, xrdf};
 pub use measured_cover::{MeasuredCover, MeasuredLink, measure_spheres};
+pub use mesh_cover::{LinkMeshes, MeshCover, SimplifiedMesh, mesh_cover};
 pub use options::{CoverError, CoverSize};
 pub use search_limit::SearchLimit;
 pub use shape_cover::{LinkShapes, ShapeCover, shape_cover};

@@ -51,6 +51,20 @@ pub enum CoverError {
         /// Rejected value (m).
         value: f64,
     },
+    /// A simplified mesh gets too few triangles.
+    #[error(
+        "simplified meshes need at least 4 triangles per link, not {count}: a closed surface has no fewer"
+    )]
+    FewTriangles {
+        /// The requested number of triangles.
+        count: usize,
+    },
+    /// No link has a collision mesh.
+    #[error("no link has a collision mesh that could be simplified: primitives stay as they are")]
+    NoMeshes,
+    /// Simplified meshes were requested by a total, or by numbers of single links.
+    #[error("meshes are simplified by a count of triangles per link, or by excess")]
+    NoMeshSize,
     /// A link cannot be covered.
     #[error("link '{link}': {reason}")]
     Link {

@@ -55,6 +55,11 @@ impl SearchLimit {
         self.deadline.is_some()
     }
 
+    /// The time at which searches have to end.
+    pub(crate) fn deadline(&self) -> Option<Instant> {
+        self.deadline
+    }
+
     /// A limit after this part of the time that is left, stopped by the same request.
     pub(crate) fn part(&self, part: f64) -> Self {
         let mut limit = self.clone();

@@ -35,6 +35,19 @@ pub fn with_collisions(
     urdf: &str,
     collisions_of: impl Fn(LinkId) -> Option<String>,
 ) -> Result<String, CoverError> {
+    with_edited_collisions(robot, urdf, |id, number, _| {
+        let is_first = number == 0;
+        Ok(if is_first { collisions_of(id).unwrap_or_default() } else { String::new() })
+    })
+}
+
+/// The URDF text of a robot with each collision element replaced by the result of `edit`, which gets the link, the number of the element in
+/// it, and the text of the element.
+pub fn with_edited_collisions(
+    robot: &RobotModel,
+    urdf: &str,
+    edit: impl Fn(LinkId, usize, &str) -> Result<String, CoverError>,
+) -> Result<String, CoverError> {
     let elements = link_elements(urdf).ok_or(CoverError::OtherUrdf)?;
     if elements.len() != robot.links().len() {
         return Err(CoverError::OtherUrdf);
@@ -44,9 +57,7 @@ pub fn with_collisions(
     for (id, collisions) in robot.link_ids().zip(elements) {
         for (number, collision) in collisions.into_iter().enumerate() {
             text.push_str(&urdf[copied..collision.start]);
-            if number == 0 {
-                text.push_str(&collisions_of(id).unwrap_or_default());
-            }
+            text.push_str(&edit(id, number, &urdf[collision.clone()])?);
             copied = collision.end;
         }
     }
@@ -89,7 +100,7 @@ fn link_elements(urdf: &str) -> Option<Vec<Vec<Range<usize>>>> {
 }
 
 /// Length of the tag, comment, CDATA section, declaration or instruction at the start of a text.
-fn markup_length(text: &str) -> Option<usize> {
+pub fn markup_length(text: &str) -> Option<usize> {
     for (start, end) in [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>")] {
         if let Some(rest) = text.strip_prefix(start) {
             return Some(rest.find(end)? + start.len() + end.len());
