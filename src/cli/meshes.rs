@@ -113,7 +113,9 @@ fn write_files(robot: &RobotModel, cover: &MeshCover, urdf: &Path, file: &Path) 
     let folder = folder_of(file);
     let text = covers::mesh_urdf(robot, cover, &text, &uri_of(&folder)?).map_err(Failure::input)?;
     let unwritable = |e: std::io::Error| Failure::Input(format!("{}: cannot be made: {e}", folder.display()));
-    std::fs::create_dir_all(&folder).map_err(unwritable)?;
+    if !folder.is_dir() {
+        std::fs::create_dir(&folder).map_err(unwritable)?;
+    }
     for SimplifiedMesh { mesh, file_name, .. } in cover.links.iter().flat_map(|link| &link.meshes) {
         input_files::write(&folder.join(file_name), &covers::stl(mesh)).map_err(Failure::input)?;
     }

@@ -1,4 +1,4 @@
-//! Covers of the links of a robot by spheres, capsules and boxes, with proven errors.
+//! Covers of the links of a robot by spheres, capsules and boxes, and simplified meshes, with proven errors.
 //!
 //! | question | function |
 //! |---|---|
@@ -6,7 +6,7 @@
 //! | which spheres lie inside of the robot, and how deep is the rest? | [`inner_sphere_cover`] |
 //! | how good is a model of spheres? | [`measure_spheres`] |
 //! | which capsules or boxes contain the robot? | [`shape_cover`] |
-//! | collision meshes with less triangles, and how far they differ? | [`mesh_cover`] |
+//! | which meshes have fewer triangles, and how far do they differ? | [`mesh_cover`] |
 //! | files for cuRobo, Isaac and VAMP | [`curobo_yaml`], [`xrdf`], [`sphere_urdf`], [`shape_urdf`] |
 //! | URDF and STL files of simplified meshes | [`mesh_urdf`], [`stl`] |
 //!

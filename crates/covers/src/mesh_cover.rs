@@ -40,7 +40,7 @@ pub struct LinkMeshes {
     pub link: LinkId,
     /// One mesh for each mesh of its collision geometry.
     pub meshes: Vec<SimplifiedMesh>,
-    /// True if the limit has ended the search: more time can give less triangles, or a smaller bound.
+    /// True if the limit has ended the search: more time can give fewer triangles, or a smaller bound.
     pub is_cut: bool,
 }
 
