@@ -31,7 +31,7 @@ const ROBOT: &str = r#"<robot name="two">
 const ROWS: u32 = 12;
 const COLUMNS: u32 = 20;
 
-/// A closed mesh of 440 triangles.
+/// A closed mesh of 480 triangles.
 fn ball() -> TriangleMesh {
     let (last, at) = (ROWS * COLUMNS, |i: u32, j: u32| i * COLUMNS + j % COLUMNS);
     let mut vertices = vec![];
@@ -95,7 +95,7 @@ fn the_files_hold_the_meshes_that_are_reported() {
         assert!(old.len() == new.len() && new.len() == reported.len(), "{name}");
         for ((old, new), mesh) in old.iter().zip(&new).zip(reported) {
             assert_eq!(mesh["triangles"], new.0);
-            assert_eq!((mesh["original_triangles"].as_u64(), old.0), (Some(440), 440));
+            assert_eq!((mesh["original_triangles"].as_u64(), old.0), (Some(480), 480));
             assert!(folder.path(mesh["file"].as_str().unwrap()).is_file(), "{mesh}");
             assert!(old.1 == new.1, "the pose stays");
             assert!((new.2 / old.2 - 1.0).abs() < 0.1, "{name}: volume {} was {}", new.2, old.2);
@@ -119,7 +119,7 @@ fn the_files_hold_the_meshes_that_are_reported() {
     // existing files are replaced
     let (code, text, errors) = run(&folder, &["--excess", "0.002", "--shape-urdf", out]);
     assert_eq!(code, Some(0), "{errors}");
-    assert!(text.contains("of 880 triangles, error ") && text.ends_with(" mm apart, proven\n"), "{text}");
+    assert!(text.contains("of 960 triangles, error ") && text.ends_with(" mm apart, proven\n"), "{text}");
     let again = RobotModel::load(&folder.path(out), None, &[]).unwrap();
     assert_ne!(meshes(&again, "a & b"), meshes(&new, "a & b"));
 }
@@ -141,7 +141,7 @@ fn a_link_that_keeps_more_triangles_is_counted() {
     let (code, text, _) = run(&folder(), &["--count", "4"]);
     assert_eq!(code, Some(0));
     assert!(
-        text.contains("base: 8 of 880 triangles") && text.contains("a & b: 4 of 440 triangles"),
+        text.contains("base: 8 of 960 triangles") && text.contains("a & b: 4 of 480 triangles"),
         "{text}"
     );
     assert!(text.contains("1 of the links keep more than 4 triangles"), "{text}");
