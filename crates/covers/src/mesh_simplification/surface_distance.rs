@@ -44,7 +44,6 @@ impl SurfaceDistance {
             most_samples: MOST_SAMPLES,
             target_is_solid: false,
             deadline: if limit.is_over() { Some(Instant::now()) } else { limit.deadline() },
-            ..HausdorffOptions::default()
         };
         let [a, b] = [a, b].map(|mesh| [PlacedShape::mesh(mesh.clone())]);
         let (there, back) = rayon::join(|| hausdorff(&a, &b, &options), || hausdorff(&b, &a, &options));

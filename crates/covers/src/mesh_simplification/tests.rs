@@ -66,14 +66,14 @@ fn tube() -> Arc<TriangleMesh> {
 /// A cube of 6 · 2 n² triangles, with an edge of `size`.
 fn cube(n: u32, size: f64, low: Vector) -> TriangleMesh {
     let (mut vertices, mut faces) = (vec![], vec![]);
-    for side in 0..6 {
+    for side in 0..6_u8 {
         let first = u32::try_from(vertices.len()).unwrap();
         for (i, j) in (0..=n).flat_map(|i| (0..=n).map(move |j| (i, j))) {
             let [a, b] = [i, j].map(|k| f64::from(k) / f64::from(n));
             let c = f64::from(side / 3);
             let [a, b] = if side < 3 { [a, b] } else { [b, a] };
             let mut p = [c; 3];
-            (p[(side as usize + 1) % 3], p[(side as usize + 2) % 3]) = (b, a);
+            (p[(usize::from(side) + 1) % 3], p[(usize::from(side) + 2) % 3]) = (b, a);
             vertices.push(Point::from(low + Vector::from(p) * size));
         }
         for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
