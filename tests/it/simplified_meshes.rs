@@ -199,7 +199,7 @@ fn real_robots_are_simplified() {
         let report: Value = serde_json::from_slice(&output.stdout).unwrap();
         let of_links = report["links"].as_array().unwrap();
         assert_eq!(of_links.len(), links);
-        let new = RobotModel::load(&folder.path("out.urdf"), None, &[shared.clone()]).unwrap();
+        let new = RobotModel::load(&folder.path("out.urdf"), None, std::slice::from_ref(&shared)).unwrap();
         for link in of_links {
             let read: usize = meshes(&new, link["link"].as_str().unwrap()).iter().map(|mesh| mesh.0).sum();
             assert_eq!(link["triangles"], read, "{link}");
