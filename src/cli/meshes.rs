@@ -1,6 +1,8 @@
 //! `clearance spheres --shape mesh`: files and report of simplified collision meshes.
 
 use std::ffi::OsString;
+use std::fs::File;
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use clearance::covers::{self, CoverSize, LinkMeshes, MeshCover, SimplifiedMesh};
@@ -12,7 +14,7 @@ use serde::Serialize;
 use super::exit_status::ExitStatus;
 use super::failure::Failure;
 use super::run_args::{Format, internal, print_line};
-use super::spheres::{SpheresArgs, note_of_time};
+use super::spheres::{SpheresArgs, at_most, millimetres, note_of_time};
 
 /// Output in JSON format.
 #[derive(Serialize)]
@@ -65,6 +67,10 @@ pub fn check_folder(args: &SpheresArgs) -> Result<(), Failure> {
     let Some(urdf) = &args.sphere_urdf else { return Ok(()) };
     let folder = folder_of(urdf);
     uri_of(&folder)?;
+    let parent = urdf.parent().filter(|parent| !parent.as_os_str().is_empty());
+    if let Some(parent) = parent.filter(|parent| !parent.is_dir()) {
+        return Err(Failure::Input(format!("{}: there is no such folder: make it first", parent.display())));
+    }
     if folder.exists() && !folder.is_dir() {
         let message = format!(
             "{}: is there already, and no folder: the meshes need a folder with this name",
@@ -85,8 +91,8 @@ fn uri_of(folder: &Path) -> Result<String, Failure> {
             folder.display()
         ))
     })?;
-    // what would be decoded, or taken for a scheme
-    Ok(name.replace('%', "%25").replace(':', "%3A"))
+    // what would be decoded, cut off, or taken for a scheme or for xacro
+    Ok(name.replace('%', "%25").replace(':', "%3A").replace('$', "%24").replace(' ', "%20"))
 }
 
 /// Writes the meshes and the URDF, and reports the meshes.
@@ -116,10 +122,26 @@ fn write_files(robot: &RobotModel, cover: &MeshCover, urdf: &Path, file: &Path) 
     if !folder.is_dir() {
         std::fs::create_dir(&folder).map_err(unwritable)?;
     }
-    for SimplifiedMesh { mesh, file_name, .. } in cover.links.iter().flat_map(|link| &link.meshes) {
-        input_files::write(&folder.join(file_name), &covers::stl(mesh)).map_err(Failure::input)?;
+    let meshes = || cover.links.iter().flat_map(|link| &link.meshes);
+    for SimplifiedMesh { file_name, .. } in meshes() {
+        check_target(&folder.join(file_name))?;
     }
-    input_files::write(file, text.as_bytes()).map_err(Failure::input)
+    for SimplifiedMesh { mesh, file_name, .. } in meshes() {
+        input_files::replace(&folder.join(file_name), &covers::stl(mesh)).map_err(Failure::input)?;
+    }
+    input_files::replace(file, text.as_bytes()).map_err(Failure::input)
+}
+
+/// Rejects a file that is no simplified mesh: it may be the only copy of an original one.
+fn check_target(file: &Path) -> Result<(), Failure> {
+    let Ok(opened) = File::open(file) else { return Ok(()) };
+    let mut start = Vec::new();
+    let read = opened.take(100).read_to_end(&mut start);
+    if read.is_ok() && covers::is_simplified_stl(&start) {
+        return Ok(());
+    }
+    let message = "is there already, and is no simplified mesh: choose another name for the URDF";
+    Err(Failure::Input(format!("{}: {message}", file.display())))
 }
 
 /// A number with commas between groups of three digits.
@@ -133,11 +155,6 @@ fn triangles(kept: usize, of: usize) -> String {
     format!("{} of {} triangles", grouped(kept), grouped(of))
 }
 
-/// Bounds (m) in millimetres, rounded to the outside.
-fn millimetres([lower, upper]: [f64; 2]) -> String {
-    format!("{:.2} to {:.2} mm", (1e5 * lower).floor() / 100.0, (1e5 * upper).ceil() / 100.0)
-}
-
 fn text(robot: &RobotModel, size: &CoverSize, cover: &MeshCover) -> String {
     let line = |link: &LinkMeshes| {
         let name = on_one_line(&robot.link(link.link).name);
@@ -147,10 +164,10 @@ fn text(robot: &RobotModel, size: &CoverSize, cover: &MeshCover) -> String {
     let lines: String = cover.links.iter().map(line).collect();
     let cut = cover.links.iter().filter(|link| link.is_cut).count();
     format!(
-        "{lines}{}: {}; mesh and simplified mesh are at most {:.2} mm apart, proven{}{}",
+        "{lines}{}: {}; mesh and simplified mesh are at most {} mm apart, proven{}{}",
         on_one_line(robot.name()),
         triangles(cover.triangles(), cover.original_triangles()),
-        (1e5 * cover.error()[1]).ceil() / 100.0,
+        at_most(cover.error()[1]),
         note_of_count(size, cover),
         note_of_time(cut, "error"),
     )

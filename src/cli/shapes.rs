@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::exit_status::ExitStatus;
 use super::failure::Failure;
 use super::run_args::{Format, internal, print_line};
-use super::spheres::{SpheresArgs, millimetres, note_of_time};
+use super::spheres::{SpheresArgs, at_most, millimetres, note_of_time};
 
 /// Output in JSON format.
 #[derive(Serialize)]
@@ -99,10 +99,10 @@ fn text(robot: &RobotModel, kind: ShapeKind, cover: &ShapeCover) -> String {
     let lines: String = cover.links.iter().map(line).collect();
     let note = note_of_time(cover.links.iter().filter(|link| link.is_cut).count(), "excess");
     format!(
-        "{lines}{}: {}, proven to contain the links; excess at most {:.2} mm, proven{note}",
+        "{lines}{}: {}, proven to contain the links; excess at most {} mm, proven{note}",
         on_one_line(robot.name()),
         counted(cover.count(), kind),
-        1e3 * cover.largest_excess(),
+        at_most(cover.largest_excess()),
     )
 }
 

@@ -263,8 +263,14 @@ fn counts(robot: &RobotModel, spheres: &RobotModel, file: &Path) -> Result<Vec<(
     with_geometry.map(count).collect()
 }
 
+/// Bounds (m) in millimetres, rounded to the outside.
 pub fn millimetres([lower, upper]: [f64; 2]) -> String {
-    format!("{:.2} to {:.2} mm", 1e3 * lower, 1e3 * upper)
+    format!("{:.2} to {} mm", (1e5 * lower).floor() / 100.0, at_most(upper))
+}
+
+/// An upper bound (m) in millimetres, rounded up.
+pub fn at_most(upper: f64) -> String {
+    format!("{:.2}", (1e5 * upper).ceil() / 100.0)
 }
 
 /// A line about the links whose search the time has ended.
@@ -292,10 +298,10 @@ fn text(robot: &RobotModel, cover: &SphereCover, inner: bool) -> String {
     let note = note_of_time(cover.links.iter().filter(|link| link.is_cut).count(), what);
     let proof = if inner { "proven inside of the links" } else { "proven to contain the links" };
     format!(
-        "{lines}{}: {}, {proof}; {what} at most {:.2} mm, proven{note}",
+        "{lines}{}: {}, {proof}; {what} at most {} mm, proven{note}",
         on_one_line(robot.name()),
         counted(cover.count()),
-        1e3 * cover.largest_error(),
+        at_most(cover.largest_error()),
     )
 }
 

@@ -206,3 +206,21 @@ fn real_robots_are_simplified() {
         }
     }
 }
+
+/// It may be an original mesh, as where the names of files are those of links.
+#[test]
+fn a_file_that_is_no_simplified_mesh_stays() {
+    let folder = folder();
+    let arguments = ["--count", "200", "--shape-urdf", "out.urdf", "--format", "json"];
+    let (code, report, errors) = run(&folder, &arguments);
+    assert_eq!(code, Some(0), "{errors}");
+    let report: Value = serde_json::from_str(&report).unwrap();
+    let file = folder.path(report["links"][1]["meshes"][0]["file"].as_str().unwrap());
+    let urdf = std::fs::read(folder.path("out.urdf")).unwrap();
+    std::fs::write(&file, "solid original").unwrap();
+    let (code, _, errors) = run(&folder, &arguments);
+    assert_eq!(code, Some(2), "{errors}");
+    assert!(errors.contains("is no simplified mesh"), "{errors}");
+    assert_eq!(std::fs::read(&file).unwrap(), b"solid original");
+    assert_eq!(std::fs::read(folder.path("out.urdf")).unwrap(), urdf);
+}

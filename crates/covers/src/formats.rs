@@ -13,5 +13,5 @@ pub use curobo_yaml::curobo_yaml;
 pub use mesh_urdf::mesh_urdf;
 pub use shape_urdf::shape_urdf;
 pub use sphere_urdf::sphere_urdf;
-pub use stl::stl;
+pub use stl::{is_simplified_stl, stl};
 pub use xrdf::xrdf;

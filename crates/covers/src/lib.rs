@@ -57,7 +57,7 @@ mod triangle_tree;
 mod uncovered_area;
 
 pub use cover_shape::{CoverShape, ShapeSize};
-pub use formats::{curobo_yaml, mesh_urdf, shape_urdf, sphere_urdf, stl, xrdf};
+pub use formats::{curobo_yaml, is_simplified_stl, mesh_urdf, shape_urdf, sphere_urdf, stl, xrdf};
 pub use measured_cover::{MeasuredCover, MeasuredLink, measure_spheres};
 pub use mesh_cover::{LinkMeshes, MeshCover, SimplifiedMesh, mesh_cover};
 pub use options::{CoverError, CoverSize};

@@ -112,7 +112,7 @@ impl MeshCover {
 /// ([`CoverSize::Excess`], m). Closed surfaces stay closed, boundaries of open ones stay boundaries, and parts stay separate, so that a link
 /// can keep more triangles than requested. Primitives are not changed.
 ///
-/// The simplified meshes do not contain the original ones: a padding of the error does. The same input gives the same meshes, on any number
+/// The simplified meshes do not contain the original ones: enlarged by the error, they do. The same input gives the same meshes, on any number
 /// of threads, unless the limit ends the search. `on_link` is called when a link is done, from any thread.
 ///
 /// # Errors
@@ -202,8 +202,9 @@ fn name_files(robot: &RobotModel, links: &mut [LinkMeshes]) {
         for mesh in meshes {
             let number = if is_single { String::new() } else { format!("_{}", mesh.collision + 1) };
             let mut stem = format!("{name}{number}");
+            // no other link has this index: a second round is rare
             while !taken.insert(stem.to_ascii_lowercase()) {
-                stem.push('_');
+                stem = format!("{stem}__{}", link.index());
             }
             mesh.file_name = format!("{stem}.stl");
         }

@@ -28,9 +28,12 @@ pub struct LargestDistance {
 }
 
 impl LargestDistance {
-    /// The bounds in millimetres, with so many digits.
-    pub fn in_millimetres(&self, digits: usize) -> String {
-        format!("{:.digits$} to {:.digits$}", 1e3 * self.lower, 1e3 * self.upper)
+    /// The bounds in millimetres, with so many digits, rounded to the outside.
+    pub fn in_millimetres(&self, digits: u8) -> String {
+        let scale = 10.0_f64.powi(i32::from(digits));
+        let [lower, upper] = [(1e3 * scale * self.lower).floor(), (1e3 * scale * self.upper).ceil()];
+        let digits = usize::from(digits);
+        format!("{:.digits$} to {:.digits$}", lower / scale, upper / scale)
     }
 }
 

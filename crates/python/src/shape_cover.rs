@@ -106,7 +106,7 @@ impl ShapeCover {
             self.model.name(),
             counted(self.cover.count(), names),
             counted(self.cover.links.len(), ["link", "links"]),
-            1e3 * self.cover.largest_excess()
+            (1e5 * self.cover.largest_excess()).ceil() / 100.0
         )
     }
 }

@@ -180,7 +180,7 @@ impl SphereCover {
             self.model.name(),
             self.cover.count(),
             self.cover.links.len(),
-            1e3 * self.cover.largest_error()
+            (1e5 * self.cover.largest_error()).ceil() / 100.0
         )
     }
 }

@@ -35,18 +35,18 @@ pub fn with_collisions(
     urdf: &str,
     collisions_of: impl Fn(LinkId) -> Option<String>,
 ) -> Result<String, CoverError> {
-    with_edited_collisions(robot, urdf, |id, number, _| {
+    with_edited_collisions(robot, urdf, |id, [number, _], _| {
         let is_first = number == 0;
         Ok(if is_first { collisions_of(id).unwrap_or_default() } else { String::new() })
     })
 }
 
 /// The URDF text of a robot with each collision element replaced by the result of `edit`, which gets the link, the number of the element in
-/// it, and the text of the element.
+/// it and the count of its elements, and the text of the element.
 pub fn with_edited_collisions(
     robot: &RobotModel,
     urdf: &str,
-    edit: impl Fn(LinkId, usize, &str) -> Result<String, CoverError>,
+    edit: impl Fn(LinkId, [usize; 2], &str) -> Result<String, CoverError>,
 ) -> Result<String, CoverError> {
     let elements = link_elements(urdf).ok_or(CoverError::OtherUrdf)?;
     if elements.len() != robot.links().len() {
@@ -55,9 +55,10 @@ pub fn with_edited_collisions(
     let mut text = String::new();
     let mut copied = 0;
     for (id, collisions) in robot.link_ids().zip(elements) {
+        let count = collisions.len();
         for (number, collision) in collisions.into_iter().enumerate() {
             text.push_str(&urdf[copied..collision.start]);
-            text.push_str(&edit(id, number, &urdf[collision.clone()])?);
+            text.push_str(&edit(id, [number, count], &urdf[collision.clone()])?);
             copied = collision.end;
         }
     }

@@ -24,27 +24,46 @@ pub fn mesh_urdf(
         let link = cover.links.iter().find(|link| link.link == id)?;
         link.meshes.iter().find(|mesh| mesh.collision == collision).map(|mesh| &mesh.file_name)
     };
-    with_edited_collisions(robot, urdf, |id, number, element| match file(id, number) {
+    with_edited_collisions(robot, urdf, |id, [number, count], element| match file(id, number) {
+        // elements of another namespace count in the text, and not in the model
+        _ if count != robot.link(id).collisions.len() => Err(CoverError::OtherUrdf),
         None => Ok(element.to_owned()),
         Some(name) => with_mesh(element, &format!("{folder}/{name}")).ok_or(CoverError::OtherUrdf),
     })
 }
 
-/// A collision element whose mesh has another file, and no scale; `None` if it has no mesh.
+/// A collision element whose mesh has another file, and no scale; `None` if its geometry has no mesh.
 fn with_mesh(element: &str, file: &str) -> Option<String> {
+    let mut open: Vec<&str> = Vec::new();
     let mut at = 0;
     while let Some(offset) = element[at..].find('<') {
         let start = at + offset;
         at = start + markup_length(&element[start..])?;
         let tag = &element[start..at];
-        let rest = tag.strip_prefix("<mesh").unwrap_or_default();
-        if rest.starts_with(|c: char| c.is_whitespace() || c == '/' || c == '>') {
-            let end = if tag.ends_with("/>") { "/>" } else { ">" };
-            let mesh = format!("<mesh filename=\"{}\"{end}", attribute(file));
-            return Some([&element[..start], &mesh, &element[at..]].concat());
+        if tag.starts_with("<!") || tag.starts_with("<?") {
+            continue;
+        }
+        if !tag.starts_with("</") {
+            open.push(name_of(tag));
+            if open == ["collision", "geometry", "mesh"] {
+                let end = if tag.ends_with("/>") { "/>" } else { ">" };
+                let mesh = format!("<mesh filename=\"{}\"{end}", attribute(file));
+                return Some([&element[..start], &mesh, &element[at..]].concat());
+            }
+        }
+        if tag.starts_with("</") || tag.ends_with("/>") {
+            open.pop()?;
         }
     }
     None
+}
+
+/// Name of the element that a tag opens; empty where the tag declares a namespace, which the element may belong to.
+fn name_of(tag: &str) -> &str {
+    if tag.contains("xmlns") {
+        return "";
+    }
+    tag[1..].split(|c: char| c.is_whitespace() || c == '/' || c == '>').next().unwrap_or_default()
 }
 
 #[cfg(test)]
@@ -62,6 +81,19 @@ mod tests {
         ] {
             assert_eq!(with_mesh(&element(old), "m/x&.stl"), Some(element(new)));
         }
-        assert_eq!(with_mesh(&element("<meshes/>"), "x.stl"), None);
+        for other in ["<meshes/>", "<u:mesh/>", "<mesh xmlns='urn:x'/>", "<a><mesh/></a>"] {
+            assert_eq!(with_mesh(&element(other), "x.stl"), None, "{other}");
+        }
+        let plain = "<geometry><mesh filename='b'/></geometry>";
+        for before in [
+            "<gazebo><mesh/></gazebo>",
+            "<gazebo><geometry><mesh/></geometry></gazebo>",
+            "<geometry xmlns='urn:x'><mesh/></geometry>",
+        ] {
+            let text = format!("<collision>{before}{plain}</collision>");
+            let expected =
+                format!("<collision>{before}<geometry><mesh filename=\"x.stl\"/></geometry></collision>");
+            assert_eq!(with_mesh(&text, "x.stl"), Some(expected));
+        }
     }
 }

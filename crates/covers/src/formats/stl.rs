@@ -2,6 +2,15 @@
 
 use clearance_geometry::TriangleMesh;
 
+/// Start of the header of the files that are written here.
+const TITLE: &[u8] = b"binary STL, simplified by clearance";
+
+/// True if the start of a file is that of a simplified mesh.
+#[must_use]
+pub fn is_simplified_stl(start: &[u8]) -> bool {
+    start.starts_with(TITLE)
+}
+
 /// Length of the header; it must not begin with `solid`, as texts do.
 const HEADER: usize = 80;
 
@@ -9,7 +18,7 @@ const HEADER: usize = 80;
 #[must_use]
 pub fn stl(mesh: &TriangleMesh) -> Vec<u8> {
     let count = u32::try_from(mesh.triangles().len()).unwrap_or(u32::MAX);
-    let mut bytes = b"binary STL, simplified by clearance; metres".to_vec();
+    let mut bytes = [TITLE, b"; metres"].concat();
     bytes.resize(HEADER, 0);
     bytes.extend(count.to_le_bytes());
     for number in 0..count as usize {
