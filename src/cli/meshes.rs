@@ -1,13 +1,11 @@
 //! `clearance spheres --shape mesh`: files and report of simplified collision meshes.
 
 use std::ffi::OsString;
-use std::fs::File;
-use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use clearance::covers::{self, CoverSize, LinkMeshes, MeshCover, SimplifiedMesh};
 use clearance::robot::RobotModel;
-use clearance_files::input_files::{self, DESCRIPTION_LIMIT};
+use clearance_files::input_files::{self, DESCRIPTION_LIMIT, MESH_LIMIT};
 use clearance_files::readable_text::on_one_line;
 use serde::Serialize;
 
@@ -134,10 +132,9 @@ fn write_files(robot: &RobotModel, cover: &MeshCover, urdf: &Path, file: &Path) 
 
 /// Rejects a file that is no simplified mesh: it may be the only copy of an original one.
 fn check_target(file: &Path) -> Result<(), Failure> {
-    let Ok(opened) = File::open(file) else { return Ok(()) };
-    let mut start = Vec::new();
-    let read = opened.take(100).read_to_end(&mut start);
-    if read.is_ok() && covers::is_simplified_stl(&start) {
+    if !file.exists()
+        || input_files::read(file, MESH_LIMIT).is_ok_and(|bytes| covers::is_simplified_stl(&bytes))
+    {
         return Ok(());
     }
     let message = "is there already, and is no simplified mesh: choose another name for the URDF";

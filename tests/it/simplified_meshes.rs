@@ -169,7 +169,7 @@ fn bad_input_is_rejected() {
         (&["--count", "90", "--curobo", "c.yaml"], "without --inner, --curobo"),
         (&["--count", "90", "--xrdf", "c.xrdf"], "without --inner, --curobo"),
         (&["--count", "90", "--shape-urdf", "t.urdf"], "t_meshes: is there already, and no folder"),
-        (&["--count", "90", "--shape-urdf", "no/t.urdf"], "cannot be"),
+        (&["--count", "90", "--shape-urdf", "no/t.urdf"], "no: there is no such folder"),
     ] {
         let (code, _, errors) = run(&folder, arguments);
         assert!(code == Some(2) && errors.contains(message), "{arguments:?}: {errors}");
