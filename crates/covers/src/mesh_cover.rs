@@ -12,6 +12,9 @@ use crate::mesh_simplification::{LEAST_TRIANGLES, MeshSize, Simplified, simplify
 use crate::options::{CoverError, CoverSize};
 use crate::search_limit::SearchLimit;
 
+/// Triangles of the meshes of a link above which they are not simplified: their number bounds the memory.
+const MOST_TRIANGLES: usize = 1_000_000;
+
 /// Longest name (characters) of a link in the name of a file.
 const LONGEST_FILE_NAME: usize = 100;
 
@@ -116,7 +119,8 @@ impl MeshCover {
 /// of threads, unless the limit ends the search. `on_link` is called when a link is done, from any thread.
 ///
 /// # Errors
-/// If the size is of another kind or too small, the robot has no collision mesh, or single precision is too coarse for the error.
+/// If the size is of another kind or too small, the robot has no collision mesh, a link has more than a million triangles,
+/// or single precision is too coarse for the error.
 pub fn mesh_cover(
     robot: &RobotModel,
     size: &CoverSize,
@@ -170,6 +174,13 @@ fn link_meshes(
     let link = robot.link(id);
     let (numbers, originals): (Vec<usize>, Vec<Arc<TriangleMesh>>) =
         meshes(robot, id).map(|(i, mesh)| (i, mesh.clone())).unzip();
+    let triangles: usize = originals.iter().map(|mesh| mesh.triangles().len()).sum();
+    if triangles > MOST_TRIANGLES {
+        let reason = format!(
+            "its collision meshes have {triangles} triangles, but at most {MOST_TRIANGLES} are simplified"
+        );
+        return Err(CoverError::Link { link: link.name.clone(), reason });
+    }
     let (simplified, is_whole) = simplify(&originals, size, limit)
         .map_err(|error| CoverError::Link { link: link.name.clone(), reason: error.to_string() })?;
     if let MeshSize::Distance(excess) = size

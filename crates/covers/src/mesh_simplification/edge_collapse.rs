@@ -21,8 +21,8 @@ const LEAST_COSINE: f64 = 0.2;
 /// Twice the area of a triangle, relative to the square of its longest edge, below which a collapse must not make it narrower.
 const NARROW: f64 = 1e-3;
 
-/// Number of collapses between two looks at the clock.
-const COLLAPSES_PER_CLOCK: usize = 64;
+/// Number of candidates, or of vertices, between two looks at the clock.
+const STEPS_PER_CLOCK: usize = 64;
 
 /// A collapse of an edge, by its cost.
 #[derive(Clone, Copy, Debug)]
@@ -74,9 +74,7 @@ impl EdgeCollapse {
         let planes = PlaneSets::new(&complex);
         let quadrics = (0..complex.vertices()).map(|v| planes.quadric(v)).collect();
         let changes = vec![0; complex.vertices() as usize];
-        let mut collapse = Self { complex, planes, quadrics, changes, queue: BinaryHeap::new() };
-        collapse.fill_queue();
-        collapse
+        Self { complex, planes, quadrics, changes, queue: BinaryHeap::new() }
     }
 
     /// The faces.
@@ -86,36 +84,38 @@ impl EdgeCollapse {
 
     /// Collapses edges until there are at most `count` faces. False if no more edges can collapse, or the limit ends it.
     pub fn reduce_to(&mut self, count: usize, limit: &SearchLimit) -> bool {
-        let mut done = 0_usize;
-        let mut done_before_refill = 0;
+        let mut steps = 0_usize;
+        // rejected candidates may be possible after others: the queue is filled until nothing collapses any more
+        let mut count_at_last_fill = None;
         while self.complex.count() > count {
-            if done.is_multiple_of(COLLAPSES_PER_CLOCK) && limit.is_over() {
+            if steps.is_multiple_of(STEPS_PER_CLOCK) && limit.is_over() {
                 return false;
             }
-            let Some(candidate) = self.queue.pop() else {
-                // what was rejected may be possible now
-                if done == done_before_refill {
-                    return false;
-                }
-                done_before_refill = done;
-                self.fill_queue();
-                continue;
-            };
-            if self.try_collapse(&candidate) {
-                done += 1;
+            steps += 1;
+            if let Some(candidate) = self.queue.pop() {
+                self.try_collapse(&candidate);
+            } else if count_at_last_fill == Some(self.complex.count()) || !self.fill_queue(limit) {
+                return false;
+            } else {
+                count_at_last_fill = Some(self.complex.count());
             }
         }
         true
     }
 
-    fn fill_queue(&mut self) {
+    /// Adds all edges to the queue; false if the limit ends it.
+    fn fill_queue(&mut self, limit: &SearchLimit) -> bool {
         for u in 0..self.complex.vertices() {
+            if (u as usize).is_multiple_of(STEPS_PER_CLOCK) && limit.is_over() {
+                return false;
+            }
             for v in self.complex.neighbours(u) {
                 if u < v {
                     self.add([u, v], 0);
                 }
             }
         }
+        true
     }
 
     /// Adds a collapse of an edge to the queue: to the best position, or to its ends.
@@ -137,16 +137,17 @@ impl EdgeCollapse {
         self.queue.push(Candidate { cost, ends, changes, position, next: number + 1 });
     }
 
-    fn try_collapse(&mut self, candidate: &Candidate) -> bool {
+    /// Collapses an edge, unless that would turn a face over.
+    fn try_collapse(&mut self, candidate: &Candidate) {
         let Candidate { ends: [u, v], changes, position, next, .. } = *candidate;
         let is_current = changes == [u, v].map(|end| self.changes[end as usize]);
         if !is_current {
-            return false;
+            return;
         }
-        let Some(place) = self.complex.place(u, v) else { return false };
+        let Some(place) = self.complex.place(u, v) else { return };
         if self.turns_a_face([u, v], &position) || self.turns_a_face([v, u], &position) {
             self.add([u, v], next);
-            return false;
+            return;
         }
         let [kept, gone] = if place == Place::At(v) { [v, u] } else { [u, v] };
         self.quadrics[kept as usize] = self.quadrics[u as usize].plus(&self.quadrics[v as usize]);
@@ -158,7 +159,6 @@ impl EdgeCollapse {
         for neighbour in self.complex.neighbours(kept) {
             self.add([kept.min(neighbour), kept.max(neighbour)], 0);
         }
-        true
     }
 
     /// True if a face of the first end, without the second, would turn over or become narrow if the end moved to a position.
@@ -175,7 +175,7 @@ impl EdgeCollapse {
     }
 }
 
-/// What a collapse must keep of a triangle.
+/// Orientation and width of a triangle, which a collapse must keep.
 struct Shape {
     /// With twice the area as its length (m²).
     normal: Vector,

@@ -10,7 +10,7 @@ use clearance_geometry::TriangleMesh;
 use clearance_geometry::WeldedMesh;
 use clearance_geometry::math::Point;
 
-/// What the faces around a vertex form.
+/// Topology of the faces around a vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Around {
     /// A closed fan.
@@ -20,6 +20,10 @@ enum Around {
     /// Anything else: the vertex keeps its place.
     Other,
 }
+
+/// Number of faces at a vertex above which its edges stay, since each of their tests reads all of these faces. Collapses around it reduce
+/// the number.
+const MOST_FACES: usize = 1000;
 
 /// Where the vertex of a collapsed edge may be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -181,6 +185,9 @@ impl SurfaceComplex {
 
     /// Where the vertex may be into which an edge collapses without a change of topology; `None` if the edge must stay.
     pub fn place(&self, u: u32, v: u32) -> Option<Place> {
+        if [u, v].iter().any(|end| self.faces_of[*end as usize].len() > MOST_FACES) {
+            return None;
+        }
         let apexes: Vec<u32> = (self.faces_at(u).filter(|face| face.contains(&v)))
             .filter_map(|face| face.into_iter().find(|w| *w != u && *w != v))
             .collect();

@@ -287,3 +287,30 @@ fn distances_hold_wherever_the_time_ends() {
         }
     }
 }
+
+/// Two cones of so many faces on one rim.
+fn double_cone(faces: u32) -> Arc<TriangleMesh> {
+    let rim = (0..faces).map(|i| {
+        let angle = f64::from(i) / f64::from(faces) * TAU;
+        Point::new(0.1 * angle.cos(), 0.1 * angle.sin(), 0.0)
+    });
+    let vertices = [0.05, -0.05].map(|z| Point::new(0.0, 0.0, z)).into_iter().chain(rim).collect();
+    let triangles = (0..faces).flat_map(|i| {
+        let [a, b] = [2 + i, 2 + (i + 1) % faces];
+        [[0, a, b], [1, b, a]]
+    });
+    Arc::new(TriangleMesh::new(vertices, triangles.collect()).unwrap())
+}
+
+/// The apexes have more faces than a test of an edge reads, until the rim has fewer vertices.
+#[test]
+fn vertices_of_very_many_faces_are_simplified_around() {
+    let mesh = double_cone(2000);
+    let found = simplified(&mesh, MeshSize::Triangles(100));
+    assert!(found.mesh.triangles().len() <= 100, "{}", found.mesh.triangles().len());
+    assert_eq!(topology(&joined_vertices(&found.mesh)), [2, 0]);
+    assert!(found.distance.upper < 0.002, "{:?}", found.distance);
+    let (cut, is_whole) =
+        simplify(std::slice::from_ref(&mesh), MeshSize::Triangles(100), &SearchLimit::after(8)).unwrap();
+    assert!(!is_whole && cut[0].mesh.triangles().len() > 3000);
+}

@@ -99,7 +99,7 @@ fn an_acceleration_limit_allows_departures_and_a_speed_limit_none() {
     assert!(found <= exact - 0.2 && found > exact - 0.22, "{found} {exact}");
 }
 
-/// What rests may start to move at any time since its pose; without an acceleration limit, its speed limit applies.
+/// An obstacle at rest may start to move at any time since its pose; without an acceleration limit, its speed limit applies.
 #[test]
 fn limits_of_an_obstacle_at_rest_hold() {
     let with = |speed, acceleration| {
