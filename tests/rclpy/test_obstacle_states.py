@@ -108,6 +108,27 @@ def test_a_moving_obstacle_that_nobody_tracks_any_more_makes_the_status_unknown(
     assert not state.time_to_contact_considers_obstacle_motion
 
 
+def test_motion_between_states_is_not_proven_beside_a_moving_obstacle(start):
+    cell = looking_ahead(start, check_between_states=True)
+    sideways = [0.0]
+    tracker = Tracker(
+        cell, TOUCHES_AT + 0.005, 0.0, damage=lambda state: setattr(state.twist.linear, "y", sideways[0])
+    )
+    at_rest = near(cell, tracker)
+
+    def is_proven(state):
+        return state.motion_since_previous == CollisionState.PROVEN_FREE
+
+    proven = cell.states.wait_for(is_proven, "a motion beside a cart at rest", after=at_rest)
+    sideways[0] = 2.0
+
+    def is_unproven(state):
+        return state.motion_since_previous == CollisionState.NOT_PROVEN
+
+    unproven = cell.states.wait_for(is_unproven, "a motion beside a cart that moves", after=proven)
+    assert "obstacle 'cart' moves" in unproven.motion_since_previous_reason
+
+
 def test_states_of_unknown_obstacles_are_rejected_until_they_are_added(start):
     cell = looking_ahead(start)
     scene = SceneClient(cell)

@@ -95,8 +95,8 @@ pub(super) fn poses_after_step(robot: &RobotModel, checked_state: &CheckedState)
 
 /// Rate (m/s) at which the distance of a pair shrinks; negative when it grows, `None` when the bodies touch.
 ///
-/// Obstacles are at rest in the frames that they are placed in; motion of their own is not that of the robot. If there are several such frames, the fastest approach
-/// counts.
+/// Obstacles are at rest in the frames that they are placed in; motion of their own is not that of the robot. If there are
+/// several such frames, the fastest approach counts.
 pub(super) fn approach_rate(
     checker: &CollisionChecker,
     pair: &PairDistance,

@@ -25,6 +25,7 @@ use clearance_scene::BodyId;
 use super::distance_bounds::DistanceBounds;
 use super::motion_since_previous::{GapReason, MotionSincePrevious, NoMotion, Passage};
 use super::obstacle_motion::ObstacleMotion;
+use super::tracked_obstacle::TrackedObstacles;
 use super::{CheckedState, LeftOut, MonitorSettings, Time};
 
 /// Motion (m) within an interval below which it may stay undecided.
@@ -83,6 +84,8 @@ pub(super) struct CurrentState<'c> {
     pub report: &'c CollisionReport,
     pub bounds: DistanceBounds,
     pub obstacle_motions: &'c [ObstacleMotion],
+    /// Obstacles that move by themselves.
+    pub tracked_obstacles: &'c TrackedObstacles,
     pub settings: &'c MonitorSettings,
     pub effort: &'c Effort,
     /// The part to leave out, regardless of the time.
@@ -197,9 +200,10 @@ impl BetweenStates {
             return late();
         }
         let reach = motion.reach(current);
-        let root = root_motion(previous, current, motion, &reach);
+        let obstacles = obstacle_shift(previous, current, motion, &reach);
+        let shift = obstacles.margin;
         let [self_pairs, world_pairs] =
-            PairKind::ALL.map(|kind| is_proven_by_distances(kind, previous, current, &reach, root.margin));
+            PairKind::ALL.map(|kind| is_proven_by_distances(kind, previous, current, &reach, shift));
         if self_pairs && world_pairs {
             return MotionSincePrevious::ProvenFree;
         }
@@ -213,12 +217,23 @@ impl BetweenStates {
         // the latest contact is searched where the motion begins with one
         let is_reversed = !touching.is_empty();
         let ends = if is_reversed { touching } else { &current.report.colliding_pairs };
-        let margin = if world_pairs { 0.0 } else { root.margin };
+        let margin = if world_pairs { 0.0 } else { shift };
+        if !margin.is_finite() {
+            return unproven(obstacles.why, None, [0.0, 1.0]);
+        }
         let Some(segment) = motion.segment(current, is_reversed) else {
             return unproven(GapReason::Undecided(UndecidedReason::Overflow), None, [0.0, 1.0]);
         };
         let workspace = self.workspace.get_or_insert_with(|| current.checker.workspace());
-        let verdict = search(&segment, margin, current, workspace);
+        let mut verdict = search(&segment, margin, current, workspace);
+        let mut is_shifted = margin > 0.0;
+        if is_shifted && obstacles.others_stand && matches!(verdict, MotionVerdict::Contact { .. }) {
+            // a contact with an obstacle that stands is one
+            let standing = search(&segment, 0.0, current, workspace);
+            if matches!(standing, MotionVerdict::Contact { pair, .. } if !current.moves_by_itself(pair)) {
+                (verdict, is_shifted) = (standing, false);
+            }
+        }
         let forward = |[first, second]: [f64; 2]| {
             if is_reversed { [1.0 - second, 1.0 - first] } else { [first, second] }
         };
@@ -227,9 +242,9 @@ impl BetweenStates {
         match verdict {
             MotionVerdict::Free => MotionSincePrevious::ProvenFree,
             MotionVerdict::Contact { pair, .. } if is_own(&pair) => own,
-            MotionVerdict::Contact { t, pair, .. } if margin > 0.0 => {
+            MotionVerdict::Contact { t, pair, .. } if is_shifted => {
                 // where the pair is within the margin for the first time: it may touch at any time after it
-                unproven(GapReason::RootMoves { frame: root.frame }, Some(pair), forward([t[0], 1.0]))
+                unproven(obstacles.why, Some(pair), forward([t[0], 1.0]))
             }
             // the previous state may touch in this world
             MotionVerdict::Contact { t, pair, .. } if t[0] <= 0.0 && !previous.is_of_current_world => {
@@ -246,6 +261,13 @@ impl BetweenStates {
                 unproven(GapReason::Undecided(reason), pair, forward(t))
             }
         }
+    }
+}
+
+impl CurrentState<'_> {
+    /// Whether one of two bodies is an obstacle that moves at a velocity of its own.
+    fn moves_by_itself(&self, (a, b): (BodyId, BodyId)) -> bool {
+        [a, b].iter().any(|body| self.tracked_obstacles.moves(self.checker.body_name(*body)))
     }
 }
 
@@ -274,12 +296,14 @@ struct MotionReach {
     tube: f64,
 }
 
-/// Possible motion of the obstacles while the joints move.
-struct RootMotion {
+/// Possible motion of the obstacles relative to the root while the joints move.
+struct ObstacleShift {
     /// Upper bound (m) on the motion.
     margin: f64,
-    /// Name of the frame that moves.
-    frame: String,
+    /// Why they move.
+    why: GapReason,
+    /// Whether only obstacles with a velocity of their own move.
+    others_stand: bool,
 }
 
 impl Motion {
@@ -318,11 +342,11 @@ fn is_proven_by_distances(
     previous: &PreviousState,
     current: &CurrentState,
     reach: &MotionReach,
-    root_margin: f64,
+    obstacle_shift: f64,
 ) -> bool {
     let margin = match kind {
         PairKind::SelfPair => 0.0,
-        PairKind::WorldPair => root_margin,
+        PairKind::WorldPair => obstacle_shift,
     };
     if !current.checker.checks(kind) {
         return true;
@@ -335,25 +359,32 @@ fn is_proven_by_distances(
     excess > loss
 }
 
-/// Possible motion of the obstacles: the root moves in their frames at the velocity that `tf` shows at one of the ends.
-fn root_motion(
+/// Possible motion of the obstacles: the root moves in their frames at the velocity that `tf` shows at one of the ends, and some
+/// move at their own.
+fn obstacle_shift(
     previous: &PreviousState,
     current: &CurrentState,
     motion: &Motion,
     reach: &MotionReach,
-) -> RootMotion {
-    let mut fastest = RootMotion { margin: 0.0, frame: String::new() };
+) -> ObstacleShift {
+    let (mut of_root, mut frame) = (0.0, "");
     let moving = previous.state.obstacle_motions.iter().chain(current.obstacle_motions);
     let mut radius = None;
     for moved in moving.filter(|moved| !moved.is_none()) {
         let radius =
             *radius.get_or_insert_with(|| current.checker.extent(current.poses) + reach.travel + reach.tube);
         let margin = moved.largest_step(radius, motion.duration);
-        if margin > fastest.margin {
-            fastest = RootMotion { margin, frame: moved.frame.clone() };
+        if margin > of_root {
+            (of_root, frame) = (margin, &moved.frame);
         }
     }
-    fastest
+    let fastest =
+        current.tracked_obstacles.fastest(current.checker, current.poses, current.settings, motion.duration);
+    let (own, why) = match fastest {
+        Some((name, own)) => (own, GapReason::ObstacleMoves { name: name.to_owned() }),
+        None => (0.0, GapReason::RootMoves { frame: frame.to_owned() }),
+    };
+    ObstacleShift { margin: of_root + own, why, others_stand: of_root == 0.0 }
 }
 
 fn search(

@@ -71,6 +71,11 @@ pub enum GapReason {
         /// Name of the frame.
         frame: String,
     },
+    /// An obstacle moves at a velocity of its own, and a body is too near to an obstacle.
+    ObstacleMoves {
+        /// Name of the obstacle.
+        name: String,
+    },
     /// The status is UNKNOWN.
     UnknownStatus,
 }
@@ -157,6 +162,9 @@ impl fmt::Display for GapReason {
             Self::WorldChanged => f.write_str("the world has changed since the previous state"),
             Self::RootMoves { frame } => {
                 write!(f, "an obstacle is near, and the robot's root moves in {}", quoted(frame))
+            }
+            Self::ObstacleMoves { name } => {
+                write!(f, "an obstacle is near, and obstacle {} moves", quoted(name))
             }
             Self::UnknownStatus => f.write_str("the status is UNKNOWN"),
         }

@@ -110,6 +110,7 @@ impl StateEvaluator {
             report: &report,
             bounds,
             obstacle_motions: &obstacle_motions,
+            tracked_obstacles: &tracked_obstacles,
             settings,
             effort: &effort,
             fixed,

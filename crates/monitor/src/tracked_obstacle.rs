@@ -52,6 +52,11 @@ impl TrackedObstacles {
         self.0.iter().any(|obstacle| !obstacle.motion.stands())
     }
 
+    /// Whether the obstacle with a name has a velocity.
+    pub(super) fn moves(&self, name: &str) -> bool {
+        self.of(name).is_some_and(|obstacle| !obstacle.motion.stands())
+    }
+
     /// The obstacle with a name, if it is one of these.
     pub(super) fn of(&self, name: &str) -> Option<&TrackedObstacle> {
         let found = self.0.binary_search_by(|obstacle| obstacle.motion.name.as_str().cmp(name));
@@ -94,10 +99,29 @@ impl TrackedObstacles {
         settings: &MonitorSettings,
     ) -> f64 {
         let approaches = self.0.iter().map(|obstacle| {
-            let time = settings.speed.reaction_time;
-            obstacle.largest_displacement(checker, poses, time) + obstacle.uncertainty(settings)
+            let time = obstacle.age.abs() + settings.speed.reaction_time;
+            let [moved, turned] = obstacle.largest_displacement(checker, poses, time);
+            moved + turned.lesser(LONGEST_TURN) + obstacle.departure(time, settings)
         });
         if settings.speed.world.reach() > 0.0 { approaches.fold(0.0, f64::greater) } else { 0.0 }
+    }
+
+    /// The obstacle whose points move farthest in a time (s) before the joint state, and an upper bound (m) on their motion
+    /// from its pose.
+    pub(super) fn fastest(
+        &self,
+        checker: &CollisionChecker,
+        poses: &LinkPoses,
+        settings: &MonitorSettings,
+        time: f64,
+    ) -> Option<(&str, f64)> {
+        let moving = self.0.iter().filter(|obstacle| !obstacle.motion.stands());
+        let bounds = moving.map(|obstacle| {
+            let time = obstacle.age.abs() + time;
+            let [moved, turned] = obstacle.largest_displacement(checker, poses, time);
+            (obstacle.motion.name.as_str(), moved + turned + obstacle.departure(time, settings))
+        });
+        bounds.max_by(|a, b| a.1.total_cmp(&b.1))
     }
 }
 
@@ -108,16 +132,16 @@ impl TrackedObstacle {
         let [a, b] = pair.witness_points;
         let (on_obstacle, on_other) = if matches!(pair.a, BodyId::Obstacle(_)) { (a, b) } else { (b, a) };
         let towards = (on_other - on_obstacle).try_normalize(0.0).unwrap_or_default();
-        let displacement = self.displacement(&on_obstacle, settings.speed.reaction_time);
-        displacement.dot(&towards).greater(0.0) + self.uncertainty(settings)
+        let (age, reaction_time) = (self.age.abs(), settings.speed.reaction_time);
+        let since_state = self.displacement(&on_obstacle, reaction_time).dot(&towards).greater(0.0);
+        let until_state = self.displacement(&on_obstacle, age).norm();
+        since_state + until_state + self.departure(age + reaction_time, settings)
     }
 
-    /// Distance (m) between where it is at the end of the reaction time and where its pose and velocity alone have it.
-    fn uncertainty(&self, settings: &MonitorSettings) -> f64 {
-        let MovingObstacle { name, linear, .. } = &self.motion;
-        let age = self.age.abs();
-        let limit = SpeedLimit { speed: 0.0, ..settings.obstacle_limits.of(name) };
-        Vector::from(*linear).norm() * age + limit.displacement(age + settings.speed.reaction_time)
+    /// Upper bound (m) on the distance between a point and where the velocity alone brings it in a time (s).
+    fn departure(&self, time: f64, settings: &MonitorSettings) -> f64 {
+        let limit = settings.obstacle_limits.of(&self.motion.name);
+        SpeedLimit { speed: 0.0, ..limit }.displacement(time)
     }
 
     /// Displacement of its point in a time (s).
@@ -125,8 +149,9 @@ impl TrackedObstacle {
         self.motion.displacement(time) * point_r - point_r
     }
 
-    /// Upper bound (m) on the displacement of its points in a time (s).
-    fn largest_displacement(&self, checker: &CollisionChecker, poses: &LinkPoses, time: f64) -> f64 {
+    /// Upper bounds (m) on the displacement of its points in a time (s): by its translation, and by its rotation, which is
+    /// infinite for a plane.
+    fn largest_displacement(&self, checker: &CollisionChecker, poses: &LinkPoses, time: f64) -> [f64; 2] {
         let MovingObstacle { name, centre, linear, angular, .. } = &self.motion;
         let centre = Vector::from(*centre);
         let capsules =
@@ -137,7 +162,6 @@ impl TrackedObstacle {
         });
         let extent = extents.fold(0.0, f64::greater);
         let [speed, turning] = [linear, angular].map(|v| Vector::from(*v).norm() * time);
-        let turned = if turning > 0.0 { (turning * extent).lesser(LONGEST_TURN) } else { 0.0 };
-        speed + turned
+        [speed, if turning > 0.0 { turning * extent } else { 0.0 }]
     }
 }

@@ -162,3 +162,59 @@ fn the_speed_scale_counts_the_velocity_along_its_direction() {
     // from beyond the slow-down distance
     assert!((share([-4.0, 0.0, 0.0], 0.0)).abs() < 1e-6);
 }
+
+/// The motion from a state 0.2 s before, with the arm turned by an angle (rad), while the cart moves.
+fn motion_since_previous(gap: f64, linear: [f64; 3], angle: f64) -> MotionSincePrevious {
+    let settings = MonitorSettings { check_between_states: true, ..MonitorSettings::default() };
+    let mut monitor = Monitor::new(settings, stopwatch);
+    monitor.set_checker(cart(Pose::translation(2.2 + gap, 0.0, 0.0), linear, [0.0; 3], 1.0));
+    monitor.on_joint_state(state(0.8, [angle, 0.0]), at(0.8));
+    let evaluation = monitor.on_joint_state(state(1.0, FREE), at(1.0));
+    assert_eq!(code(&evaluation), "FREE");
+    evaluation.motion_since_previous
+}
+
+/// In 0.2 s, the cart has moved by up to 0.1 m.
+#[test]
+fn motions_beside_a_moving_obstacle_are_proven_with_its_motion() {
+    let linear = [0.0, 0.5, 0.0];
+    assert_eq!(motion_since_previous(0.15, linear, 0.01), MotionSincePrevious::ProvenFree);
+    assert_eq!(motion_since_previous(0.05, [0.0; 3], 0.01), MotionSincePrevious::ProvenFree);
+    let near = motion_since_previous(0.05, linear, 0.01);
+    let MotionSincePrevious::NotProven { why, .. } = near else { panic!("{near:?}") };
+    assert_eq!(why, GapReason::ObstacleMoves { name: "cart".to_owned() });
+}
+
+/// The motion through one of two balls of 1 cm: a cart that moves, and a post.
+fn passes(passed: &str) -> MotionSincePrevious {
+    let mut world = World::default();
+    for (name, angle) in [("cart", 0.0), ("post", 1.5)] {
+        let ball = Shape::Primitive(Primitive::Sphere { radius: 0.01 });
+        let pose_ro = pose_from_xyz_rpy([2.0 * f64::cos(angle), 2.0 * f64::sin(angle), 0.0], [0.0; 3]);
+        world.add(Obstacle::of_shape(name, pose_ro, ball)).unwrap();
+    }
+    let robot = RobotModel::from_urdf(URDF, &MeshFiles::default()).unwrap();
+    let checker = CollisionChecker::new(Arc::new(robot), &world, Settings::default()).unwrap();
+    let mut revision = Revision::new(checker, 1, 1);
+    revision.obstacle_twists.push(ObstacleTwist {
+        name: "cart".to_owned(),
+        linear_o: Vector::new(0.0, 0.1, 0.0),
+        angular_o: Vector::default(),
+        stamp: time(START + 1.0),
+        received: Duration::from_secs(1),
+    });
+    let settings = MonitorSettings { check_between_states: true, ..MonitorSettings::default() };
+    let mut monitor = Monitor::new(settings, stopwatch);
+    monitor.set_checker(Arc::new(revision));
+    let middle = if passed == "cart" { 0.0 } else { 1.5 };
+    monitor.on_joint_state(state(0.8, [middle - 0.2, 0.0]), at(0.8));
+    monitor.on_joint_state(state(1.0, [middle + 0.2, 0.0]), at(1.0)).motion_since_previous
+}
+
+#[test]
+fn what_stands_is_passed_through_and_what_moves_perhaps() {
+    let MotionSincePrevious::PassedThrough(passage) = passes("post") else { panic!("{:?}", passes("post")) };
+    assert!(passage.pair.is_some() && passage.t[0] > 0.2 && passage.t[1] < 0.8, "{passage:?}");
+    let MotionSincePrevious::NotProven { why, .. } = passes("cart") else { panic!("{:?}", passes("cart")) };
+    assert_eq!(why, GapReason::ObstacleMoves { name: "cart".to_owned() });
+}
