@@ -13,7 +13,7 @@ use clearance::lint::{HausdorffOptions, LintOptions, html_report};
 use clearance::motion::{Certificate, Trajectory, model_fingerprint, world_fingerprint};
 use clearance::robot::{LinkPoses, MeshUse, RecordedMeshes, RobotText, VisualGeometry};
 use clearance::scene::{AllowedCollisionMatrix, MeshModel, NamedState, Scene, SceneLoader};
-use clearance::verifier::{Verifier, verify};
+use clearance::verifier::{MatrixCertificate, MatrixVerifier, Verifier, matrix_fingerprint, verify};
 use clearance::{CollisionChecker, MeshFiles, Question, RobotModel, Settings, World};
 use clearance_ros::fuzzing::{MessageKind, OfflineNode, respond_in_memory};
 use clearance_ros::{Archive, Prepared, replay};
@@ -22,7 +22,7 @@ use clearance_ros::{Archive, Prepared, replay};
 pub type Target = fn(&[u8]);
 
 /// All fuzz targets, by the names of their corpora.
-pub const TARGETS: [(&str, Target); 19] = [
+pub const TARGETS: [(&str, Target); 20] = [
     ("urdf", urdf),
     ("srdf", srdf),
     ("stl", stl),
@@ -39,6 +39,7 @@ pub const TARGETS: [(&str, Target); 19] = [
     ("trajectory", trajectory),
     ("states", states),
     ("certificate", certificate),
+    ("matrix_certificate", matrix_certificate),
     ("recording", recording),
     ("message", message),
     ("http_request", http_request),
@@ -186,6 +187,24 @@ pub fn certificate(data: &[u8]) {
     certificate.digest = certificate.content_hash();
     if let Ok(verifier) = Verifier::new(&ROBOT, &world, &settings, None) {
         let _ = verifier.verify(&certificate);
+    }
+}
+
+/// A certificate of a collision matrix, as it is, and with hashes that fit, so that its proofs are verified.
+pub fn matrix_certificate(data: &[u8]) {
+    let Ok(text) = std::str::from_utf8(data) else { return };
+    let Ok(mut certificate) = serde_json::from_str::<MatrixCertificate>(text) else { return };
+    let settings = Settings::default();
+    let verifier = MatrixVerifier::new(&ROBOT, &settings).expect("the settings are the default ones");
+    let _ = verifier.check_subject(&certificate);
+    certificate.model = matrix_fingerprint(&ROBOT, &settings);
+    certificate.digest = certificate.computed_digest();
+    let _ = verifier.check_subject(&certificate);
+    for proof in &certificate.pairs {
+        let _ = verifier.verify_pair(proof);
+    }
+    for proof in &certificate.always {
+        let _ = verifier.verify_always(proof);
     }
 }
 

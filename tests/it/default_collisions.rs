@@ -122,6 +122,41 @@ fn a_matrix_of_a_scene_replaces_the_default_entries() {
 }
 
 /// A certificate of a short motion of all links.
+/// An obstacle and an object that link d holds have names of links. What the SRDF, or a matrix, says of a link is not said of them.
+#[test]
+fn entries_of_a_link_do_not_hold_for_an_object_with_its_name() {
+    let srdf = "<disable_collisions link1='a' link2='b'/><disable_collisions link1='c' link2='b'/>\
+                <disable_default_collisions link='c'/>";
+    let robot = robot(srdf);
+    let mut world = World::default();
+    world.add(Obstacle::of_shape("a", Pose::translation(0.0, 1.0, 0.0), ball())).unwrap();
+    world
+        .attach(AttachedObject {
+            name: "c".to_owned(),
+            link: "d".to_owned(),
+            pose_lo: Pose::translation(0.0, 0.0, 1.0),
+            shapes: vec![ObstacleShape { pose_os: Pose::identity(), shape: ball() }].into(),
+            touch_links: Vec::new(),
+            subframes: Vec::new(),
+        })
+        .unwrap();
+    let matrix = AllowedCollisionMatrix::of_robot(&robot);
+    for matrix in [None, Some(&matrix)] {
+        let checker =
+            CollisionChecker::with_matrix(Arc::clone(&robot), &world, Settings::default(), matrix).unwrap();
+        let pairs = checker.pairs();
+        // all but link c, which the SRDF leaves out by default
+        let obstacle: Vec<BodyId> = pairs.world_pairs().map(|(part, _)| part).collect();
+        let named = |name: &str| BodyId::Link(robot.link_by_name(name).unwrap());
+        let held = BodyId::Attached(clearance::scene::AttachedId(0));
+        assert_eq!(obstacle, [named("a"), named("b"), named("d"), held]);
+        let with_held = pairs.self_pairs().iter().filter(|(_, b)| *b == held).map(|(a, _)| *a);
+        assert_eq!(with_held.collect::<Vec<_>>(), [named("a"), named("b")]);
+        let state = robot.default_configuration();
+        assert!(!checker.is_free(&state, &mut checker.workspace()), "link b is in the obstacle");
+    }
+}
+
 fn certificate(checker: &CollisionChecker) -> Certificate {
     let robot = checker.robot();
     let [from, to] = [0.0, 0.3].map(|x| robot.configuration(&[x; 4]).unwrap());

@@ -236,3 +236,52 @@ def test_a_deviation_between_samples_is_part_of_the_proof(robot, world, arm, hom
     for bad, words in ((-1.0, "deviation has -1"), (np.nan, "deviation has NaN"), ([1.0, 2.0], "deviation has shape")):
         with pytest.raises(ValueError, match=words):
             arm.check_trajectory(None, points, deviation=bad)
+
+
+MIMIC = """<robot name="r"><link name="a"/>
+  <link name="b"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+  <link name="c"><collision><origin xyz="1 0 0"/><geometry><sphere radius="0.1"/></geometry></collision></link>
+  <joint name="j" type="prismatic"><parent link="a"/><child link="b"/><axis xyz="1 0 0"/>
+    <limit lower="-3" upper="3" effort="1" velocity="1"/></joint>
+  <joint name="k" type="continuous"><parent link="a"/><child link="c"/><axis xyz="0 0 1"/><origin xyz="0 5 0"/>
+    <mimic joint="j" multiplier="0.5"/></joint></robot>"""
+
+
+def test_one_tolerance_is_for_every_joint(checker, arm, robot, world, home):
+    """As `--tube N` of the program: also for mimic joints, and for those that are not in the group."""
+    mimicking = cl.Robot.from_urdf(MIMIC)
+    one = cl.Checker(mimicking)
+    certificate = one.check_motion([0.0], [0.1], tube=0.01, certificate=True).certificate
+    assert cl.verify(certificate, mimicking, edge=([0.0], [0.1]), tube=0.01)
+    assert '"tube":[0.02' in certificate.to_json().replace(" ", "")
+    q1 = home + 1e-3
+    of_group = arm.check_motion(home, q1, tube=0.003, certificate=True)
+    assert of_group.verdict == cl.Verdict.FREE
+    edge = (arm.expand(home), arm.expand(q1))
+    assert cl.verify(of_group.certificate, robot, world, edge=edge, tube=0.003)
+
+
+def test_truth_values(checker, home):
+    q = checker.robot.configuration(checker.robot.group_states["home"])
+    assert checker.check_motion(q, q) and checker.check(q)
+    assert [bool(verdict) for verdict in (cl.Verdict.FREE, cl.Verdict.CONTACT, cl.Verdict.UNDECIDED)] == [True, False, False]
+
+
+def test_a_trajectory_the_short_way_is_verified():
+    urdf = MIMIC.replace('type="prismatic"', 'type="continuous"').replace('<mimic joint="j" multiplier="0.5"/>', "")
+    robot = cl.Robot.from_urdf(urdf)
+    positions = np.zeros((3, 2))
+    positions[:, 0] = [3.0, -3.0, -2.5]
+    report = cl.Checker(robot).check_trajectory(None, positions, shortest=True, certificate=True)
+    assert report.free
+    assert cl.verify(report.certificate, robot, trajectory=(None, positions), shortest=True)
+    assert not cl.verify(report.certificate, robot, trajectory=(None, positions))
+    with pytest.raises(TypeError, match="shortest belongs to trajectory"):
+        cl.verify(report.certificate, robot, shortest=True)
+
+
+def test_pairs_that_cannot_be_checked_are_named(robot):
+    with pytest.raises(cl.Error, match="checked_collisions: 'hand' and 'hand' cannot be checked: they are one body"):
+        cl.Checker(robot, checked_collisions=[("hand", "hand")])
+    with pytest.raises(cl.Error, match="check_self or check_world is off"):
+        cl.Checker(robot, checked_collisions=[("link1", "hand")], check_self=False)

@@ -1,5 +1,7 @@
 """Worlds: shapes, poses, files."""
 
+import pickle
+
 import numpy as np
 import pytest
 
@@ -112,3 +114,61 @@ def test_attached_objects_move_with_the_link(ball):
     with pytest.warns(cl.InputWarning, match="no pair"):
         moved = checker.with_world(cl.World())
     assert moved.world.names == [] and moved.is_free([0.5]) and not checker.is_free([0.5])
+
+
+def test_an_object_with_the_name_of_a_link_is_rejected(ball):
+    world = cl.World()
+    checker = cl.Checker(ball, world_with(world, "other"))
+    with pytest.raises(cl.Error, match="object 'ball': the robot has a link of this name"):
+        cl.Checker(ball, world_with(cl.World(), "ball"))
+    with pytest.raises(cl.Error, match="object 'rail'"):
+        checker.with_world(world_with(cl.World(), "rail"))
+    certificate = checker.check_motion([0.0], [0.1], certificate=True).certificate
+    with pytest.raises(cl.Error, match="object 'ball'"):
+        cl.verify(certificate, ball, world_with(cl.World(), "ball"))
+
+
+def world_with(world, name):
+    world.add_sphere(name, 0.1, (3.0, 0, 0))
+    return world
+
+
+def turned(yaw, dtype):
+    pose = np.eye(4, dtype=dtype)
+    pose[:2, :2] = [[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]]
+    pose[0, 3] = -20.0
+    return pose
+
+
+@pytest.mark.parametrize("make", [lambda pose: pose.astype(np.float32), lambda pose: pose.round(4), lambda pose: pose * [[0.9996], [0.9996], [1], [1]]])
+def test_a_pose_is_the_nearest_rotation(ball, make):
+    rng = np.random.default_rng(3)
+    for yaw in rng.uniform(-3, 3, 20):
+        given = make(turned(yaw, np.float64))
+        world = cl.World()
+        world.add_points("o", [[21.0, 0, 0]], 0.01, given)
+        pose = world.pose("o")
+        assert np.abs(pose[:3, :3] @ pose[:3, :3].T - np.eye(3)).max() < 1e-15 * 8
+        assert np.abs(pose - given).max() < 1e-2 and np.array_equal(pose[:3, 3], given[:3, 3])
+        again = pickle.loads(pickle.dumps(world))
+        assert np.array_equal(again.pose("o"), pose)
+        checker = cl.Checker(ball, world)
+        point = (pose @ [21.0, 0, 0, 1])[:3]
+        # the ball slides along x
+        at = np.clip(point[0], -5, 5)
+        distance = np.linalg.norm(point - (at, 0, 0)) - 0.11
+        report = checker.check([at], max_distance=100)
+        assert checker.is_free([at]) == report.free == (distance > 1e-6)
+        found = checker.distance([at], 100.0).world_distance
+        assert found == pytest.approx(max(distance, 0), abs=1e-9)
+
+
+def test_options_without_effect_are_rejected(tmp_path):
+    scene, cloud = tmp_path / "s.yaml", tmp_path / "c.pcd"
+    scene.write_text("world: {collision_objects: []}\n")
+    cloud.write_text("VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA ascii\n1 2 3\n")
+    with pytest.raises(cl.Error, match="s.yaml: point_radius has no effect: the file is no cloud"):
+        cl.World.from_file(scene, point_radius=0.5)
+    with pytest.raises(cl.Error, match="unknown_is_occupied has no effect"):
+        cl.World.from_file(cloud, point_radius=0.5, unknown_is_occupied=True)
+    assert cl.World.from_file(cloud, point_radius=0.5).names

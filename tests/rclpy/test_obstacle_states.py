@@ -126,7 +126,7 @@ def test_motion_between_states_is_not_proven_beside_a_moving_obstacle(start):
         return state.motion_since_previous == CollisionState.NOT_PROVEN
 
     unproven = cell.states.wait_for(is_unproven, "a motion beside a cart that moves", after=proven)
-    assert "obstacle 'cart' moves" in unproven.motion_since_previous_reason
+    assert "obstacle 'cart' is near and may have moved" in unproven.motion_since_previous_reason
 
 
 def test_states_of_unknown_obstacles_are_rejected_until_they_are_added(start):

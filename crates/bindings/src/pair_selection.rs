@@ -1,6 +1,6 @@
 //! Pairs that are allowed to collide, or checked although the SRDF allows them.
 
-use clearance::robot::RobotModel;
+use clearance::robot::{LinkId, RobotModel};
 use clearance::scene::{AllowedCollisionMatrix, Scene, Settings};
 
 /// Names of pairs of links and objects.
@@ -12,41 +12,76 @@ pub struct PairSelection {
     pub checked: Vec<(String, String)>,
 }
 
-/// A name that neither the robot nor the scene has.
+/// A name that cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{option}: there is no {kind} '{name}'")]
-pub struct UnknownName {
-    /// The option that contains it.
-    pub option: &'static str,
-    kind: &'static str,
-    /// The name.
-    pub name: String,
+pub enum NameError {
+    /// Neither the robot nor the scene has it.
+    #[error("{option}: there is no {kind} '{name}'")]
+    Unknown {
+        /// The option that contains it.
+        option: &'static str,
+        /// What it should be.
+        kind: &'static str,
+        /// The name.
+        name: String,
+    },
+    /// A pair that is to be checked cannot be.
+    #[error("checked_collisions: '{a}' and '{b}' cannot be checked: {why}")]
+    Unchecked {
+        /// Name of the first body.
+        a: String,
+        /// Name of the second body.
+        b: String,
+        /// The reason.
+        why: &'static str,
+    },
+    /// An object has the name of a link.
+    #[error("object '{0}': the robot has a link of this name; take another name")]
+    OfLink(String),
+}
+
+/// Rejects objects with the name of a link: results and allowed collisions would not say which of both is meant.
+///
+/// # Errors
+/// The first such object.
+pub fn check_objects(robot: &RobotModel, scene: &Scene) -> Result<(), NameError> {
+    let obstacles = scene.world.obstacles().map(|obstacle| &obstacle.name);
+    let mut names = obstacles.chain(scene.world.attached().iter().map(|object| &object.name));
+    let of_link = names.find(|name| robot.link_by_name(name).is_some());
+    of_link.map_or(Ok(()), |name| Err(NameError::OfLink(name.clone())))
 }
 
 impl PairSelection {
-    /// Checks that the robot or the scene has the links and objects that these pairs and the settings name.
+    /// Checks that the robot or the scene has the links and objects that these pairs and the settings name, that pairs which are to be
+    /// checked can be, and that no object has the name of a link.
     ///
     /// # Errors
-    /// The first name that does not exist.
+    /// The first name or pair that cannot be used.
     pub fn check_names(
         &self,
         settings: &Settings,
         robot: &RobotModel,
         scene: &Scene,
-    ) -> Result<(), UnknownName> {
+    ) -> Result<(), NameError> {
+        check_objects(robot, scene)?;
         let is_object =
             |name: &str| scene.world.id(name).is_some() || scene.world.attached_by_name(name).is_some();
         let is_known = |name: &str| robot.link_by_name(name).is_some() || is_object(name);
         for (option, pairs) in [("allowed_collisions", &self.allowed), ("checked_collisions", &self.checked)]
         {
             if let Some(name) = pairs.iter().flat_map(|(a, b)| [a, b]).find(|name| !is_known(name)) {
-                return Err(UnknownName { option, kind: "link or object", name: name.clone() });
+                return Err(NameError::Unknown { option, kind: "link or object", name: name.clone() });
             }
         }
         let Settings { object_padding, object_scale, .. } = settings;
         for (option, values) in [("object_padding", object_padding), ("object_scale", object_scale)] {
             if let Some(name) = values.keys().find(|name| !is_object(name)) {
-                return Err(UnknownName { option, kind: "object", name: name.clone() });
+                return Err(NameError::Unknown { option, kind: "object", name: name.clone() });
+            }
+        }
+        for (a, b) in &self.checked {
+            if let Some(why) = why_unchecked(a, b, settings, robot, scene) {
+                return Err(NameError::Unchecked { a: a.clone(), b: b.clone(), why });
             }
         }
         Ok(())
@@ -65,5 +100,28 @@ impl PairSelection {
             }
         }
         Some(matrix)
+    }
+}
+
+/// Why a pair of names cannot be checked, if it cannot be.
+fn why_unchecked(
+    a: &str,
+    b: &str,
+    settings: &Settings,
+    robot: &RobotModel,
+    scene: &Scene,
+) -> Option<&'static str> {
+    let links = [a, b].map(|name| robot.link_by_name(name));
+    let is_obstacle = |name: &str| scene.world.id(name).is_some();
+    let obstacles = [a, b].map(is_obstacle);
+    let is_empty = |link: LinkId| robot.link(link).collisions.is_empty();
+    let checks = if obstacles.contains(&true) { settings.check_world } else { settings.check_self };
+    match links {
+        _ if a == b => Some("they are one body"),
+        _ if obstacles == [true; 2] => Some("both are obstacles"),
+        _ if links.into_iter().flatten().any(is_empty) => Some("a link has no collision geometry"),
+        [Some(a), Some(b)] if robot.same_rigid_body(a, b) => Some("fixed joints make them one rigid body"),
+        _ if !checks => Some("check_self or check_world is off"),
+        _ => None,
     }
 }

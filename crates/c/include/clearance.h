@@ -332,7 +332,7 @@ typedef struct {
   uint64_t budget;
   // Tracking tolerance (rad, m) of each position of a state: the robot may be anywhere within it. Default null: none.
   const double *tube;
-  // Number of tracking tolerances: the number of positions, 1 for the same tolerance of all, or 0.
+  // Number of tracking tolerances: the number of positions, 1 for the same tolerance of every joint, or 0.
   size_t tube_count;
   // The check ends at any contact, not at the earliest. Default 0.
   int any_contact;
@@ -432,7 +432,7 @@ typedef struct {
   uint64_t budget;
   // Tracking tolerance (rad, m) of each position of a state: lower bounds hold anywhere within it. Default null: none.
   const double *tube;
-  // Number of tracking tolerances: the number of positions, 1 for the same tolerance of all, or 0.
+  // Number of tracking tolerances: the number of positions, 1 for the same tolerance of every joint, or 0.
   size_t tube_count;
 } clearance_along_options;
 

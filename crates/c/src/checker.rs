@@ -8,7 +8,7 @@ use std::sync::Arc;
 use clearance::CollisionChecker;
 use clearance::robot::{Configuration, RobotModel};
 use clearance::scene::{AttachedId, AttachedObject, BodyId, Scene};
-use clearance_bindings::JointSpace;
+use clearance_bindings::{JointSpace, check_objects};
 
 use crate::arguments::Arguments;
 use crate::checker_options::{CheckSettings, clearance_checker_options};
@@ -60,6 +60,7 @@ impl clearance_checker {
 
     /// The same checker in another scene; hierarchies that do not change are shared.
     fn in_scene(&self, scene: Scene) -> Outcome<Self> {
+        check_objects(self.model(), &scene).map_err(Failure::rejected)?;
         let (matrix, settings) = (self.settings.matrix(self.model(), &scene), self.settings.in_scene(&scene));
         let checker = self.checker.with_world(&scene.world, settings, matrix.as_ref());
         let checker = checker.map_err(Failure::rejected)?;

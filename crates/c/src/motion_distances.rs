@@ -30,7 +30,7 @@ pub struct clearance_along_options {
     pub budget: u64,
     /// Tracking tolerance (rad, m) of each position of a state: lower bounds hold anywhere within it. Default null: none.
     pub tube: *const f64,
-    /// Number of tracking tolerances: the number of positions, 1 for the same tolerance of all, or 0.
+    /// Number of tracking tolerances: the number of positions, 1 for the same tolerance of every joint, or 0.
     pub tube_count: usize,
 }
 

@@ -24,7 +24,7 @@ pub struct clearance_motion_options {
     pub budget: u64,
     /// Tracking tolerance (rad, m) of each position of a state: the robot may be anywhere within it. Default null: none.
     pub tube: *const f64,
-    /// Number of tracking tolerances: the number of positions, 1 for the same tolerance of all, or 0.
+    /// Number of tracking tolerances: the number of positions, 1 for the same tolerance of every joint, or 0.
     pub tube_count: usize,
     /// The check ends at any contact, not at the earliest. Default 0.
     pub any_contact: c_int,
@@ -112,7 +112,8 @@ impl ReadOptions {
     }
 }
 
-/// Tracking tolerances (rad, m) for each position of the whole robot.
+/// Tracking tolerances (rad, m) for each position of the whole robot. One number is for every joint, also for mimic joints and for those
+/// that are not in the group.
 pub fn tube_of(
     arguments: Arguments<'_>,
     tube: *const f64,
@@ -122,7 +123,10 @@ pub fn tube_of(
     let n = space.names().len();
     match arguments.array(tube, count, "tube")? {
         [] => Ok(None),
-        [tolerance] => Ok(Some(space.expand(&vec![*tolerance; n]))),
+        [tolerance] => {
+            let tolerances = space.robot().uniform_tolerances(*tolerance);
+            tolerances.map(Some).map_err(|why| Failure::rejected(format!("tube: {why}")))
+        }
         values if values.len() == n => Ok(Some(space.expand(values))),
         values => Err(Failure::argument(format!(
             "tube has {} tolerances, but must have {n}, or 1 for all positions",

@@ -30,6 +30,8 @@ pub(super) struct MovingState<'s> {
     pub obstacle_motions: &'s [ObstacleMotion],
     /// Obstacles that move by themselves.
     pub tracked_obstacles: &'s TrackedObstacles,
+    /// Longest time (s) between the stamp and the measurement of a joint.
+    pub spread: f64,
 }
 
 /// Distance (m) up to which pairs may slow the robot down.
@@ -39,18 +41,16 @@ pub(super) fn slowdown_range(
     settings: &MonitorSettings,
 ) -> f64 {
     let by_distances = range_of_distances(checker, moving, settings);
-    settings
-        .speed
-        .separation
-        .as_ref()
-        .map_or(by_distances, |separation| by_distances.greater(separation.range()))
+    let Some(separation) = &settings.speed.separation else { return by_distances };
+    by_distances
+        .greater(separation.range_of_measured(moving.tracked_obstacles.largest_speed(checker, moving.poses)))
 }
 
 /// Distance (m) up to which pairs may slow the robot down by their distances: moving bodies may be nearer once the
 /// reaction time is over.
 fn range_of_distances(
     checker: &CollisionChecker,
-    &MovingState { configuration, poses, rates, obstacle_motions, tracked_obstacles }: &MovingState,
+    &MovingState { configuration, poses, rates, obstacle_motions, tracked_obstacles, spread }: &MovingState,
     settings: &MonitorSettings,
 ) -> f64 {
     let (reach, reaction_time) = (settings.speed.reach(), settings.speed.reaction_time);
@@ -67,7 +67,7 @@ fn range_of_distances(
         .map(|obstacle_motion| obstacle_motion.largest_displacement(checker.extent(poses), reaction_time));
     let of_robot = (of_joints + of_root.fold(0.0, f64::greater)).lesser(LONGEST_MOTION);
     let of_tracked = tracked_obstacles.largest_approach(checker, poses, settings);
-    reach + of_robot + of_tracked.greater(settings.largest_obstacle_motion(checker.world()))
+    reach + of_robot + of_tracked.greater(settings.largest_obstacle_motion(checker.world(), spread))
 }
 
 /// Link poses at another time.

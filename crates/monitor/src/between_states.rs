@@ -24,8 +24,7 @@ use clearance_scene::BodyId;
 
 use super::distance_bounds::DistanceBounds;
 use super::motion_since_previous::{GapReason, MotionSincePrevious, NoMotion, Passage};
-use super::obstacle_motion::ObstacleMotion;
-use super::tracked_obstacle::TrackedObstacles;
+use super::obstacle_shift::{KnownMotion, ObstacleShift, Surroundings};
 use super::{CheckedState, LeftOut, MonitorSettings, Time};
 
 /// Motion (m) within an interval below which it may stay undecided.
@@ -73,6 +72,13 @@ pub(super) struct StateTime {
     pub transforms: Option<Time>,
 }
 
+impl StateTime {
+    /// Time (s) between the stamp and that of positions from `tf`.
+    pub fn spread_of_transforms(&self) -> f64 {
+        self.transforms.map_or(0.0, |stamp| stamp.seconds_since(self.stamp).abs())
+    }
+}
+
 /// The state at the end of a motion.
 pub(super) struct CurrentState<'c> {
     pub checker: &'c CollisionChecker,
@@ -83,9 +89,10 @@ pub(super) struct CurrentState<'c> {
     pub measured: &'c [Option<Time>],
     pub report: &'c CollisionReport,
     pub bounds: DistanceBounds,
-    pub obstacle_motions: &'c [ObstacleMotion],
-    /// Obstacles that move by themselves.
-    pub tracked_obstacles: &'c TrackedObstacles,
+    /// Motion of the obstacles and the root.
+    pub known_motion: KnownMotion<'c>,
+    /// Difference (s) between the times of measurement of the joints.
+    pub spread: f64,
     pub settings: &'c MonitorSettings,
     pub effort: &'c Effort,
     /// The part to leave out, regardless of the time.
@@ -201,7 +208,7 @@ impl BetweenStates {
         }
         let reach = motion.reach(current);
         let obstacles = obstacle_shift(previous, current, motion, &reach);
-        let shift = obstacles.margin;
+        let shift = obstacles.largest(current.checker);
         let [self_pairs, world_pairs] =
             PairKind::ALL.map(|kind| is_proven_by_distances(kind, previous, current, &reach, shift));
         if self_pairs && world_pairs {
@@ -217,23 +224,12 @@ impl BetweenStates {
         // the latest contact is searched where the motion begins with one
         let is_reversed = !touching.is_empty();
         let ends = if is_reversed { touching } else { &current.report.colliding_pairs };
-        let margin = if world_pairs { 0.0 } else { shift };
-        if !margin.is_finite() {
-            return unproven(obstacles.why, None, [0.0, 1.0]);
-        }
         let Some(segment) = motion.segment(current, is_reversed) else {
             return unproven(GapReason::Undecided(UndecidedReason::Overflow), None, [0.0, 1.0]);
         };
         let workspace = self.workspace.get_or_insert_with(|| current.checker.workspace());
-        let mut verdict = search(&segment, margin, current, workspace);
-        let mut is_shifted = margin > 0.0;
-        if is_shifted && obstacles.others_stand && matches!(verdict, MotionVerdict::Contact { .. }) {
-            // a contact with an obstacle that stands is one
-            let standing = search(&segment, 0.0, current, workspace);
-            if matches!(standing, MotionVerdict::Contact { pair, .. } if !current.moves_by_itself(pair)) {
-                (verdict, is_shifted) = (standing, false);
-            }
-        }
+        let moving = Some(&obstacles).filter(|_| shift > 0.0 && !world_pairs);
+        let (verdict, may_have_moved) = search_beside(moving, &segment, current, workspace);
         let forward = |[first, second]: [f64; 2]| {
             if is_reversed { [1.0 - second, 1.0 - first] } else { [first, second] }
         };
@@ -242,9 +238,9 @@ impl BetweenStates {
         match verdict {
             MotionVerdict::Free => MotionSincePrevious::ProvenFree,
             MotionVerdict::Contact { pair, .. } if is_own(&pair) => own,
-            MotionVerdict::Contact { t, pair, .. } if is_shifted => {
-                // where the pair is within the margin for the first time: it may touch at any time after it
-                unproven(obstacles.why, Some(pair), forward([t[0], 1.0]))
+            // it may touch at any time after the first
+            MotionVerdict::Contact { t, pair, .. } if may_have_moved.is_some() => {
+                unproven(may_have_moved.unwrap_or(GapReason::StateCollides), Some(pair), forward([t[0], 1.0]))
             }
             // the previous state may touch in this world
             MotionVerdict::Contact { t, pair, .. } if t[0] <= 0.0 && !previous.is_of_current_world => {
@@ -258,16 +254,10 @@ impl BetweenStates {
             MotionVerdict::Undecided { .. } if current.effort.is_over() => late(),
             MotionVerdict::Undecided { pair: Some(pair), .. } if is_own(&pair) => own,
             MotionVerdict::Undecided { t, pair, reason, .. } => {
-                unproven(GapReason::Undecided(reason), pair, forward(t))
+                let why = may_have_moved.unwrap_or(GapReason::Undecided(reason));
+                unproven(why, pair, forward(t))
             }
         }
-    }
-}
-
-impl CurrentState<'_> {
-    /// Whether one of two bodies is an obstacle that moves at a velocity of its own.
-    fn moves_by_itself(&self, (a, b): (BodyId, BodyId)) -> bool {
-        [a, b].iter().any(|body| self.tracked_obstacles.moves(self.checker.body_name(*body)))
     }
 }
 
@@ -294,16 +284,6 @@ struct MotionReach {
     travel: f64,
     /// Within the tube.
     tube: f64,
-}
-
-/// Possible motion of the obstacles relative to the root while the joints move.
-struct ObstacleShift {
-    /// Upper bound (m) on the motion.
-    margin: f64,
-    /// Why they move.
-    why: GapReason,
-    /// Whether only obstacles with a velocity of their own move.
-    others_stand: bool,
 }
 
 impl Motion {
@@ -359,43 +339,66 @@ fn is_proven_by_distances(
     excess > loss
 }
 
-/// Possible motion of the obstacles: the root moves in their frames at the velocity that `tf` shows at one of the ends, and some
-/// move at their own.
+/// Possible motion of the obstacles while the joints move.
 fn obstacle_shift(
     previous: &PreviousState,
     current: &CurrentState,
     motion: &Motion,
     reach: &MotionReach,
 ) -> ObstacleShift {
-    let (mut of_root, mut frame) = (0.0, "");
-    let moving = previous.state.obstacle_motions.iter().chain(current.obstacle_motions);
-    let mut radius = None;
-    for moved in moving.filter(|moved| !moved.is_none()) {
-        let radius =
-            *radius.get_or_insert_with(|| current.checker.extent(current.poses) + reach.travel + reach.tube);
-        let margin = moved.largest_step(radius, motion.duration);
-        if margin > of_root {
-            (of_root, frame) = (margin, &moved.frame);
-        }
-    }
-    let fastest =
-        current.tracked_obstacles.fastest(current.checker, current.poses, current.settings, motion.duration);
-    let (own, why) = match fastest {
-        Some((name, own)) => (own, GapReason::ObstacleMoves { name: name.to_owned() }),
-        None => (0.0, GapReason::RootMoves { frame: frame.to_owned() }),
+    let state = &previous.state;
+    let before = KnownMotion {
+        frames: &state.obstacle_motions,
+        tracked: &state.tracked_obstacles,
+        stamp: previous.time.stamp,
+        ..current.known_motion
     };
-    ObstacleShift { margin: of_root + own, why, others_stand: of_root == 0.0 }
+    let surroundings = Surroundings {
+        checker: current.checker,
+        poses: current.poses,
+        settings: current.settings,
+        radius: current.checker.extent(current.poses) + reach.travel + reach.tube,
+        duration: motion.duration.greater(current.spread),
+    };
+    ObstacleShift::between([before, current.known_motion], &surroundings)
 }
 
-fn search(
+/// Searches for a contact beside all places where obstacles may have been. Also returns why, if there is one only because
+/// obstacles may have moved.
+fn search_beside(
+    obstacles: Option<&ObstacleShift>,
     segment: &MotionSegment,
-    margin: f64,
     current: &CurrentState,
     workspace: &mut Workspace,
-) -> MotionVerdict {
+) -> (MotionVerdict, Option<GapReason>) {
+    let Some(obstacles) = obstacles else { return (search(segment, current, workspace), None) };
+    let why = |verdict: &MotionVerdict| match *verdict {
+        MotionVerdict::Contact { pair, .. } | MotionVerdict::Undecided { pair: Some(pair), .. } => {
+            obstacles.why(current.checker, pair)
+        }
+        _ => None,
+    };
+    let Some(uncertainty) = obstacles.uncertainty() else {
+        let distance = [0.0, f64::INFINITY];
+        let nothing =
+            MotionVerdict::Undecided { t: [0.0, 1.0], pair: None, distance, reason: UndecidedReason::Tube };
+        return (nothing, Some(obstacles.why_unbounded()));
+    };
+    let verdict = search(&segment.clone().with_uncertainty(uncertainty), current, workspace);
+    let may_have_moved = why(&verdict);
+    if may_have_moved.is_some() || matches!(verdict, MotionVerdict::Contact { .. }) {
+        // what does not move by itself is passed through where it is
+        let standing = search(segment, current, workspace);
+        if matches!(standing, MotionVerdict::Contact { .. }) && why(&standing).is_none() {
+            return (standing, None);
+        }
+    }
+    (verdict, may_have_moved)
+}
+
+fn search(segment: &MotionSegment, current: &CurrentState, workspace: &mut Workspace) -> MotionVerdict {
     let options = MotionOptions {
         tolerance: TOLERANCE,
-        margin,
         deadline: current.effort.deadline,
         budget: EVALUATIONS + EVALUATIONS_PER_PAIR * current.checker.pairs().len() as u64,
         ..MotionOptions::default()

@@ -98,6 +98,8 @@ pub struct CheckedState {
     pub rates: Option<Vec<f64>>,
     /// By position: the stamp of the joint state that contains it; `None` for positions from `tf`.
     pub measured: Vec<Option<Time>>,
+    /// Longest time (s) between the stamp and the measurement of a position.
+    pub spread: f64,
     /// Motions of the obstacle frames relative to the robot's root, one for each tracked frame.
     pub obstacle_motions: Vec<ObstacleMotion>,
     /// Obstacles that move by themselves.

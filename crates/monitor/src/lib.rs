@@ -62,6 +62,7 @@ mod monitor;
 mod motion_since_previous;
 mod now;
 mod obstacle_motion;
+mod obstacle_shift;
 mod received_states;
 mod root_location;
 mod root_speed;

@@ -9,7 +9,7 @@ use clearance_robot::{Configuration, JointKind, LinkPoses, RobotModel, quoted, q
 use super::obstacle_motion::ObstacleMotion;
 use super::root_speed::{JointRanges, RootSpeed};
 use super::tracked_obstacle::TrackedObstacles;
-use super::{MonitorSettings, Time};
+use super::{LeftOut, MonitorSettings, Time};
 
 /// Look-ahead for one checker.
 #[derive(Debug)]
@@ -44,6 +44,14 @@ pub(super) struct LookAheadInput<'i> {
     pub unwatched_frame: Option<&'i str>,
     /// Whether the deadline leaves no time for it.
     pub is_late: bool,
+}
+
+impl LookAheadInput<'_> {
+    /// The part that the deadline leaves out.
+    pub fn left_out(&self, settings: &MonitorSettings) -> LeftOut {
+        let is_on = settings.look_ahead_horizon > 0.0;
+        if self.is_late && is_on { LeftOut::LookAhead } else { LeftOut::Nothing }
+    }
 }
 
 impl LookAheadEvaluator {

@@ -71,7 +71,7 @@ pub enum GapReason {
         /// Name of the frame.
         frame: String,
     },
-    /// An obstacle moves at a velocity of its own, and a body is too near to an obstacle.
+    /// A body is too near to an obstacle that moves, or may move, by itself.
     ObstacleMoves {
         /// Name of the obstacle.
         name: String,
@@ -164,7 +164,7 @@ impl fmt::Display for GapReason {
                 write!(f, "an obstacle is near, and the robot's root moves in {}", quoted(frame))
             }
             Self::ObstacleMoves { name } => {
-                write!(f, "an obstacle is near, and obstacle {} moves", quoted(name))
+                write!(f, "obstacle {} is near and may have moved", quoted(name))
             }
             Self::UnknownStatus => f.write_str("the status is UNKNOWN"),
         }

@@ -133,12 +133,17 @@ impl ObstacleMotion {
         self.observed.iter().map(|_| linear + angular * radius).sum()
     }
 
-    /// Time (s) by which its pose may be older than this stamp: transforms come in steps, and may have stopped.
+    /// Time (s) by which its pose may be older or newer than this stamp: transforms come in steps, and may have stopped.
     #[must_use]
     pub fn age(&self, stamp: Time) -> f64 {
-        let ages =
-            self.observed.iter().map(|observed| observed.step.greater(stamp.seconds_since(observed.last)));
-        ages.fold(0.0, f64::greater)
+        let steps = self.observed.iter().map(|observed| observed.step);
+        steps.fold(self.difference(stamp), f64::greater)
+    }
+
+    /// Longest time (s) between this stamp and the transforms that its pose is from.
+    pub(super) fn difference(&self, stamp: Time) -> f64 {
+        let differences = self.observed.iter().map(|observed| stamp.seconds_since(observed.last).abs());
+        differences.fold(0.0, f64::greater)
     }
 
     /// As [`Self::largest_displacement`], but at least for the longest time between two transforms: they move frames in

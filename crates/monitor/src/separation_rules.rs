@@ -35,6 +35,14 @@ impl SeparationRules {
         }
     }
 
+    /// The settings for an obstacle whose speed (m/s) was measured: it counts if it is higher. What moves does not rest.
+    pub(super) fn of_measured(&self, obstacle: &str, speed: Option<f64>) -> Option<SeparationSettings> {
+        let settings = self.of(obstacle);
+        let Some(speed) = speed else { return settings };
+        let human_speed = settings.map_or(0.0, |settings| settings.human_speed).greater(speed);
+        Some(SeparationSettings { human_speed, ..self.usual })
+    }
+
     /// The names with a speed of which no obstacle exists; `exists` tells whether any obstacle has a name that matches.
     pub(super) fn speeds_without_effect(
         &self,
@@ -47,8 +55,13 @@ impl SeparationRules {
     /// Distance (m) from which the robot may move at its full speed, beside any obstacle.
     #[must_use]
     pub fn range(&self) -> f64 {
+        self.range_of_measured(0.0)
+    }
+
+    /// The same, if no obstacle was measured to be faster than `measured` (m/s).
+    pub(super) fn range_of_measured(&self, measured: f64) -> f64 {
         let speeds = self.obstacle_speeds.iter().map(|(_, speed)| *speed);
-        let human_speed = speeds.fold(self.usual.human_speed, f64::greater);
+        let human_speed = speeds.fold(self.usual.human_speed.greater(measured), f64::greater);
         SeparationSettings { human_speed, ..self.usual }.range()
     }
 }
@@ -96,5 +109,13 @@ mod tests {
         assert_eq!([speed("cart_1"), speed("cart_7"), speed("cart_71"), speed("anna")], [0.5, 2.0, 1.0, 1.6]);
         assert_eq!(rules.range(), SeparationSettings { human_speed: 2.0, ..CELL }.range());
         assert!(rules.range() > CELL.range());
+        let measured = |name: &str, speed| rules.of_measured(name, Some(speed)).unwrap().human_speed;
+        assert_eq!(
+            [measured("cart_1", 0.4), measured("cart_1", 0.6), measured("anna", 1.0)],
+            [0.5, 0.6, 1.6]
+        );
+        assert!(
+            rules.range_of_measured(1.0) == rules.range() && rules.range_of_measured(3.0) > rules.range()
+        );
     }
 }

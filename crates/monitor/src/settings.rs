@@ -123,14 +123,16 @@ impl MonitorSettings {
         Some(&self.obstacle_limits).filter(|limits| !limits.is_zero())
     }
 
-    /// Upper bound (m) on the motion of an obstacle on its own until the speed scale has an effect.
-    pub(super) fn obstacle_motion(&self, obstacle: &str) -> f64 {
-        self.obstacle_limits.of(obstacle).displacement(self.obstacle_latency + self.speed.reaction_time)
+    /// Upper bound (m) on the motion of an obstacle on its own until the speed scale has an effect, for joints that were
+    /// measured up to `spread` (s) after the stamp.
+    pub(super) fn obstacle_motion(&self, obstacle: &str, spread: f64) -> f64 {
+        let time = self.obstacle_latency + spread + self.speed.reaction_time;
+        self.obstacle_limits.of(obstacle).displacement(time)
     }
 
     /// The same for all obstacles of a world.
-    pub(super) fn largest_obstacle_motion(&self, world: &World) -> f64 {
-        let time = self.obstacle_latency + self.speed.reaction_time;
+    pub(super) fn largest_obstacle_motion(&self, world: &World, spread: f64) -> f64 {
+        let time = self.obstacle_latency + spread + self.speed.reaction_time;
         let matters = self.speed.world.reach() > 0.0;
         self.moving_obstacles()
             .filter(|_| matters)

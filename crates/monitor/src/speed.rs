@@ -232,13 +232,17 @@ fn rule_of(
         _ => return Rule::Distances { distances: speed.own, obstacle_motion: 0.0 },
     };
     let name = checker.body_name(obstacle);
+    let tracked = checked_state.tracked_obstacles.of(name);
     let by_distances = |obstacle_motion| Rule::Distances { distances: speed.world, obstacle_motion };
     let Some(rules) = &speed.separation else {
-        let tracked = checked_state.tracked_obstacles.of(name);
-        let approach = tracked.map(|tracked| tracked.approach(pair, settings));
-        return by_distances(approach.unwrap_or_else(|| settings.obstacle_motion(name)));
+        let approach = tracked.map(|tracked| tracked.approach(pair, checker, checked_state, settings));
+        return by_distances(
+            approach.unwrap_or_else(|| settings.obstacle_motion(name, checked_state.spread)),
+        );
     };
-    match rules.of(name) {
+    // what was measured to be faster is faster
+    let measured = tracked.map(|tracked| tracked.speed_of(pair)).filter(|speed| *speed > 0.0);
+    match rules.of_measured(name, measured) {
         None => by_distances(0.0),
         // where the root stays in place, a body that is fixed to it cannot approach
         Some(_) if checked_state.obstacle_motions.is_empty() && is_fixed(checker, body) => Rule::Nothing,

@@ -42,6 +42,13 @@ pub(super) struct StateContacts {
     pub warning: Option<String>,
 }
 
+impl StateContacts {
+    /// The part that the deadline left out.
+    pub fn left_out(&self) -> LeftOut {
+        if self.is_late { LeftOut::Contacts } else { LeftOut::Nothing }
+    }
+}
+
 impl ContactQuery<'_> {
     /// At most `per_pair` contacts of each pair, and at least one, as far as a state may have so many.
     ///

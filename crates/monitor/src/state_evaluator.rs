@@ -17,6 +17,7 @@ use super::distance_bounds::DistanceBounds;
 use super::joint_state_merger::{JointStateMerger, MergedState};
 use super::look_ahead::{LookAheadEvaluator, LookAheadInput, obstacles_may_move};
 use super::obstacle_motion::ObstacleMotion;
+use super::obstacle_shift::KnownMotion;
 use super::speed::speeds_without_effect;
 use super::state_contacts::ContactQuery;
 use super::{CheckedState, LeftOut, MonitorSettings, Reason, Revision, Status, TrackedObstacles};
@@ -79,13 +80,15 @@ impl StateEvaluator {
         let started = stopwatch();
         let mut poses = LinkPoses::new(checker.robot());
         checker.robot().forward_kinematics(&configuration, &mut poses);
-        let tracked_obstacles = TrackedObstacles::of_state(&self.revision, time.stamp, settings);
+        let of_all = spread.greater(time.spread_of_transforms());
+        let tracked_obstacles = TrackedObstacles::of_state(&self.revision, time.stamp, of_all, settings);
         let moving = MovingState {
             configuration: &configuration,
             poses: &poses,
             rates: rates.as_deref(),
             obstacle_motions: &obstacle_motions,
             tracked_obstacles: &tracked_obstacles,
+            spread: of_all,
         };
         let slowdown_range = slowdown_range(checker, &moving, settings);
         let effort = effort(settings, check_budget, slowdown_range, fixed);
@@ -109,8 +112,8 @@ impl StateEvaluator {
             measured: &measured,
             report: &report,
             bounds,
-            obstacle_motions: &obstacle_motions,
-            tracked_obstacles: &tracked_obstacles,
+            known_motion: KnownMotion::new(&obstacle_motions, &tracked_obstacles, time.stamp, obstacle_lag),
+            spread: of_all,
             settings,
             effort: &effort,
             fixed,
@@ -129,9 +132,7 @@ impl StateEvaluator {
             unwatched_frame,
             is_late: left_out > LeftOut::Contacts || effort.is_over(),
         };
-        if ahead.is_late && settings.look_ahead_horizon > 0.0 {
-            left_out = left_out.max(LeftOut::LookAhead);
-        }
+        left_out = left_out.max(ahead.left_out(settings));
         let (look_ahead, of_look_ahead) = self.look_ahead.look_in_time(checker, &ahead, settings);
         warnings.extend(of_look_ahead);
         warnings.extend(speeds_without_effect(checker, settings));
@@ -144,9 +145,7 @@ impl StateEvaluator {
             left_out,
         };
         let contacts = contacts.search(&mut self.workspace);
-        if contacts.is_late {
-            left_out = left_out.max(LeftOut::Contacts);
-        }
+        left_out = left_out.max(contacts.left_out());
         warnings.extend(contacts.warning);
         let compute_time = stopwatch().saturating_sub(started);
         let status = status_of(&report, checker, settings, fixed);
@@ -162,6 +161,7 @@ impl StateEvaluator {
             velocities,
             rates: rates.filter(|_| are_of_joints),
             measured,
+            spread: of_all,
             obstacle_motions,
             tracked_obstacles,
             slowdown_range,

@@ -9,7 +9,7 @@ use clearance_motion::{MovingObstacle, ObstacleLimits, SpeedLimit};
 use clearance_robot::LinkPoses;
 use clearance_scene::{BodyId, ObstacleTwist};
 
-use super::{MonitorSettings, Revision, Time};
+use super::{CheckedState, MonitorSettings, Revision, Time};
 
 /// Largest motion (m) by a rotation that the range of `slowdown_range` takes into account.
 const LONGEST_TURN: f64 = 1.0;
@@ -24,6 +24,8 @@ pub(super) struct TrackedObstacle {
     motion: MovingObstacle,
     /// Time (s) from its pose to the joint state; negative if the pose is newer.
     age: f64,
+    /// Longest time (s) between its pose and the measurement of a joint.
+    longest_age: f64,
 }
 
 /// Moving obstacles, as seen from one joint state, in the order of their names.
@@ -31,8 +33,14 @@ pub(super) struct TrackedObstacle {
 pub struct TrackedObstacles(Vec<TrackedObstacle>);
 
 impl TrackedObstacles {
-    /// The obstacles of a revision that move or, by their limits, may start to move, for a joint state with this stamp.
-    pub(super) fn of_state(revision: &Revision, stamp: Time, settings: &MonitorSettings) -> Self {
+    /// The obstacles of a revision that move or, by their limits, may start to move, for a joint state with this stamp, whose
+    /// joints were measured up to `spread` (s) before or after it.
+    pub(super) fn of_state(
+        revision: &Revision,
+        stamp: Time,
+        spread: f64,
+        settings: &MonitorSettings,
+    ) -> Self {
         let world = revision.checker.world();
         let may_move = |twist: &&ObstacleTwist| {
             twist.moves() || settings.obstacle_limits.of(&twist.name).acceleration > 0.0
@@ -42,7 +50,8 @@ impl TrackedObstacles {
             let [linear, angular] = [twist.linear_o, twist.angular_o].map(|v| (pose_ro.rotation * v).into());
             let centre = pose_ro.translation.vector.into();
             let motion = MovingObstacle { name: twist.name.clone(), centre, linear, angular, start: None };
-            Some(TrackedObstacle { motion, age: stamp.seconds_since(twist.stamp) })
+            let age = stamp.seconds_since(twist.stamp);
+            Some(TrackedObstacle { motion, age, longest_age: age.abs() + spread })
         };
         Self(revision.obstacle_twists.iter().filter(may_move).filter_map(tracked).collect())
     }
@@ -52,9 +61,9 @@ impl TrackedObstacles {
         self.0.iter().any(|obstacle| !obstacle.motion.stands())
     }
 
-    /// Whether the obstacle with a name has a velocity.
-    pub(super) fn moves(&self, name: &str) -> bool {
-        self.of(name).is_some_and(|obstacle| !obstacle.motion.stands())
+    /// All of them.
+    pub(super) fn all(&self) -> &[TrackedObstacle] {
+        &self.0
     }
 
     /// The obstacle with a name, if it is one of these.
@@ -99,43 +108,78 @@ impl TrackedObstacles {
         settings: &MonitorSettings,
     ) -> f64 {
         let approaches = self.0.iter().map(|obstacle| {
-            let time = obstacle.age.abs() + settings.speed.reaction_time;
+            let time = obstacle.longest_age + settings.speed.reaction_time;
             let [moved, turned] = obstacle.largest_displacement(checker, poses, time);
             moved + turned.lesser(LONGEST_TURN) + obstacle.departure(time, settings)
         });
         if settings.speed.world.reach() > 0.0 { approaches.fold(0.0, f64::greater) } else { 0.0 }
     }
 
-    /// The obstacle whose points move farthest in a time (s) before the joint state, and an upper bound (m) on their motion
-    /// from its pose.
-    pub(super) fn fastest(
+    /// Upper bound (m/s) on [`TrackedObstacle::speed_of`] of all of them.
+    pub(super) fn largest_speed(&self, checker: &CollisionChecker, poses: &LinkPoses) -> f64 {
+        let speeds = self.0.iter().map(|obstacle| {
+            let [moved, turned] = obstacle.largest_displacement(checker, poses, 1.0);
+            moved + turned.lesser(LONGEST_TURN)
+        });
+        speeds.fold(0.0, f64::greater)
+    }
+}
+
+impl TrackedObstacle {
+    /// Its name.
+    pub(super) fn name(&self) -> &str {
+        &self.motion.name
+    }
+
+    /// Longest time (s) between its pose and the measurement of a joint.
+    pub(super) fn longest_age(&self) -> f64 {
+        self.longest_age
+    }
+
+    /// Upper bound (m) on what it may be nearer to the other body of a pair when the speed scale has an effect: it moves at
+    /// its velocity, and the age of its pose and its acceleration make it uncertain where it is. The root has moved since
+    /// its pose, too.
+    ///
+    /// It lies beyond a plane across the line between the nearest points, and so it does after a translation along that plane.
+    /// Capsules around both bodies bound how far from it.
+    pub(super) fn approach(
+        &self,
+        pair: &PairDistance,
+        checker: &CollisionChecker,
+        checked_state: &CheckedState,
+        settings: &MonitorSettings,
+    ) -> f64 {
+        let CheckedState { poses, obstacle_motions, .. } = checked_state;
+        let (age, reaction_time) = (self.longest_age, settings.speed.reaction_time);
+        let [moved, turned] = self.largest_displacement(checker, poses, reaction_time);
+        let point = point_on_obstacle(pair);
+        let from_other = (point - point_on_other(pair)).try_normalize(0.0).unwrap_or_default();
+        let along = (-from_other.dot(&Vector::from(self.motion.linear)) * reaction_time).greater(0.0);
+        let not_convex = pair.distance - gap_along(&from_other, pair, checker, poses);
+        let since_state = moved.lesser(not_convex.greater(0.0) + along) + turned;
+        let until_state: f64 = self.largest_displacement(checker, poses, age).iter().sum();
+        let of_root = obstacle_motions.iter().map(|moved| moved.displacement(&point, age).norm());
+        let of_root = of_root.fold(0.0, f64::greater);
+        since_state + until_state + of_root + self.departure(age + reaction_time, settings)
+    }
+
+    /// Speed (m/s) of its nearest point of a pair.
+    pub(super) fn speed_of(&self, pair: &PairDistance) -> f64 {
+        let MovingObstacle { centre, linear, angular, .. } = &self.motion;
+        let arm = point_on_obstacle(pair) - Point::from(Vector::from(*centre));
+        (Vector::from(*linear) + Vector::from(*angular).cross(&arm)).norm()
+    }
+
+    /// Upper bound (m) on the displacement of its points in a time (s) from its pose.
+    pub(super) fn most(
         &self,
         checker: &CollisionChecker,
         poses: &LinkPoses,
         settings: &MonitorSettings,
         time: f64,
-    ) -> Option<(&str, f64)> {
-        let moving = self.0.iter().filter(|obstacle| !obstacle.motion.stands());
-        let bounds = moving.map(|obstacle| {
-            let time = obstacle.age.abs() + time;
-            let [moved, turned] = obstacle.largest_displacement(checker, poses, time);
-            (obstacle.motion.name.as_str(), moved + turned + obstacle.departure(time, settings))
-        });
-        bounds.max_by(|a, b| a.1.total_cmp(&b.1))
-    }
-}
-
-impl TrackedObstacle {
-    /// Distance (m) by which it may be nearer to the other body of a pair when the speed scale has an effect: it moves at
-    /// its velocity, and the age of its pose and its acceleration make it uncertain where it is.
-    pub(super) fn approach(&self, pair: &PairDistance, settings: &MonitorSettings) -> f64 {
-        let [a, b] = pair.witness_points;
-        let (on_obstacle, on_other) = if matches!(pair.a, BodyId::Obstacle(_)) { (a, b) } else { (b, a) };
-        let towards = (on_other - on_obstacle).try_normalize(0.0).unwrap_or_default();
-        let (age, reaction_time) = (self.age.abs(), settings.speed.reaction_time);
-        let since_state = self.displacement(&on_obstacle, reaction_time).dot(&towards).greater(0.0);
-        let until_state = self.displacement(&on_obstacle, age).norm();
-        since_state + until_state + self.departure(age + reaction_time, settings)
+    ) -> f64 {
+        let [moved, turned] = self.largest_displacement(checker, poses, time);
+        moved + turned + self.departure(time, settings)
     }
 
     /// Upper bound (m) on the distance between a point and where the velocity alone brings it in a time (s).
@@ -144,24 +188,49 @@ impl TrackedObstacle {
         SpeedLimit { speed: 0.0, ..limit }.displacement(time)
     }
 
-    /// Displacement of its point in a time (s).
-    fn displacement(&self, point_r: &Point, time: f64) -> Vector {
-        self.motion.displacement(time) * point_r - point_r
-    }
-
-    /// Upper bounds (m) on the displacement of its points in a time (s): by its translation, and by its rotation, which is
-    /// infinite for a plane.
+    /// Upper bounds (m) on the displacement of its points in a time (s), from where the world has it: by its translation, and by its
+    /// rotation, which is infinite for a plane.
     fn largest_displacement(&self, checker: &CollisionChecker, poses: &LinkPoses, time: f64) -> [f64; 2] {
-        let MovingObstacle { name, centre, linear, angular, .. } = &self.motion;
-        let centre = Vector::from(*centre);
-        let capsules =
-            checker.world().id(name).map(|id| checker.bounding_capsules(BodyId::Obstacle(id), poses));
-        let extents = capsules.into_iter().flatten().map(|capsule| {
+        let MovingObstacle { name, linear, angular, .. } = &self.motion;
+        let Some(id) = checker.world().id(name) else { return [0.0; 2] };
+        let centre = checker.world().obstacle(id).pose_ro.translation.vector;
+        let extents = checker.bounding_capsules(BodyId::Obstacle(id), poses).into_iter().map(|capsule| {
             let [a, b] = capsule.ends.map(|end| (end - centre).norm());
             a.greater(b) + capsule.radius
         });
         let extent = extents.fold(0.0, f64::greater);
         let [speed, turning] = [linear, angular].map(|v| Vector::from(*v).norm() * time);
-        [speed, if turning > 0.0 { turning * extent } else { 0.0 }]
+        [speed, if turning > 0.0 { turning.lesser(2.0) * extent } else { 0.0 }]
     }
+}
+
+/// Whether the first body of a pair is the obstacle.
+fn is_first(pair: &PairDistance) -> bool {
+    matches!(pair.a, BodyId::Obstacle(_))
+}
+
+/// The nearest point of a pair on its obstacle (m, root frame).
+fn point_on_obstacle(pair: &PairDistance) -> Point {
+    let [a, b] = pair.witness_points;
+    if is_first(pair) { a } else { b }
+}
+
+/// The nearest point of a pair on its other body (m, root frame).
+fn point_on_other(pair: &PairDistance) -> Point {
+    let [a, b] = pair.witness_points;
+    if is_first(pair) { b } else { a }
+}
+
+/// Lower bound (m) on the gap between the bodies of a pair along a direction, towards its obstacle.
+fn gap_along(direction: &Vector, pair: &PairDistance, checker: &CollisionChecker, poses: &LinkPoses) -> f64 {
+    let least = |body: BodyId, direction: Vector| {
+        let capsules = checker.bounding_capsules(body, poses).into_iter();
+        let least = capsules.map(|capsule| {
+            let [a, b] = capsule.ends.map(|end| end.dot(&direction));
+            a.lesser(b) - capsule.radius
+        });
+        least.fold(f64::INFINITY, f64::lesser)
+    };
+    let [obstacle, other] = if is_first(pair) { [pair.a, pair.b] } else { [pair.b, pair.a] };
+    least(obstacle, *direction) + least(other, -direction)
 }

@@ -7,7 +7,7 @@ use std::time::Instant;
 use clearance::robot::Configuration;
 use clearance::scene::{AttachedObject, BodyId, Scene};
 use clearance::{CollisionChecker, SettingsError};
-use clearance_bindings::JointSpace;
+use clearance_bindings::{JointSpace, check_objects};
 use numpy::{PyArray1, PyArrayDyn};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -92,6 +92,7 @@ impl Checker {
 
     /// The same checker in another scene; hierarchies that do not change are shared.
     fn with_scene(&self, py: Python<'_>, scene: Scene) -> PyResult<Self> {
+        check_objects(self.core.space.robot(), &scene).map_err(error)?;
         let matrix = self.settings.matrix(self.core.space.robot(), &scene);
         let settings = self.settings.settings.clone().with_scene(&scene);
         let built: Result<_, SettingsError> =
@@ -377,7 +378,7 @@ impl Checker {
 
     /// Checks the straight motion from `q0` to `q1`, both of shape (n,): `MotionReport`. FREE is a proof for the whole motion.
     ///
-    /// `certificate=True` adds the proof as a document. `tube` (rad, m; a number or (n,)) is a tracking tolerance: the robot may be anywhere
+    /// `certificate=True` adds the proof as a document. `tube` (rad, m; (n,), or one number for every joint of the robot, mimic joints included) is a tracking tolerance: the robot may be anywhere
     /// within it. Options: `tolerance=5e-4` (m), pairs that stay farther apart are always decided; `timeout=None` (s), infinity for none;
     /// `budget=10_000_000` evaluations of a pair; `any_contact=False`, True to end at any contact, not the earliest; `margin=0` (m), a pair
     /// that is not farther apart than this, besides its padding, counts as touching.

@@ -11,7 +11,7 @@
 //! | ways out of a collision | `recovery` |
 //! | paths of the planner | `planning` |
 //! | pairs of links that can collide | `collision_matrix` |
-//! | spheres, capsules or boxes that contain the links | `sphere_cover`, `shape_cover` |
+//! | spheres, capsules or boxes that contain the links; simplified meshes | `sphere_cover`, `shape_cover`; `mesh_cover` |
 //! | `Certificate` and its verification | `certificate`, `verification` |
 //! | arrays and poses | `arrays`, `poses` |
 //! | `View`, the view in a web browser | `view` |
@@ -36,6 +36,7 @@ mod command;
 mod edge_queries;
 mod error;
 mod memory;
+mod mesh_cover;
 mod motion_distances;
 mod motion_options;
 mod motion_queries;
@@ -73,6 +74,7 @@ fn _clearance(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<collision_matrix::CollisionMatrix>()?;
     module.add_class::<sphere_cover::SphereCover>()?;
     module.add_class::<shape_cover::ShapeCover>()?;
+    module.add_class::<mesh_cover::MeshCover>()?;
     module.add_class::<view::View>()?;
     module.add_function(wrap_pyfunction!(verification::verify, module)?)?;
     module.add_function(wrap_pyfunction!(command::run_command, module)?)?;

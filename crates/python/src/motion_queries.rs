@@ -135,15 +135,17 @@ pub fn whole_tube(
     tube: Option<&Bound<'_, PyAny>>,
     deviation: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Option<Vec<f64>>> {
-    let read = |given: Option<&Bound<'_, PyAny>>, name: &'static str| -> PyResult<Option<Vec<f64>>> {
+    type Read = fn(&JointSpace, &Bound<'_, PyAny>) -> PyResult<Vec<f64>>;
+    let read = |given: Option<&Bound<'_, PyAny>>, name, read: Read| -> PyResult<Option<Vec<f64>>> {
         let Some(given) = given else { return Ok(None) };
-        let values = tolerances_of(&core.space, given, name)?;
+        let values = read(&core.space, given)?;
         match values.iter().find(|value| !(value.is_finite() && **value >= 0.0)) {
             Some(value) => Err(error(format!("{name} has {value}, but must be finite and zero or more"))),
             None => Ok(Some(values)),
         }
     };
-    Ok(match (read(tube, "tube")?, read(deviation, "deviation")?) {
+    let of_deviation: Read = |space, given| tolerances_of(space, given, "deviation");
+    Ok(match (read(tube, "tube", tube_of)?, read(deviation, "deviation", of_deviation)?) {
         (Some(tube), Some(deviation)) => Some(tube.iter().zip(&deviation).map(|(a, b)| a + b).collect()),
         (tube, deviation) => tube.or(deviation),
     })
@@ -226,9 +228,16 @@ fn with_tube(
     }
 }
 
-/// A tracking tolerance (rad, m) for each position of the whole robot.
+/// A tracking tolerance (rad, m) for each position of the whole robot. One number is for every joint, also for mimic joints and for those
+/// that are not in the group.
 pub fn tube_of(space: &JointSpace, tube: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
-    tolerances_of(space, tube, "tube")
+    let numbers = Numbers::new(tube, "tube")?;
+    match (numbers.shape(), numbers.values()) {
+        ([] | [1], [tolerance]) => {
+            space.robot().uniform_tolerances(*tolerance).map_err(|why| error(format!("tube: {why}")))
+        }
+        _ => tolerances_of(space, tube, "tube"),
+    }
 }
 
 /// A number for all positions of a state, or one for each, as numbers for each position of the whole robot.

@@ -82,8 +82,15 @@ fn from_matrix(m: &[f64]) -> PyResult<Pose> {
     if !position.iter().all(|c| c.abs() <= LARGEST_COORDINATE) {
         return Err(bad_position(position));
     }
-    let turn = Rotation::from_rotation_matrix(&Rotation3::from_matrix_unchecked(rotation));
-    Ok(Pose::from_parts(Translation3::from(position), turn))
+    Ok(Pose::from_parts(Translation3::from(position), nearest_rotation(rotation)))
+}
+
+/// The rotation that is nearest to a matrix, of unit length: single precision and rounded numbers give none exactly.
+fn nearest_rotation(matrix: Matrix3<f64>) -> Rotation {
+    let parts = matrix.svd(true, true);
+    let orthogonal = parts.u.zip(parts.v_t).map_or(matrix, |(u, v_t)| u * v_t);
+    let turn = Rotation::from_rotation_matrix(&Rotation3::from_matrix_unchecked(orthogonal));
+    Rotation::new_normalize(turn.into_inner())
 }
 
 /// The homogeneous matrix of a pose, row by row.

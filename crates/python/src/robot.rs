@@ -17,6 +17,7 @@ use crate::arrays::{Rows, array};
 use crate::collision_matrix::{CollisionMatrix, MatrixArguments};
 use crate::error::{error, warn};
 use crate::memory::collected;
+use crate::mesh_cover::{self, MeshCover};
 use crate::robot_sources::{MeshBytes, RobotSources, Text};
 use crate::shape_cover::{self, ShapeCover};
 use crate::sphere_cover::{SearchArguments, SizeArguments, SphereCover, measure};
@@ -319,6 +320,24 @@ impl Robot {
     ) -> PyResult<ShapeCover> {
         let (kind, search) = (shape_cover::kind(shape)?, SearchArguments { deadline: timeout, num_threads });
         ShapeCover::compute(py, self, kind, count, &search)
+    }
+
+    /// Simplifies the collision meshes, with a proven distance between each mesh and its simplified mesh: `MeshCover`.
+    ///
+    /// Give one of `count`, the largest number of triangles of a link, and `excess`, the largest distance (m) of a point of one surface from
+    /// the other. Primitives are not changed. After `timeout` (s), the best meshes so far are returned, and `ended_by_time` is true. Without
+    /// it, the result is the same for any `num_threads`.
+    #[pyo3(signature = (*, count=None, excess=None, timeout=None, num_threads=None))]
+    fn mesh_cover(
+        &self,
+        py: Python<'_>,
+        #[pyo3(from_py_with = options::sphere_count)] count: Option<usize>,
+        #[pyo3(from_py_with = options::excess)] excess: Option<f64>,
+        #[pyo3(from_py_with = options::timeout)] timeout: Option<Instant>,
+        #[pyo3(from_py_with = options::num_threads)] num_threads: Option<usize>,
+    ) -> PyResult<MeshCover> {
+        let size = mesh_cover::size(count, excess)?;
+        MeshCover::compute(py, self, &size, &SearchArguments { deadline: timeout, num_threads })
     }
 
     /// Measures `spheres`, a robot with the same link names whose collision geometry is spheres, beside the collision geometry of this one:

@@ -26,15 +26,16 @@ use crate::world::World;
 /// A certificate proves one motion. Say which one you expect: `edge=(q0, q1)` for a straight motion, or
 /// `trajectory=(times, positions[, velocities[, accelerations]])`, both with all positions of the robot, in the order of
 /// `Robot.joint_names`, of shapes (n,) and (N, n). A certificate of another motion is rejected. Without them, only the proof is checked:
-/// compare the motion in the certificate with yours. `tube` is the tracking tolerance (rad, m) that is expected, a number or (n,);
+/// compare the motion in the certificate with yours. `shortest` is that of `check_trajectory`. `tube` is the tracking tolerance (rad, m) that is expected, (n,), or one number for every joint,
+/// mimic joints included;
 /// `tolerance` (m) that of the check; `margin` (m) is the least distance that the proof has to keep, besides paddings. The settings are
 /// those of `Checker`, and must be the same as for the check.
 ///
 /// Returns a `Verification`, which is true only if the proof holds; otherwise its `reason` says why not.
 #[pyfunction]
 #[pyo3(
-    signature = (certificate, robot, world=None, *, edge=None, trajectory=None, tube=None, tolerance=None, margin=None, **settings),
-    text_signature = "(certificate, robot, world=None, *, edge=None, trajectory=None, tube=None, tolerance=None, margin=None, **settings)"
+    signature = (certificate, robot, world=None, *, edge=None, trajectory=None, shortest=false, tube=None, tolerance=None, margin=None, **settings),
+    text_signature = "(certificate, robot, world=None, *, edge=None, trajectory=None, shortest=False, tube=None, tolerance=None, margin=None, **settings)"
 )]
 #[allow(clippy::too_many_arguments)] // one for each keyword
 pub fn verify<'py>(
@@ -44,6 +45,7 @@ pub fn verify<'py>(
     world: Option<PyRef<'py, World>>,
     edge: Option<(Bound<'py, PyAny>, Bound<'py, PyAny>)>,
     trajectory: Option<Bound<'py, PyTuple>>,
+    shortest: bool,
     tube: Option<Bound<'py, PyAny>>,
     #[pyo3(from_py_with = options::tolerance_if_any)] tolerance: Option<f64>,
     #[pyo3(from_py_with = options::margin_if_any)] margin: Option<f64>,
@@ -57,10 +59,13 @@ pub fn verify<'py>(
     let matrix = settings.matrix(model, &scene);
     let settings = settings.settings.with_scene(&scene);
     let tube = tube.map(|tube| tube_of(&space, &tube)).transpose()?;
+    if shortest && trajectory.is_none() {
+        return Err(PyTypeError::new_err("shortest belongs to trajectory, and there is none"));
+    }
     let motion = match (edge, trajectory) {
         (Some(_), Some(_)) => return Err(PyTypeError::new_err("give edge or trajectory, not both")),
         (Some((from, to)), None) => Some(straight(&space, [&from, &to])?),
-        (None, Some(points)) => Some(trajectory_of(&space, &points)?),
+        (None, Some(points)) => Some(trajectory_of(&space, &points, shortest)?),
         (None, None) => None,
     };
     let expected_tube = |segment: MotionSegment| match &tube {
@@ -93,7 +98,7 @@ fn straight(space: &JointSpace, ends: [&Bound<'_, PyAny>; 2]) -> PyResult<Trajec
     Trajectory::of_segments(vec![MotionSegment::straight(space.robot(), &from, &to)]).map_err(error)
 }
 
-fn trajectory_of(space: &JointSpace, points: &Bound<'_, PyTuple>) -> PyResult<Trajectory> {
+fn trajectory_of(space: &JointSpace, points: &Bound<'_, PyTuple>, shortest: bool) -> PyResult<Trajectory> {
     let item = |i: usize| points.get_item(i).ok().filter(|item| !item.is_none());
     let (times, velocities, accelerations) = (item(0), item(2), item(3));
     let (Some(positions), true) = (item(1), points.len() <= 4) else {
@@ -106,7 +111,7 @@ fn trajectory_of(space: &JointSpace, points: &Bound<'_, PyTuple>) -> PyResult<Tr
         positions: &positions,
         velocities: velocities.as_ref(),
         accelerations: accelerations.as_ref(),
-        shortest: false,
+        shortest,
     };
     arrays.trajectory(space)
 }

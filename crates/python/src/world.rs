@@ -291,8 +291,16 @@ fn read(
     files: &MeshFiles,
 ) -> Result<SceneLoader, String> {
     let bytes = input_files::read(path, WORLD_LIMIT).map_err(|e| e.to_string())?;
-    if WorldFileKind::of(&bytes, path) == WorldFileKind::Cloud && point_radius.is_none() {
-        return Err(format!("{}: a cloud needs point_radius=... (m)", path.display()));
+    let kind = WorldFileKind::of(&bytes, path);
+    let without_effect =
+        |option, of| Err(format!("{}: {option} has no effect: the file is no {of}", path.display()));
+    match (kind == WorldFileKind::Cloud, point_radius) {
+        (true, None) => return Err(format!("{}: a cloud needs point_radius=... (m)", path.display())),
+        (false, Some(_)) => return without_effect("point_radius", "cloud"),
+        _ => {}
+    }
+    if loader.unknown_is_occupied && kind != WorldFileKind::Octomap {
+        return without_effect("unknown_is_occupied", "octree");
     }
     let files = files.clone().with_folder(path.parent().unwrap_or(Path::new(".")));
     loader.read_file(&bytes, path, point_radius, robot, &files).map_err(|e| e.to_string())?;

@@ -8,9 +8,8 @@ use clearance_robot::quoted;
 
 use super::{ObjectChange, Operation, Scene, SceneContext, SceneRejection, Time};
 
-/// Largest time (s) by which a state may be older than the last one of its obstacle and is dropped. An even older one is of a
-/// clock that was set back.
-const LARGEST_DELAY: f64 = 1.0;
+/// Time (s) by which the stamp of a state may be later than the clock. A later one is of a clock that was set back.
+const LARGEST_LEAD: f64 = 1.0;
 
 /// Pose and velocity of an obstacle of the world: `clearance_msgs/ObstacleState`.
 #[derive(Clone, Debug)]
@@ -103,7 +102,7 @@ impl Scene {
     ) -> Result<(), SceneRejection> {
         let ObstacleState { id, pose_fo, linear_f, angular_f, .. } = state;
         self.check_is_obstacle(id)?;
-        self.check_is_newest(id, *stamp)?;
+        self.check_is_newest(id, *stamp, context.now)?;
         if !context.stands_still(&state.frame, self) {
             let frame = quoted(&state.frame);
             let why =
@@ -118,10 +117,11 @@ impl Scene {
         Ok(())
     }
 
-    /// An older state than the last one, as of a second tracker, changes nothing.
-    fn check_is_newest(&self, id: &str, stamp: Time) -> Result<(), SceneRejection> {
-        let delay = self.twists.get(id).map_or(0.0, |known| known.stamp.seconds_since(stamp));
-        if delay <= 0.0 || delay > LARGEST_DELAY {
+    /// An older state than the last one, as of a second tracker, changes nothing, unless the clock was set back since the last one.
+    fn check_is_newest(&self, id: &str, stamp: Time, now: Option<Time>) -> Result<(), SceneRejection> {
+        let Some(known) = self.twists.get(id) else { return Ok(()) };
+        let delay = known.stamp.seconds_since(stamp);
+        if delay <= 0.0 || now.is_some_and(|now| now.seconds_since(known.stamp) < -LARGEST_LEAD) {
             return Ok(());
         }
         let why =

@@ -1,5 +1,6 @@
 //! List of the pairs to check, with the reason for each pair that is skipped.
 
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use super::{AllowedCollisionMatrix, AttachedId, BodyId, ObstacleId, World};
@@ -21,6 +22,8 @@ pub struct PairList {
     world_count: usize,
     skipped: [usize; SkipReason::ALL.len()],
     rules: PairRules,
+    /// Names of all links: entries of the matrix about such a name hold for the link alone.
+    link_names: Arc<HashSet<String>>,
     checks_world: bool,
 }
 
@@ -52,11 +55,16 @@ impl PairRules {
         }
     }
 
-    /// The reason why the matrix allows contact of two bodies, if it allows it.
-    fn why_allowed(&self, a: &str, b: &str) -> Option<SkipReason> {
-        let matrix = self.matrix().filter(|matrix| matrix.allows(a, b))?;
-        Some(match self {
-            Self::Srdf(_) if matrix.has_entry(a, b) => SkipReason::Disabled,
+    /// The reason why the matrix allows contact of two parts, if it allows it.
+    fn why_allowed(&self, a: &Part, b: &Part) -> Option<SkipReason> {
+        let matrix = self.matrix()?;
+        let (allows, has_entry) = match (&a.entry_name, &b.entry_name) {
+            (Some(a), Some(b)) => (matrix.allows(a, b), matrix.has_entry(a, b)),
+            (Some(one), None) | (None, Some(one)) => (matrix.allows_by_default(one), false),
+            (None, None) => (false, false),
+        };
+        allows.then_some(match self {
+            Self::Srdf(_) if has_entry => SkipReason::Disabled,
             Self::Srdf(_) => SkipReason::DisabledByDefault,
             Self::Scene(_) | Self::Adjacency => SkipReason::Allowed,
         })
@@ -74,7 +82,8 @@ impl PairRules {
 #[derive(Clone, Debug, PartialEq)]
 struct Part {
     body: BodyId,
-    name: String,
+    /// Its name in the matrix; `None` for an object with the name of a link.
+    entry_name: Option<String>,
 }
 
 /// Reason why a pair is skipped.
@@ -123,20 +132,30 @@ impl PairList {
     /// Pairs of links and attached objects that have geometry, and their pairs with obstacles.
     ///
     /// A scene's matrix replaces the SRDF's, as in MoveIt; without either, adjacent rigid bodies are skipped. Default entries of either
-    /// matrix hold for links, attached objects and obstacles alike. Attached objects are checked against all links except those that may
+    /// matrix hold for links, attached objects and obstacles alike. An entry about the name of a link does not hold for an object with this
+    /// name. Attached objects are checked against all links except those that may
     /// touch them, and against each other unless one link carries both.
     #[must_use]
     pub fn new(robot: &RobotModel, world: &World, scene: Option<&AllowedCollisionMatrix>) -> Self {
         let links = robot.link_ids().filter(|l| !robot.link(*l).collisions.is_empty());
-        let links = links.map(|l| Part { body: BodyId::Link(l), name: robot.link(l).name.clone() });
+        let links =
+            links.map(|l| Part { body: BodyId::Link(l), entry_name: Some(robot.link(l).name.clone()) });
+        let link_names: HashSet<String> = robot.links().iter().map(|link| link.name.clone()).collect();
         let attached = (0..).map(AttachedId).zip(world.attached());
-        let attached = attached.map(|(id, o)| Part { body: BodyId::Attached(id), name: o.name.clone() });
+        let attached = attached.map(|(id, object)| {
+            let entry_name = Some(&object.name).filter(|name| !link_names.contains(*name)).cloned();
+            Part { body: BodyId::Attached(id), entry_name }
+        });
         let parts: Vec<Part> = links.chain(attached).collect();
         let rules = PairRules::new(robot, scene);
         let usual = (parts.iter())
-            .map(|part| !rules.matrix().is_some_and(|matrix| matrix.allows_by_default(&part.name)))
+            .map(|part| {
+                let name = part.entry_name.as_deref();
+                !rules.matrix().zip(name).is_some_and(|(matrix, name)| matrix.allows_by_default(name))
+            })
             .collect();
-        let mut list = Self { parts, usual, rules, checks_world: true, ..Self::default() };
+        let link_names = Arc::new(link_names);
+        let mut list = Self { parts, usual, rules, link_names, checks_world: true, ..Self::default() };
         list.add_self_pairs(robot, world);
         for id in (0..).map(ObstacleId).take(world.place_count()) {
             list.set_obstacle(id, world.place(id).map(|obstacle| obstacle.name.as_str()));
@@ -171,8 +190,16 @@ impl PairList {
             return;
         }
         let Some(name) = name else { return };
-        let row = match self.rules.matrix().filter(|matrix| matrix.mentions(name)) {
-            Some(matrix) => self.parts.iter().map(|part| !matrix.allows(&part.name, name)).collect(),
+        let is_meant =
+            |matrix: &&AllowedCollisionMatrix| matrix.mentions(name) && !self.link_names.contains(name);
+        let row = match self.rules.matrix().filter(is_meant) {
+            Some(matrix) => {
+                let allows = |part: &Part| match &part.entry_name {
+                    Some(of_part) => matrix.allows(of_part, name),
+                    None => matrix.allows_by_default(name),
+                };
+                self.parts.iter().map(|part| !allows(part)).collect()
+            }
             None => Arc::clone(&self.usual),
         };
         let checked = row.iter().filter(|checked| **checked).count();
@@ -255,7 +282,7 @@ impl PairList {
 /// The reason why two parts are not checked, if there is one.
 fn why_skipped(robot: &RobotModel, world: &World, pair: [&Part; 2], rules: &PairRules) -> Option<SkipReason> {
     let [a, b] = pair;
-    let allowed = || rules.why_allowed(&a.name, &b.name);
+    let allowed = || rules.why_allowed(a, b);
     match (a.body, b.body) {
         (BodyId::Link(link_a), BodyId::Link(link_b)) => {
             if robot.same_rigid_body(link_a, link_b) {
@@ -272,8 +299,8 @@ fn why_skipped(robot: &RobotModel, world: &World, pair: [&Part; 2], rules: &Pair
             let same = world.attached_object(id).link == world.attached_object(other).link;
             if same { Some(SkipReason::SameRigidBody) } else { allowed() }
         }
-        (BodyId::Link(_), BodyId::Attached(id)) => {
-            let may_touch = world.attached_object(id).may_touch(&a.name);
+        (BodyId::Link(link), BodyId::Attached(id)) => {
+            let may_touch = world.attached_object(id).may_touch(&robot.link(link).name);
             if may_touch { Some(SkipReason::Touches) } else { allowed() }
         }
         _ => None,

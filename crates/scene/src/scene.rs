@@ -98,7 +98,7 @@ impl Scene {
         }
         for object in self.world.obstacles().filter(|o| robot.link_by_name(&o.name).is_some()) {
             warnings.push(format!(
-                "object '{}' has the name of a link: entries about one hold for both",
+                "object '{}' has the name of a link: entries of the matrix hold for the link alone",
                 object.name
             ));
         }

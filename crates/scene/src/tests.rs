@@ -33,6 +33,7 @@ struct Cell {
     robot: RobotModel,
     poses: Option<LinkPoses>,
     transforms: TransformTree,
+    now: Time,
     scene: Scene,
 }
 
@@ -43,12 +44,12 @@ impl Cell {
         let mut poses = LinkPoses::new(&robot);
         robot.forward_kinematics(&robot.configuration(&[3.0]).unwrap(), &mut poses);
         let (poses, scene) = (Some(poses), Scene::default());
-        Self { robot, poses, transforms: TransformTree::default(), scene }
+        Self { robot, poses, transforms: TransformTree::default(), now: seconds(100.0), scene }
     }
 
     fn apply(&mut self, update: &SceneUpdate) -> Result<Vec<String>, SceneRejection> {
-        let now = Some(seconds(100.0));
-        let context = SceneContext::new(&self.robot, self.poses.as_ref(), &self.transforms, now, 1.0);
+        let (poses, now) = (self.poses.as_ref(), Some(self.now));
+        let context = SceneContext::new(&self.robot, poses, &self.transforms, now, 1.0);
         let applied = self.scene.apply(update, &context);
         match applied.refusals.into_iter().next() {
             None => Ok(applied.ineffective.into_iter().chain(applied.warnings).collect()),

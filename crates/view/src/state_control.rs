@@ -169,6 +169,7 @@ impl StateControl {
             obstacles_may_move: false,
             velocities: None,
             rates: None,
+            spread: 0.0,
             obstacle_motions: Vec::new(),
             tracked_obstacles: TrackedObstacles::default(),
             slowdown_range: 0.0,

@@ -3,7 +3,8 @@
 use clearance_geometry::math::{Pose, Vector, pose_from_xyz_rpy};
 use clearance_geometry::{Primitive, Shape};
 use clearance_motion::{ObstacleLimits, SpeedLimit};
-use clearance_scene::{Obstacle, ObstacleTwist};
+use clearance_scene::{Obstacle, ObstacleShape, ObstacleTwist};
+use std::sync::OnceLock;
 
 use super::*;
 
@@ -15,8 +16,7 @@ fn cart(pose_ro: Pose, linear: [f64; 3], angular: [f64; 3], seconds: f64) -> Arc
     let mut world = World::default();
     let ball = Shape::Primitive(Primitive::Sphere { radius: 0.1 });
     world.add(Obstacle::of_shape("cart", pose_ro, ball)).unwrap();
-    let robot = RobotModel::from_urdf(URDF, &MeshFiles::default()).unwrap();
-    let checker = CollisionChecker::new(Arc::new(robot), &world, Settings::default()).unwrap();
+    let checker = CollisionChecker::new(robot(), &world, Settings::default()).unwrap();
     let [linear_o, angular_o] = [linear, angular].map(|v| pose_ro.rotation.inverse() * Vector::from(v));
     let twist = ObstacleTwist {
         name: "cart".to_owned(),
@@ -28,6 +28,13 @@ fn cart(pose_ro: Pose, linear: [f64; 3], angular: [f64; 3], seconds: f64) -> Arc
     let mut revision = Revision::new(checker, 1, 1);
     revision.obstacle_twists.push(twist);
     Arc::new(revision)
+}
+
+/// One model for all worlds.
+fn robot() -> Arc<RobotModel> {
+    static ROBOT: OnceLock<Arc<RobotModel>> = OnceLock::new();
+    let read = || Arc::new(RobotModel::from_urdf(URDF, &MeshFiles::default()).unwrap());
+    Arc::clone(ROBOT.get_or_init(read))
 }
 
 fn in_front() -> Pose {
@@ -163,26 +170,219 @@ fn the_speed_scale_counts_the_velocity_along_its_direction() {
     assert!((share([-4.0, 0.0, 0.0], 0.0)).abs() < 1e-6);
 }
 
-/// The motion from a state 0.2 s before, with the arm turned by an angle (rad), while the cart moves.
-fn motion_since_previous(gap: f64, linear: [f64; 3], angle: f64) -> MotionSincePrevious {
-    let settings = MonitorSettings { check_between_states: true, ..MonitorSettings::default() };
+/// The motion from a state 0.2 s before, with the arm turned by an angle (rad).
+fn motion_beside(worlds: [Arc<Revision>; 2], settings: MonitorSettings, angle: f64) -> MotionSincePrevious {
+    let settings = MonitorSettings { check_between_states: true, ..settings };
     let mut monitor = Monitor::new(settings, stopwatch);
-    monitor.set_checker(cart(Pose::translation(2.2 + gap, 0.0, 0.0), linear, [0.0; 3], 1.0));
+    let [before, now] = worlds;
+    monitor.set_checker(before);
     monitor.on_joint_state(state(0.8, [angle, 0.0]), at(0.8));
+    monitor.set_checker(now);
     let evaluation = monitor.on_joint_state(state(1.0, FREE), at(1.0));
     assert_eq!(code(&evaluation), "FREE");
     evaluation.motion_since_previous
 }
 
+/// A cart at this distance (m) from the ball.
+fn cart_at(gap: f64, linear: [f64; 3], seconds: f64) -> Arc<Revision> {
+    cart(Pose::translation(2.2 + gap, 0.0, 0.0), linear, [0.0; 3], seconds)
+}
+
+fn assert_may_have_moved(motion: &MotionSincePrevious) {
+    let MotionSincePrevious::NotProven { why, .. } = motion else { panic!("{motion:?}") };
+    assert_eq!(*why, GapReason::ObstacleMoves { name: "cart".to_owned() });
+}
+
 /// In 0.2 s, the cart has moved by up to 0.1 m.
 #[test]
 fn motions_beside_a_moving_obstacle_are_proven_with_its_motion() {
+    let beside = |gap, linear| {
+        let world = cart_at(gap, linear, 1.0);
+        motion_beside([Arc::clone(&world), world], MonitorSettings::default(), 0.01)
+    };
     let linear = [0.0, 0.5, 0.0];
-    assert_eq!(motion_since_previous(0.15, linear, 0.01), MotionSincePrevious::ProvenFree);
-    assert_eq!(motion_since_previous(0.05, [0.0; 3], 0.01), MotionSincePrevious::ProvenFree);
-    let near = motion_since_previous(0.05, linear, 0.01);
-    let MotionSincePrevious::NotProven { why, .. } = near else { panic!("{near:?}") };
-    assert_eq!(why, GapReason::ObstacleMoves { name: "cart".to_owned() });
+    assert_eq!(beside(0.15, linear), MotionSincePrevious::ProvenFree);
+    assert_eq!(beside(0.05, [0.0; 3]), MotionSincePrevious::ProvenFree);
+    assert_may_have_moved(&beside(0.05, linear));
+}
+
+/// It rests now, and was on its way to where it is at the state before.
+#[test]
+fn the_velocity_at_the_start_of_the_motion_counts() {
+    let [before, now] = [cart_at(0.15, [-0.5, 0.0, 0.0], 0.8), cart_at(0.05, [0.0; 3], 1.0)];
+    let motion = motion_beside([before, now], MonitorSettings::default(), 0.01);
+    assert_may_have_moved(&motion);
+    let [before, now] = [cart_at(0.25, [-0.5, 0.0, 0.0], 0.8), cart_at(0.15, [0.0; 3], 1.0)];
+    let motion = motion_beside([before, now], MonitorSettings::default(), 0.01);
+    assert_eq!(motion, MotionSincePrevious::ProvenFree);
+}
+
+/// Up to ½ · 2 · 0.2² = 0.04 m from rest; with a pose that is 0.1 s old, 0.09 m.
+#[test]
+fn an_obstacle_at_rest_may_have_accelerated() {
+    let limit = SpeedLimit { speed: 0.0, acceleration: 2.0 };
+    let beside = |gap, seconds| {
+        let obstacle_limits = Arc::new(ObstacleLimits { default: limit, ..ObstacleLimits::default() });
+        let settings = MonitorSettings { obstacle_limits, ..MonitorSettings::default() };
+        let world = cart_at(gap, [0.0; 3], seconds);
+        motion_beside([Arc::clone(&world), world], settings, 0.001)
+    };
+    assert_eq!(beside(0.06, 1.0), MotionSincePrevious::ProvenFree);
+    assert_may_have_moved(&beside(0.03, 1.0));
+    assert_may_have_moved(&beside(0.06, 0.9));
+}
+
+/// Limits of obstacles that nobody tracks: 0.5 m/s for 0.2 s, and the latency.
+#[test]
+fn limits_of_obstacles_count_between_states() {
+    let beside = |gap: f64, obstacle_latency, name: &str| {
+        let mut world = World::default();
+        let ball = Shape::Primitive(Primitive::Sphere { radius: 0.1 });
+        world.add(Obstacle::of_shape("cart", Pose::translation(2.2 + gap, 0.0, 0.0), ball)).unwrap();
+        let checker = CollisionChecker::new(robot(), &world, Settings::default()).unwrap();
+        let world = Arc::new(Revision::new(checker, 1, 1));
+        let limit = (Some(name.to_owned()), SpeedLimit { speed: 0.5, acceleration: 0.0 });
+        let obstacle_limits = Arc::new(ObstacleLimits::from_list([limit]).unwrap());
+        let settings = MonitorSettings { obstacle_limits, obstacle_latency, ..MonitorSettings::default() };
+        motion_beside([Arc::clone(&world), world], settings, 0.001)
+    };
+    assert_eq!(beside(0.12, 0.0, "cart"), MotionSincePrevious::ProvenFree);
+    assert_may_have_moved(&beside(0.12, 0.1, "cart"));
+    assert_may_have_moved(&beside(0.08, 0.0, "cart"));
+    assert_eq!(beside(0.08, 0.1, "other"), MotionSincePrevious::ProvenFree);
+}
+
+/// The shoulder is 0.2 s newer than the elbow, at whose time the cart was seen.
+#[test]
+fn the_times_of_the_joints_count() {
+    let beside = |gap, elbow: f64| {
+        let world = SpeedDistances { slowdown: 0.5, stop: 0.1 };
+        let speed = SpeedSettings { world, reaction_time: 0.0, release_count: 1, ..SpeedSettings::default() };
+        let settings = MonitorSettings { check_between_states: true, speed, ..MonitorSettings::default() };
+        let mut monitor = Monitor::new(settings, stopwatch);
+        monitor.set_checker(cart_at(gap, [0.5, 0.0, 0.0], elbow));
+        let send = |monitor: &mut Monitor, source, joint: &str, seconds: f64, shown: f64| {
+            let input = JointStateInput {
+                source: SourceId([source; 16]),
+                velocities: vec![0.0],
+                ..input(seconds, &[(joint, 0.0)])
+            };
+            monitor.on_joint_state(input, at(shown))
+        };
+        send(&mut monitor, 1, "elbow", elbow, elbow);
+        send(&mut monitor, 2, "shoulder", 1.19, 1.19);
+        let evaluation = send(&mut monitor, 2, "shoulder", 1.2, 1.2);
+        assert_eq!(code(&evaluation), "FREE");
+        (evaluation.speed_scale, evaluation.motion_since_previous)
+    };
+    // a distance of 0.3 m less 0.01 m, for a first state that is 0.01 s older than the cart's
+    let (share, motion) = beside(0.3, 1.2);
+    assert!((share - 0.475).abs() < 1e-9 && motion == MotionSincePrevious::ProvenFree, "{share} {motion:?}");
+    // less 0.1 m
+    let (share, motion) = beside(0.3, 1.0);
+    assert!((share - 0.25).abs() < 1e-9 && motion == MotionSincePrevious::ProvenFree, "{share} {motion:?}");
+    assert_may_have_moved(&beside(0.08, 1.0).1);
+}
+
+/// Two posts as one obstacle: one is 0.3 m ahead of the ball, the other one 0.5 m beside it and comes sideways.
+#[test]
+fn a_part_that_is_not_the_nearest_one_may_come_nearer() {
+    let ball = || Shape::Primitive(Primitive::Sphere { radius: 0.1 });
+    let at = |x, y| ObstacleShape { pose_os: Pose::translation(x, y, 0.0), shape: ball() };
+    let share = |shapes: Vec<ObstacleShape>| {
+        let mut world = World::default();
+        let shapes = shapes.into();
+        world.add(Obstacle { shapes, ..Obstacle::of_shape("cart", Pose::identity(), ball()) }).unwrap();
+        let checker = CollisionChecker::new(robot(), &world, Settings::default()).unwrap();
+        let mut revision = Revision::new(checker, 1, 1);
+        revision.obstacle_twists.push(ObstacleTwist {
+            name: "cart".to_owned(),
+            linear_o: Vector::new(0.0, -1.0, 0.0),
+            angular_o: Vector::default(),
+            stamp: time(START + 1.0),
+            received: Duration::from_secs(1),
+        });
+        let world = SpeedDistances { slowdown: 0.25, stop: 0.1 };
+        let speed = SpeedSettings { world, reaction_time: 0.5, release_count: 1, ..SpeedSettings::default() };
+        evaluated(Arc::new(revision), MonitorSettings { speed, ..MonitorSettings::default() }).speed_scale
+    };
+    assert_eq!(share(vec![at(2.5, 0.0), at(2.0, 0.7)]), 0.0);
+    assert_eq!(share(vec![at(2.5, 0.0)]), 1.0);
+}
+
+/// A door whose hinge is 1 m beside the ball, and which is far from it.
+#[test]
+fn a_door_comes_round_in_the_reaction_time() {
+    let door = Shape::Primitive(Primitive::cuboid([0.02, 2.0, 1.0]).unwrap());
+    let mut world = World::default();
+    let shapes =
+        vec![ObstacleShape { pose_os: Pose::translation(0.0, 1.0, 0.0), shape: door.clone() }].into();
+    let hinge = Pose::translation(3.0, -0.2, 0.0);
+    world.add(Obstacle { shapes, ..Obstacle::of_shape("door", hinge, door) }).unwrap();
+    let checker = CollisionChecker::new(robot(), &world, Settings::default()).unwrap();
+    let mut revision = Revision::new(checker, 1, 1);
+    revision.obstacle_twists.push(ObstacleTwist {
+        name: "door".to_owned(),
+        linear_o: Vector::default(),
+        angular_o: Vector::new(0.0, 0.0, 3.0),
+        stamp: time(START + 1.0),
+        received: Duration::from_secs(1),
+    });
+    let speed = SpeedSettings {
+        world: SpeedDistances { slowdown: 0.25, stop: 0.1 },
+        reaction_time: 1.0,
+        release_count: 1,
+        ..SpeedSettings::default()
+    };
+    let settings = MonitorSettings { speed, ..MonitorSettings::default() };
+    assert_eq!(evaluated(Arc::new(revision), settings).speed_scale, 0.0);
+}
+
+/// A point at 0.5 m from the centre, once around between the pose and the state.
+#[test]
+fn a_whole_turn_is_no_rest() {
+    let world = SpeedDistances { slowdown: 3.0, stop: 0.5 };
+    let speed = SpeedSettings { world, reaction_time: 0.0, release_count: 1, ..SpeedSettings::default() };
+    let settings = MonitorSettings { distance_limit: 10.0, speed, ..MonitorSettings::default() };
+    let share = |age: f64| {
+        let revision = cart(in_front(), [0.0; 3], [0.0, 0.0, std::f64::consts::TAU / 0.5], 1.0 - age);
+        evaluated(revision, settings.clone()).speed_scale
+    };
+    assert!((share(0.0) - (GAP - 0.5) / 2.5).abs() < 1e-6);
+    assert!((share(0.5) - (GAP - 0.2 - 0.5) / 2.5).abs() < 1e-6, "twice the radius of 0.1 m: {}", share(0.5));
+}
+
+/// Speed and separation monitoring: a cart at 3 m/s, which is declared to rest, or a person to be at 1.6 m/s.
+#[test]
+fn a_measured_speed_counts_for_the_separation() {
+    let usual = SeparationSettings {
+        human_speed: 1.6,
+        robot_speed: 1.0,
+        reaction_time: 0.1,
+        deceleration: 5.0,
+        acceleration: 0.0,
+        margin: 0.1,
+    };
+    let share = |resting: &[&str], linear: [f64; 3]| {
+        let resting_obstacles = resting.iter().map(|name| (*name).to_owned()).collect();
+        let rules = SeparationRules { resting_obstacles, ..SeparationRules::of_all(usual) };
+        let speed = SpeedSettings { separation: Some(rules), release_count: 1, ..SpeedSettings::default() };
+        let settings = MonitorSettings { speed, ..MonitorSettings::default() };
+        evaluated(cart(in_front(), linear, [0.0; 3], 1.0), settings).speed_scale
+    };
+    let with_speed = |human_speed| SeparationSettings { human_speed, ..usual }.allowed_speed(GAP).min(1.0);
+    assert!(with_speed(3.0) < with_speed(1.6));
+    let fast = [-3.0, 0.0, 0.0];
+    for (resting, linear, expected) in [
+        (&[][..], [0.0; 3], with_speed(1.6)),
+        (&[], [0.5, 0.0, 0.0], with_speed(1.6)),
+        (&[], fast, with_speed(3.0)),
+        (&["cart"], fast, with_speed(3.0)),
+        (&["cart"], [0.0; 3], 1.0),
+    ] {
+        let found = share(resting, linear);
+        assert!((found - expected).abs() < 1e-9, "{resting:?} {linear:?}: {found}, not {expected}");
+    }
 }
 
 /// The motion through one of two balls of 1 cm: a cart that moves, and a post.
@@ -193,8 +393,7 @@ fn passes(passed: &str) -> MotionSincePrevious {
         let pose_ro = pose_from_xyz_rpy([2.0 * f64::cos(angle), 2.0 * f64::sin(angle), 0.0], [0.0; 3]);
         world.add(Obstacle::of_shape(name, pose_ro, ball)).unwrap();
     }
-    let robot = RobotModel::from_urdf(URDF, &MeshFiles::default()).unwrap();
-    let checker = CollisionChecker::new(Arc::new(robot), &world, Settings::default()).unwrap();
+    let checker = CollisionChecker::new(robot(), &world, Settings::default()).unwrap();
     let mut revision = Revision::new(checker, 1, 1);
     revision.obstacle_twists.push(ObstacleTwist {
         name: "cart".to_owned(),

@@ -10,8 +10,8 @@
     free = checker.is_free(checker.configuration(robot.group_states["home"]))
 
 Units are metres, radians and seconds. All poses and points are in the frame of the robot's root link. Joint positions are
-float64 arrays in the order of ``joint_names``. All objects but ``View``, ``CollisionMatrix``, ``SphereCover`` and
-``ShapeCover`` pickle. The package has no thread of its own until the first batch.
+float64 arrays in the order of ``joint_names``. All objects but ``View``, ``CollisionMatrix``, ``SphereCover``,
+``ShapeCover`` and ``MeshCover`` pickle. The package has no thread of its own until the first batch.
 """
 
 from ._clearance import (
@@ -19,6 +19,7 @@ from ._clearance import (
     Checker,
     CollisionMatrix,
     Error,
+    MeshCover,
     Robot,
     ShapeCover,
     SphereCover,
@@ -36,6 +37,7 @@ from ._results import (
     FreeState,
     InputWarning,
     LeastClearance,
+    LinkMeshes,
     LinkPair,
     LinkShapes,
     LinkSpheres,
@@ -45,6 +47,7 @@ from ._results import (
     PairDistance,
     Plan,
     Reason,
+    SimplifiedMesh,
     TrajectoryReport,
     Verdict,
     Verification,
@@ -63,10 +66,12 @@ __all__ = [
     "FreeState",
     "InputWarning",
     "LeastClearance",
+    "LinkMeshes",
     "LinkPair",
     "LinkShapes",
     "LinkSpheres",
     "MeasuredSpheres",
+    "MeshCover",
     "MotionClearance",
     "MotionReport",
     "PairDistance",
@@ -74,6 +79,7 @@ __all__ = [
     "Reason",
     "Robot",
     "ShapeCover",
+    "SimplifiedMesh",
     "SphereCover",
     "TrajectoryReport",
     "Verdict",

@@ -15,6 +15,7 @@ from ._results import (
     EdgeReports,
     FreeState,
     LinkPair,
+    LinkMeshes,
     LinkShapes,
     LinkSpheres,
     MeasuredSpheres,
@@ -127,6 +128,14 @@ class Robot:
     def shape_cover(
         self, shape: str, *, count: int, timeout: float | None = None, num_threads: int | None = None
     ) -> ShapeCover: ...
+    def mesh_cover(
+        self,
+        *,
+        count: int | None = None,
+        excess: float | None = None,
+        timeout: float | None = None,
+        num_threads: int | None = None,
+    ) -> MeshCover: ...
     def measure_spheres(
         self, spheres: Robot, *, timeout: float | None = None, num_threads: int | None = None
     ) -> tuple[MeasuredSpheres, ...]: ...
@@ -168,6 +177,23 @@ class ShapeCover:
     @property
     def ended_by_time(self) -> bool: ...
     def to_urdf(self) -> str: ...
+    def __len__(self) -> int: ...
+
+@final
+class MeshCover:
+    @property
+    def links(self) -> tuple[LinkMeshes, ...]: ...
+    @property
+    def triangles(self) -> int: ...
+    @property
+    def original_triangles(self) -> int: ...
+    @property
+    def largest_error(self) -> float: ...
+    @property
+    def ended_by_time(self) -> bool: ...
+    @property
+    def files(self) -> dict[str, bytes]: ...
+    def to_urdf(self, folder: str) -> str: ...
     def __len__(self) -> int: ...
 
 @final
@@ -398,6 +424,7 @@ def verify(
     *,
     edge: tuple[ArrayLike, ArrayLike] | None = None,
     trajectory: tuple[Any, ...] | None = None,
+    shortest: bool = False,
     tube: ArrayLike | None = None,
     tolerance: float | None = None,
     margin: float | None = None,

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from ._clearance import Certificate
 
     Floats = NDArray[np.float64]
+    Ints = NDArray[np.int64]
 
 Pair = Tuple[str, str]
 
@@ -30,6 +31,10 @@ class Verdict(enum.IntEnum):
     """A pair touches."""
     UNDECIDED = -1
     """Neither a proof nor a contact was found: do not take it for free."""
+
+    def __bool__(self) -> bool:
+        """True only for FREE."""
+        return self is Verdict.FREE
 
 
 class Reason(enum.IntEnum):
@@ -78,7 +83,8 @@ class Contact:
     normal: Optional[Floats]
     """Unit vector (root frame) along which the second body leaves the first; shape (3,). None if no such direction was found."""
     depth: Optional[float]
-    """Length (m) of the translation along the normal after which the bodies are proven apart; None if none was found."""
+    """Length (m) of the translation along the normal after which the bodies are proven apart; None if none was found. For a cloud or voxels,
+    it is the point or voxel that is apart then, not yet the whole obstacle."""
     depth_lower: float
     """Lower bound (m) on the penetration depth."""
     reason: Optional[str]
@@ -109,6 +115,10 @@ class CollisionReport:
     """The nearest pair of the robot and an obstacle."""
     distances: List[PairDistance]
     """All pairs within ``max_distance``."""
+
+    def __bool__(self) -> bool:
+        """The same as ``free``."""
+        return self.free
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,7 +154,8 @@ class Clearance:
     pairs: List[Pair]
     """Names of the bodies; m pairs."""
     distances: Floats
-    """Signed distances (m), padding subtracted; shape (m,). For bodies that overlap, minus the penetration depth, or its bound ``lower``."""
+    """Signed distances (m), padding subtracted; shape (m,). For bodies that overlap, minus the penetration depth, or its bound ``lower``; for
+    a cloud or voxels, that of the deepest point or voxel."""
     lower: Floats
     """Lower bounds (m); minus infinity if no translation is known that separates the bodies."""
     upper: Floats
@@ -164,7 +175,7 @@ class EdgeReports:
     """Verdicts of motions of shape (...)."""
 
     verdicts: NDArray[np.int8]
-    """`Verdict` of each motion; shape (...)."""
+    """`Verdict` of each motion; shape (...). Compare with ``Verdict.FREE``: in NumPy, UNDECIDED (-1) counts as true."""
     reasons: NDArray[np.int8]
     """`Reason` of each undecided motion, else 0; shape (...)."""
     t: Floats
@@ -197,6 +208,10 @@ class MotionReport:
     def free(self) -> bool:
         """True only if the motion is proven free."""
         return self.verdict == Verdict.FREE
+
+    def __bool__(self) -> bool:
+        """The same as ``free``."""
+        return self.free
 
 
 @dataclass(frozen=True, eq=False)
@@ -241,7 +256,7 @@ class MotionClearance:
     nearest_world: Optional[LeastClearance]
     """The least distance of the robot and an obstacle; None if no such pairs are checked."""
     reason: Optional[Reason]
-    """Why the bounds differ by more than the tolerance; None if they do not."""
+    """Why the bounds differ by more than the tolerance; None if they do not, or if ``max_distance`` ended the search."""
     evaluations: int
     """Number of evaluations of a pair in an interval."""
 
@@ -262,6 +277,10 @@ class MotionClearance:
         """True only if the motion is proven free."""
         return self.lower > 0
 
+    def __bool__(self) -> bool:
+        """The same as ``free``."""
+        return self.free
+
 
 @dataclass(frozen=True, eq=False)
 class FreeState:
@@ -281,6 +300,10 @@ class FreeState:
     """The pair that no joint moves apart, for ``not_movable``."""
     checks: int
     """Number of states that were checked."""
+
+    def __bool__(self) -> bool:
+        """The same as ``found``."""
+        return self.found
 
 
 @dataclass(frozen=True, eq=False)
@@ -344,6 +367,42 @@ class LinkShapes:
 
 
 @dataclass(frozen=True, eq=False)
+class SimplifiedMesh:
+    """A simplified collision mesh."""
+
+    collision: int
+    """Number of the collision element in its link, from 0."""
+    pose: Floats
+    """Pose of the mesh in the link frame; shape (4, 4)."""
+    vertices: Floats
+    """Vertices (m) in the frame of the mesh, the scale of the URDF applied; shape (V, 3)."""
+    faces: Ints
+    """Numbers of the vertices of each triangle, from 0; shape (T, 3)."""
+    original_triangles: int
+    """Number of triangles of the original mesh."""
+    error: Tuple[float, float]
+    """Proven bounds (lower, upper) on the Hausdorff distance (m) of the simplified and the original surface."""
+    file_name: str
+    """Name of its STL file."""
+
+
+@dataclass(frozen=True, eq=False)
+class LinkMeshes:
+    """The simplified collision meshes of a link."""
+
+    link: str
+    """Name of the link."""
+    meshes: Tuple[SimplifiedMesh, ...]
+    """One for each mesh of its collision geometry."""
+    error: Tuple[float, float]
+    """Proven bounds (lower, upper) on the largest error (m) of the meshes."""
+    point: Floats
+    """A point (m, link frame) with the largest error that was found; shape (3,)."""
+    ended_by_time: bool
+    """True if the time ended the search."""
+
+
+@dataclass(frozen=True, eq=False)
 class MeasuredSpheres:
     """Measurement of the spheres of a link. All bounds are proven: (lower, upper)."""
 
@@ -378,6 +437,10 @@ class Plan:
     """Number of nodes of both trees."""
     certificate: Optional[Certificate]
     """Certificate of the whole path, if it was requested."""
+
+    def __bool__(self) -> bool:
+        """The same as ``found``."""
+        return self.found
 
 
 @dataclass(frozen=True)

@@ -250,7 +250,7 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             "m/s",
             (0.0, 100.0),
             |p| &mut p.obstacle_speed,
-            "Largest speed of any point of an obstacle at the time of the joint state, for ~/time_to_contact and ~/speed_scale; 0 and no acceleration: obstacles stand.",
+            "Largest speed of any point of an obstacle at the time of the joint state, for ~/time_to_contact, ~/speed_scale and check_between_states; 0 and no acceleration: obstacles stand.",
         ),
         double(
             "obstacle_state_ttl",

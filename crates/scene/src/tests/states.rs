@@ -62,6 +62,9 @@ fn an_older_state_does_not_replace_a_newer_one() {
     };
     cell.apply(&at_time(6.0, 99.0)).unwrap();
     cell.assert_rejected(&at_time(7.0, 98.7), Some("a"), "0.300 s older");
+    cell.assert_rejected(&at_time(7.0, 30.0), Some("a"), "69.000 s older");
+    assert_eq!(cell.places("a"), [[6.0, 0.0, 0.0]]);
+    cell.now = seconds(31.0);
     cell.apply(&at_time(8.0, 30.0)).unwrap();
     assert_eq!(cell.places("a"), [[8.0, 0.0, 0.0]]);
     cell.object(shift("a", "", at(9.0, 0.0, 0.0))).unwrap();
