@@ -14,9 +14,12 @@ use clearance::scene::Settings;
 use clearance_files::input_files::{self, DESCRIPTION_LIMIT, STATES_LIMIT};
 
 use super::acm_output::{AcmOutput, AuditOutput};
+use super::certificate_file;
 use super::exit_status::ExitStatus;
 use super::failure::Failure;
+use super::matrix_verification;
 use super::model_args::{ModelArgs, RobotArgs, link_pair, warn_of_meshes};
+use super::output_files;
 use super::progress::Progress;
 use super::run_args::{Format, internal, positive, print_line};
 
@@ -81,9 +84,9 @@ pub struct AcmArgs {
 
 pub fn run(args: &AcmArgs) -> Result<ExitStatus, Failure> {
     args.deadline.map(|s| positive("--deadline", s)).transpose()?;
-    for file in [&args.write_srdf, &args.certificate, &args.resume].into_iter().flatten() {
-        input_files::check_target(file).map_err(Failure::input)?;
-    }
+    let outputs = [&args.write_srdf, &args.certificate, &args.resume];
+    output_files::check(&[], &outputs.map(Option::as_deref))?;
+    args.certificate.as_deref().map(certificate_file::check).transpose()?;
     let robot = Arc::new(args.robot_args().load()?);
     let settings = args.model.settings();
     warn_of_meshes(&robot, &clearance::scene::World::default(), &settings);
@@ -136,6 +139,15 @@ impl AcmArgs {
         let text = input_files::read_text(file, STATES_LIMIT).map_err(Failure::input)?;
         let document = MatrixDocument::from_json(&text, robot, settings)
             .map_err(|why| Failure::Input(format!("{}: {why}", file.display())))?;
+        // its decisions may be written to an SRDF
+        matrix_verification::verify(robot, settings, &document.certificate(robot, settings))?.map_err(
+            |why| {
+                Failure::Input(format!(
+                    "{}: a decision is not proven: {why}; remove the file",
+                    file.display()
+                ))
+            },
+        )?;
         Ok(document.pairs)
     }
 

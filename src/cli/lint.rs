@@ -14,6 +14,7 @@ use clearance_files::readable_text::on_one_line;
 use super::exit_status::ExitStatus;
 use super::failure::Failure;
 use super::model_args::RobotArgs;
+use super::output_files;
 use super::run_args::{internal, positive, print_line};
 
 /// Find defects of the geometry of a robot model, and measure how well its collision geometry covers its visual geometry.
@@ -62,9 +63,7 @@ pub struct LintArgs {
 
 pub fn run(args: &LintArgs) -> Result<ExitStatus, Failure> {
     let options = args.options()?;
-    if let Some(file) = &args.html {
-        input_files::check_target(file).map_err(Failure::input)?;
-    }
+    output_files::check(&[Some(&args.urdf)], &[args.html.as_deref()])?;
     let robot_args = RobotArgs {
         urdf: Some(args.urdf.clone()),
         package_path: args.package_path.clone(),
@@ -123,7 +122,7 @@ fn write_page(
     visuals: &VisualGeometry,
 ) -> Result<(), Failure> {
     let page = html_report(report, robot, visuals);
-    input_files::write(file, page.as_bytes()).map_err(Failure::input)
+    input_files::replace(file, page.as_bytes()).map_err(Failure::input)
 }
 
 fn text(report: &LintReport) -> Vec<String> {

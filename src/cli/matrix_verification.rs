@@ -43,6 +43,17 @@ pub fn read(file: &Path) -> Result<Option<MatrixCertificate>, Failure> {
     serde_json::from_str(&text).map(Some).map_err(rejected)
 }
 
+/// A certificate of a matrix proves no motion, and nothing of a world. Exit code 1.
+pub fn reject_for_motion(format: Format) -> Result<ExitStatus, Failure> {
+    let reason = "this is the certificate of a collision matrix: it proves nothing about a motion, a world, a tolerance or a margin; \
+                  verify it with the robot alone";
+    print_line(&match format {
+        Format::Text => format!("NOT PROVEN: {reason}"),
+        Format::Json => json!({"verified": false, "reason": reason}).to_string(),
+    })?;
+    Ok(ExitStatus::from(1))
+}
+
 /// Verifies every proof, on all processors. Exit code 0: all hold; 1: one does not, and the reason is printed.
 pub fn run(
     robot: &RobotModel,
@@ -51,6 +62,9 @@ pub fn run(
     format: Format,
 ) -> Result<ExitStatus, Failure> {
     let verified = verify(robot, settings, certificate)?;
+    if certificate.pairs.is_empty() && certificate.always.is_empty() {
+        log::warn!("the certificate claims nothing: it has no pair");
+    }
     let is_proven = verified.is_ok();
     print_line(&match (format, verified) {
         (Format::Text, Ok(boxes)) => format!(
@@ -73,7 +87,7 @@ pub fn run(
 }
 
 /// The number of proven boxes.
-fn verify(
+pub fn verify(
     robot: &RobotModel,
     settings: &Settings,
     certificate: &MatrixCertificate,

@@ -108,7 +108,7 @@ pub fn write(
         Format::Text => text(robot, size, cover),
         Format::Json => json(robot, cover, folder.as_deref())?,
     })?;
-    Ok(ExitStatus::SUCCESS)
+    Ok(args.status_of(cover.is_cut(), cover.error()[1]))
 }
 
 /// The meshes first, so that the URDF names existing files at every moment.

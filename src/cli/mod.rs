@@ -30,6 +30,7 @@ mod motion_args;
 mod motion_clearance;
 #[cfg(feature = "ros")]
 mod node;
+mod output_files;
 mod plan;
 mod progress;
 mod recover;

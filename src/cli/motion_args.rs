@@ -84,6 +84,12 @@ impl MotionInputArgs {
         edges.is_some() || trajectory.is_some() || from.is_some()
     }
 
+    /// Whether any of the arguments is given.
+    pub fn is_any_given(&self) -> bool {
+        let others = [&self.to, &self.tube, &self.deviation].into_iter().any(Option::is_some);
+        self.is_given() || others || self.moves_obstacles() || self.directs_joints()
+    }
+
     pub fn is_trajectory(&self) -> bool {
         self.input.trajectory.is_some()
     }
@@ -151,6 +157,11 @@ impl MotionInputArgs {
             let [from, to] = self.directed(robot, ends)?;
             Trajectory::of_segments(vec![MotionSegment::straight(robot, &from, &to)]).map_err(Failure::input)
         };
+        if self.to.is_some() && self.input.from.is_none() {
+            return Err(Failure::Input(
+                "--to belongs to --from: give --from, or --edges or --trajectory alone".to_owned(),
+            ));
+        }
         let trajectories = match (&self.input.edges, &self.input.trajectory, &self.input.from, &self.to) {
             (Some(path), ..) => {
                 states::edges_from_file(path, robot)?.into_iter().map(straight).collect::<Result<_, _>>()?

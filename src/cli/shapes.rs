@@ -66,7 +66,7 @@ pub fn write(
     if let (Some(file), Some(urdf)) = (&args.sphere_urdf, &args.robot.urdf) {
         let text = input_files::read_text(urdf, DESCRIPTION_LIMIT).map_err(Failure::input)?;
         let text = covers::shape_urdf(robot, cover, &text).map_err(Failure::input)?;
-        input_files::write(file, text.as_bytes()).map_err(Failure::input)?;
+        input_files::replace(file, text.as_bytes()).map_err(Failure::input)?;
     }
     print_line(&match args.format {
         Format::Text => text(robot, kind, cover),

@@ -17,6 +17,7 @@ use super::failure::Failure;
 use super::lint::deadline_in;
 use super::meshes;
 use super::model_args::RobotArgs;
+use super::output_files;
 use super::progress::Progress;
 use super::run_args::{Format, internal, positive, print_line};
 use super::shapes;
@@ -142,9 +143,10 @@ struct MeasureOutput {
 pub fn run(args: &SpheresArgs) -> Result<ExitStatus, Failure> {
     args.size.excess.map(|m| positive("--excess", m)).transpose()?;
     let deadline = args.deadline.map(|s| positive("--deadline", s)).transpose()?;
-    for file in [&args.curobo, &args.xrdf, &args.sphere_urdf].into_iter().flatten() {
-        input_files::check_target(file).map_err(Failure::input)?;
-    }
+    let inputs = [&args.robot.urdf, &args.robot.srdf, &args.size.counts_of, &args.size.measure];
+    // simplified meshes may replace earlier ones of the same URDF
+    let inputs = if args.shape == ShapeArg::Mesh { &[] } else { &inputs.map(Option::as_deref)[..] };
+    output_files::check(inputs, &[&args.curobo, &args.xrdf, &args.sphere_urdf].map(Option::as_deref))?;
     let robot = args.robot.load()?;
     if let Some(file) = args.size.measure.as_ref().filter(|_| args.shape == ShapeArg::Spheres) {
         return measure(args, &robot, file);
@@ -185,10 +187,16 @@ pub fn run(args: &SpheresArgs) -> Result<ExitStatus, Failure> {
         Format::Text => text(&robot, &cover, args.inner),
         Format::Json => json(&robot, &cover, args.inner, seconds)?,
     })?;
-    Ok(ExitStatus::SUCCESS)
+    Ok(args.status_of(cover.is_cut(), cover.largest_error()))
 }
 
 impl SpheresArgs {
+    /// Exit code 1: the time ended the search before the excess that was requested was reached.
+    pub fn status_of(&self, is_cut: bool, largest_error: f64) -> ExitStatus {
+        let is_missed = self.size.excess.is_some_and(|requested| largest_error > requested);
+        ExitStatus::from(u8::from(is_cut && is_missed))
+    }
+
     fn cover_size(&self, robot: &RobotModel) -> Result<CoverSize, Failure> {
         let SizeArgs { count, total, excess, counts_of, .. } = &self.size;
         Ok(match (count, total, excess, counts_of) {
@@ -230,7 +238,7 @@ impl SpheresArgs {
 
     fn write_files(&self, robot: &RobotModel, cover: &SphereCover) -> Result<(), Failure> {
         let write =
-            |file: &Path, text: &str| input_files::write(file, text.as_bytes()).map_err(Failure::input);
+            |file: &Path, text: &str| input_files::replace(file, text.as_bytes()).map_err(Failure::input);
         if let Some(file) = &self.curobo {
             write(file, &covers::curobo_yaml(robot, cover))?;
         }

@@ -66,6 +66,9 @@ pub struct VerifyArgs {
 pub fn run(args: &VerifyArgs) -> Result<ExitStatus, Failure> {
     let robot = args.model.robot.load()?;
     if let Some(certificate) = matrix_verification::read(&args.certificate)? {
+        if args.is_about_motion() {
+            return matrix_verification::reject_for_motion(args.format);
+        }
         return matrix_verification::run(&robot, &args.model.settings(), &certificate, args.format);
     }
     let scene = args.world.load(&robot, &args.model.robot.mesh_files())?;
@@ -90,6 +93,16 @@ pub fn run(args: &VerifyArgs) -> Result<ExitStatus, Failure> {
 }
 
 impl VerifyArgs {
+    /// Whether an argument says something of a motion, or of the world that it is in.
+    fn is_about_motion(&self) -> bool {
+        let WorldArgs { world, cloud, point_radius, ignore, .. } = &self.world;
+        let about_world =
+            !world.is_empty() || !cloud.is_empty() || point_radius.is_some() || !ignore.is_empty();
+        let about_pairs = self.pairs.no_self || self.pairs.no_world;
+        let about_proof = self.tolerance.is_some() || self.margin.is_some() || self.moving_obstacles;
+        about_world || about_pairs || about_proof || self.motion.is_any_given()
+    }
+
     /// The expected motion, tube and tolerance.
     fn expected(&self, robot: &RobotModel, world: &World) -> Result<ExpectedMotion, Failure> {
         let tolerance = self.tolerance.map(|m| positive("--tolerance", m)).transpose()?;

@@ -28,6 +28,7 @@ mod mimic_joints;
 mod motions;
 mod moving;
 mod other_shapes;
+mod output_files;
 mod penetration;
 mod planner;
 mod program;

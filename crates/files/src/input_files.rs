@@ -24,6 +24,12 @@ const LONGEST_SHOWN_PATH: usize = 300;
 /// Most names that [`names_in`] returns.
 const MOST_NAMES: usize = 100_000;
 
+/// Names that are tried for a new file beside another one.
+const MOST_PARTS: u32 = 100;
+
+/// Links that are followed to a file that does not exist yet.
+const MOST_LINKS: u32 = 40;
+
 /// Reason why a file is not read.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}: {reason}", shown(file))]
@@ -89,23 +95,53 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), InputFileError> {
 /// When there is something else than a regular file, or the file can not be written.
 pub fn replace(path: &Path, bytes: &[u8]) -> Result<(), InputFileError> {
     check_target(path)?;
-    // of a link, the file that it points to
-    let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
-    let mut beside = target.clone().into_os_string();
-    beside.push(".part");
-    let beside = PathBuf::from(beside);
-    write(&beside, bytes)?;
-    let moved = || {
+    let target = target_of(path);
+    let fault = |error: io::Error| InputFileError {
+        file: path.to_owned(),
+        reason: format!("cannot be written: {error}"),
+    };
+    let (beside, mut file) = new_file_beside(&target).map_err(fault)?;
+    let mut moved = || {
+        file.write_all(bytes)?;
         if let Ok(metadata) = target.metadata() {
             std::fs::set_permissions(&beside, metadata.permissions())?;
         }
-        File::open(&beside)?.sync_all()?;
+        file.sync_all()?;
         std::fs::rename(&beside, &target)
     };
-    moved().map_err(|error| InputFileError {
-        file: path.to_owned(),
-        reason: format!("cannot be written: {error}"),
+    moved().map_err(|error| {
+        let _ = std::fs::remove_file(&beside);
+        fault(error)
     })
+}
+
+/// The file that a link points to, also where it does not exist yet; the path itself if it is no link.
+fn target_of(path: &Path) -> PathBuf {
+    let mut target = path.to_owned();
+    for _ in 0..MOST_LINKS {
+        if let Ok(real) = target.canonicalize() {
+            return real;
+        }
+        let Ok(next) = target.read_link() else { return target };
+        target = target.parent().unwrap_or(Path::new("")).join(next);
+    }
+    target
+}
+
+/// A new file in the folder of another one. No file or link that is there is opened.
+fn new_file_beside(target: &Path) -> io::Result<(PathBuf, File)> {
+    let name = target.file_name().unwrap_or_default().to_string_lossy();
+    let process = std::process::id();
+    let mut result = Err(io::Error::from(io::ErrorKind::AlreadyExists));
+    for number in 0..MOST_PARTS {
+        let beside = target.with_file_name(format!(".{name}.{process}-{number}.part"));
+        match File::create_new(&beside) {
+            Ok(file) => return Ok((beside, file)),
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => result = Err(error),
+            Err(error) => return Err(error),
+        }
+    }
+    result
 }
 
 /// Checks that a file may be written there: nothing exists, or a regular file.

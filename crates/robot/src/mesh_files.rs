@@ -331,8 +331,9 @@ impl MeshFiles {
 }
 
 impl Root {
-    /// The real path; for a missing folder its absolute name.
+    /// The real path; for a missing folder its absolute name. The parent of a bare file name is an empty path: the working directory.
     fn new(folder: &Path) -> Self {
+        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
         let absolute = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
         let spelled = mesh_name::resolved(&absolute).unwrap_or_else(|| absolute.clone());
         let real = folder.canonicalize().unwrap_or(absolute);

@@ -64,7 +64,11 @@ fn packages_are_found_in_all_the_places() {
 
 #[test]
 fn relative_folders_are_as_good_as_absolute_ones() {
-    assert!(Root::new(Path::new(".")).real.is_absolute());
+    for working_directory in [".", ""] {
+        let root = Root::new(Path::new(working_directory));
+        assert!(root.real.is_absolute() && root.spelled.is_absolute());
+        assert_eq!(root.real, std::env::current_dir().unwrap().canonicalize().unwrap());
+    }
     let folder = tempfile::tempdir_in("target").or_else(|_| tempfile::tempdir_in(".")).unwrap();
     std::fs::create_dir(folder.path().join("p")).unwrap();
     std::fs::write(folder.path().join("p/a.stl"), TRIANGLE).unwrap();

@@ -1,7 +1,12 @@
 //! Points, rotations and poses, as lists or with named components.
 
+use std::fmt;
+use std::marker::PhantomData;
+
 use clearance_geometry::math::Pose;
-use serde::Deserialize;
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{MapAccess, Visitor};
+use serde::{Deserialize, Deserializer};
 
 use crate::message_shapes::message_pose;
 
@@ -24,7 +29,31 @@ pub struct TransformText {
 #[serde(untagged, expecting = "it must be a list of three numbers, or x, y and z")]
 pub enum XyzText {
     List([f64; 3]),
-    Map(XyzMap),
+    Map(Named<XyzMap>),
+}
+
+/// Components that have names. Without this, a list would be read as components in their order, and a short one completed.
+#[derive(Debug, Clone, Copy)]
+pub struct Named<T>(T);
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Named<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_map(NamedComponents(PhantomData))
+    }
+}
+
+struct NamedComponents<T>(PhantomData<T>);
+
+impl<'de, T: Deserialize<'de>> Visitor<'de> for NamedComponents<T> {
+    type Value = Named<T>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("named components")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
+        T::deserialize(MapAccessDeserializer::new(map)).map(Named)
+    }
 }
 
 /// Missing components are zero, as in a message.
@@ -40,7 +69,7 @@ pub struct XyzMap {
 #[serde(untagged, expecting = "it must be a list of four numbers, or x, y, z and w")]
 pub enum QuaternionText {
     List([f64; 4]),
-    Map(QuaternionMap),
+    Map(Named<QuaternionMap>),
 }
 
 /// Missing components are those of the identity, as in a message.
@@ -75,7 +104,7 @@ impl XyzText {
     pub fn numbers(self) -> [f64; 3] {
         match self {
             Self::List(list) => list,
-            Self::Map(XyzMap { x, y, z }) => [x, y, z],
+            Self::Map(Named(XyzMap { x, y, z })) => [x, y, z],
         }
     }
 }
@@ -84,7 +113,7 @@ impl QuaternionText {
     pub fn numbers(self) -> [f64; 4] {
         match self {
             Self::List(list) => list,
-            Self::Map(QuaternionMap { x, y, z, w }) => [x, y, z, w],
+            Self::Map(Named(QuaternionMap { x, y, z, w })) => [x, y, z, w],
         }
     }
 }
