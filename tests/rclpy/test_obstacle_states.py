@@ -88,7 +88,8 @@ def test_the_speed_scale_counts_the_velocity_of_an_obstacle(start):
     tracker.goes_on(3.2, 0.01)
 
     def is_at_rest(state):
-        expected = pytest.approx(state.world_distance - 0.5, abs=0.01)
+        # the tip has three solids: a capsule around them may be nearer by the 0.01 m that the cart moves
+        expected = pytest.approx(state.world_distance - 0.5, abs=0.015)
         return state.world_distance < 1.4 and companions.of(state)["speed_scale"] == expected
 
     cell.states.wait_for(is_at_rest, "the speed beside a cart that moves away", after=state)
