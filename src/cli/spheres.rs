@@ -144,9 +144,10 @@ pub fn run(args: &SpheresArgs) -> Result<ExitStatus, Failure> {
     args.size.excess.map(|m| positive("--excess", m)).transpose()?;
     let deadline = args.deadline.map(|s| positive("--deadline", s)).transpose()?;
     let inputs = [&args.robot.urdf, &args.robot.srdf, &args.size.counts_of, &args.size.measure];
-    // simplified meshes may replace earlier ones of the same URDF
-    let inputs = if args.shape == ShapeArg::Mesh { &[] } else { &inputs.map(Option::as_deref)[..] };
-    output_files::check(inputs, &[&args.curobo, &args.xrdf, &args.sphere_urdf].map(Option::as_deref))?;
+    output_files::check(
+        &inputs.map(Option::as_deref),
+        &[&args.curobo, &args.xrdf, &args.sphere_urdf].map(Option::as_deref),
+    )?;
     let robot = args.robot.load()?;
     if let Some(file) = args.size.measure.as_ref().filter(|_| args.shape == ShapeArg::Spheres) {
         return measure(args, &robot, file);

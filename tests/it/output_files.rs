@@ -72,6 +72,7 @@ fn outputs_are_no_inputs_and_differ() {
         &["spheres", "--urdf", "r.urdf", "--count", "2", "--curobo", "r.urdf"][..],
         &["spheres", "--urdf", "r.urdf", "--count", "2", "--sphere-urdf", "./r.urdf"],
         &["spheres", "--urdf", "r.urdf", "--shape", "boxes", "--count", "2", "--shape-urdf", "r.urdf"],
+        &["spheres", "--urdf", "r.urdf", "--shape", "mesh", "--count", "9", "--shape-urdf", "r.urdf"],
         &["lint", "--urdf", "r.urdf", "--html", "r.urdf"],
     ] {
         assert_fails(&folder.run(arguments), 2, "it is read, too: write to another file");

@@ -24,6 +24,7 @@ use clearance_scene::BodyId;
 
 use super::distance_bounds::DistanceBounds;
 use super::motion_since_previous::{GapReason, MotionSincePrevious, NoMotion, Passage};
+use super::obstacle_motion::ObstacleMotion;
 use super::obstacle_shift::{KnownMotion, ObstacleShift, Surroundings};
 use super::{CheckedState, LeftOut, MonitorSettings, Time};
 
@@ -353,11 +354,18 @@ fn obstacle_shift(
         stamp: previous.time.stamp,
         ..current.known_motion
     };
+    let mut frames = before.frames.iter().chain(current.known_motion.frames);
+    // where the root stands, no radius matters
+    let radius = if frames.all(ObstacleMotion::is_none) {
+        0.0
+    } else {
+        current.checker.extent(current.poses) + reach.travel + reach.tube
+    };
     let surroundings = Surroundings {
         checker: current.checker,
         poses: current.poses,
         settings: current.settings,
-        radius: current.checker.extent(current.poses) + reach.travel + reach.tube,
+        radius,
         duration: motion.duration.greater(current.spread),
     };
     ObstacleShift::between([before, current.known_motion], &surroundings)

@@ -153,9 +153,11 @@ impl TrackedObstacle {
         let (age, reaction_time) = (self.longest_age, settings.speed.reaction_time);
         let [moved, turned] = self.largest_displacement(checker, poses, reaction_time);
         let point = point_on_obstacle(pair);
-        let from_other = (point - point_on_other(pair)).try_normalize(0.0).unwrap_or_default();
+        let between = point - point_on_other(pair);
+        let from_other = between.try_normalize(0.0).unwrap_or_default();
         let along = (-from_other.dot(&Vector::from(self.motion.linear)) * reaction_time).greater(0.0);
-        let not_convex = pair.distance - gap_along(&from_other, pair, checker, poses);
+        // without paddings, as the capsules
+        let not_convex = between.norm() - gap_along(&from_other, pair, checker, poses);
         let since_state = moved.lesser(not_convex.greater(0.0) + along) + turned;
         let until_state: f64 = self.largest_displacement(checker, poses, age).iter().sum();
         let of_root = obstacle_motions.iter().map(|moved| moved.displacement(&point, age).norm());
