@@ -1,4 +1,4 @@
-//! What the program refuses, so that no file of the user is lost and nothing is taken for a proof of something else.
+//! Rejected output files, certificates of another kind, and input files that would be read wrongly.
 
 use clearance::collision_matrix::{Decision, MatrixDocument};
 use clearance::robot::{MeshFiles, RobotModel};

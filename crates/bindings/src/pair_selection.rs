@@ -20,7 +20,7 @@ pub enum NameError {
     Unknown {
         /// The option that contains it.
         option: &'static str,
-        /// What it should be.
+        /// Kind of the missing body: `object`, or `link or object`.
         kind: &'static str,
         /// The name.
         name: String,

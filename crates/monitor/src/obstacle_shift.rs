@@ -32,7 +32,7 @@ pub(super) struct KnownMotion<'m> {
 }
 
 impl<'m> KnownMotion<'m> {
-    /// What is known in a state with this stamp, to which obstacles have not been moved for a time.
+    /// Motion as seen from a state with this stamp; `lag` is the time for which the obstacles have not followed `tf`.
     pub fn new(
         frames: &'m [ObstacleMotion],
         tracked: &'m TrackedObstacles,
