@@ -302,6 +302,17 @@ def test_the_monitored_scene_follows(cell, scene):
         cell.peer.wait_for(
             lambda expected=expected: mirror.fold(reported.all()) == expected, f"{expected} in the monitored scene"
         )
+    moved = ball("d", 2.4)
+    moved.operation = CollisionObject.MOVE
+    moved.primitives = []
+    scene.change(diff(moved))
+    moves = lambda: [  # noqa: E731
+        (item.id, len(item.primitives), item.pose.position.x)
+        for message in reported.all()
+        for item in message.world.collision_objects
+        if item.operation == CollisionObject.MOVE
+    ]
+    cell.peer.wait_for(lambda: moves() == [("d", 0, 2.4)], "the new pose without the shapes")
 
 
 def test_a_burst_of_changes_ends_as_the_last_one_says(cell, scene):

@@ -60,6 +60,8 @@ struct PreviousState {
     bounds: DistanceBounds,
     /// Whether its report is about the current world.
     is_of_current_world: bool,
+    /// Whether the deadline left none of its pairs open.
+    is_decided: bool,
 }
 
 /// Times of a state.
@@ -156,7 +158,9 @@ impl BetweenStates {
         time: StateTime,
         bounds: DistanceBounds,
         settings: &MonitorSettings,
+        fixed: Option<LeftOut>,
     ) {
+        let is_decided = state.report.undecided.is_empty() && fixed != Some(LeftOut::Pairs);
         self.missing = NoMotion::FirstState;
         self.previous = settings.check_between_states.then(|| {
             // a state that is evaluated again keeps its times
@@ -165,7 +169,7 @@ impl BetweenStates {
                 is_same(&previous.state, state) && stamps(&previous.time) == stamps(&time)
             });
             let time = same.map_or(time, |previous| previous.time);
-            PreviousState { state: Arc::clone(state), time, bounds, is_of_current_world: true }
+            PreviousState { state: Arc::clone(state), time, bounds, is_of_current_world: true, is_decided }
         });
     }
 
@@ -204,7 +208,7 @@ impl BetweenStates {
             gap: Some(Passage { pair, t, stamps }),
         };
         let late = || unproven(GapReason::Undecided(UndecidedReason::Deadline), None, [0.0, 1.0]);
-        if !current.report.undecided.is_empty() || current.fixed == Some(LeftOut::Pairs) {
+        if !current.is_decided() {
             return late();
         }
         let reach = motion.reach(current);
@@ -236,23 +240,27 @@ impl BetweenStates {
         };
         let is_own = |pair: &(BodyId, BodyId)| ends.contains(pair);
         let own = MotionSincePrevious::NotProven { why: GapReason::StateCollides, gap: None };
+        let is_cut_off = current.effort.is_over();
+        // where the first contact decides what is reported, another one that was found in time does not
+        let any_will_do = ends.is_empty() && moving.is_none() && previous.is_known();
         match verdict {
             MotionVerdict::Free => MotionSincePrevious::ProvenFree,
+            MotionVerdict::Contact { .. } if is_cut_off && !any_will_do => late(),
+            // the search may have been cut off anywhere
+            MotionVerdict::Undecided { .. } if is_cut_off => late(),
             MotionVerdict::Contact { pair, .. } if is_own(&pair) => own,
             // it may touch at any time after the first
             MotionVerdict::Contact { t, pair, .. } if may_have_moved.is_some() => {
                 unproven(may_have_moved.unwrap_or(GapReason::StateCollides), Some(pair), forward([t[0], 1.0]))
             }
-            // the previous state may touch in this world
-            MotionVerdict::Contact { t, pair, .. } if t[0] <= 0.0 && !previous.is_of_current_world => {
-                unproven(GapReason::WorldChanged, Some(pair), t)
+            // the previous state may touch
+            MotionVerdict::Contact { t, pair, .. } if t[0] <= 0.0 && !previous.is_known() => {
+                if previous.is_decided { unproven(GapReason::WorldChanged, Some(pair), t) } else { late() }
             }
             MotionVerdict::Contact { t, pair, .. } => {
                 let t = forward(t);
                 MotionSincePrevious::PassedThrough(Passage { pair: Some(pair), t, stamps })
             }
-            // the search may have been cut off anywhere
-            MotionVerdict::Undecided { .. } if current.effort.is_over() => late(),
             MotionVerdict::Undecided { pair: Some(pair), .. } if is_own(&pair) => own,
             MotionVerdict::Undecided { t, pair, reason, .. } => {
                 let why = may_have_moved.unwrap_or(GapReason::Undecided(reason));
@@ -263,9 +271,21 @@ impl BetweenStates {
 }
 
 impl PreviousState {
-    /// The pairs that touch in this state; none are known in another world.
+    /// Whether its report says what touches in it: it is complete, and about the current world.
+    fn is_known(&self) -> bool {
+        self.is_of_current_world && self.is_decided
+    }
+
+    /// The pairs that touch in this state, as far as they are known.
     fn touching(&self) -> &[(BodyId, BodyId)] {
-        if self.is_of_current_world { &self.state.report.colliding_pairs } else { &[] }
+        if self.is_known() { &self.state.report.colliding_pairs } else { &[] }
+    }
+}
+
+impl CurrentState<'_> {
+    /// Whether the deadline left no pair open.
+    fn is_decided(&self) -> bool {
+        self.report.undecided.is_empty() && self.fixed != Some(LeftOut::Pairs)
     }
 }
 
@@ -334,9 +354,8 @@ fn is_proven_by_distances(
     }
     let loss = reach.tube + margin + CONTACT_DISTANCE + ROUNDING;
     let [start, end] = [previous.bounds, current.bounds].map(|bounds| bounds.of_kind(kind));
-    // distances in another world prove nothing about this one
-    let excess =
-        if previous.is_of_current_world { 0.5 * (start + end - reach.travel) } else { end - reach.travel };
+    // distances in another world, or of some pairs, prove nothing
+    let excess = if previous.is_known() { 0.5 * (start + end - reach.travel) } else { end - reach.travel };
     excess > loss
 }
 

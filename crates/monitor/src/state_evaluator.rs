@@ -169,7 +169,7 @@ impl StateEvaluator {
             is_hurried: !is_exact && effort.exact_cost > 0,
             compute_time,
         });
-        between_states.keep(&checked_state, time, bounds, settings);
+        between_states.keep(&checked_state, time, bounds, settings, fixed);
         CheckResult { status, checked_state: Some(checked_state), left_out, warnings }
     }
 }

@@ -309,6 +309,23 @@ fn a_motion_that_the_deadline_leaves_open_is_not_proven() {
     assert_eq!((code(&evaluation), evaluation.left_out), ("COLLIDING", LeftOut::PassageExtent));
 }
 
+/// The deadline left the state in the wall open, so what touches in it is not known, in a replay as little as before.
+#[test]
+fn a_motion_from_a_state_that_the_deadline_left_open_is_not_proven() {
+    let mut live = sweeper(MonitorSettings { check_deadline: 1e-9, ..settings() });
+    assert_eq!(send(&mut live, 0.0, 0.0).left_out, LeftOut::Pairs);
+    live.set_settings(settings());
+    let live = send(&mut live, 0.02, 0.2);
+    assert_eq!((code(&live), live.left_out), ("FREE", LeftOut::MotionSincePrevious));
+    assert!(why(&live).contains("deadline"), "{}", why(&live));
+
+    let mut replayed = sweeper(settings());
+    replayed.leave_out(LeftOut::Pairs);
+    send(&mut replayed, 0.0, 0.0);
+    replayed.leave_out(live.left_out);
+    assert_eq!(send(&mut replayed, 0.02, 0.2).motion_since_previous, live.motion_since_previous);
+}
+
 /// A planar base that `tf` moves, its rotation the short way; and a floating one.
 #[test]
 fn joints_from_tf_are_checked_like_others() {

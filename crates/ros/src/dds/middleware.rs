@@ -80,16 +80,13 @@ impl Middleware {
     ) -> Result<rustdds::Topic, MiddlewareError> {
         let why = || format!("cannot create topic {name}");
         let profile = quality.profile();
-        if !matches!(quality, Quality::Bulk | Quality::ReliableBulk | Quality::LatchedBulk) {
+        let Some(limit) = quality.limit() else {
             let topic = node.create_topic(&name_of(name)?, kind.of_message(), &profile);
             return topic.map_err(error_with(why()));
-        }
-        // the quality of service of the client library has no such limits
-        let limits = ResourceLimits {
-            max_samples: Quality::BULK,
-            max_instances: Quality::BULK,
-            max_samples_per_instance: Quality::BULK,
         };
+        // the quality of service of the client library has no such limits
+        let limits =
+            ResourceLimits { max_samples: limit, max_instances: limit, max_samples_per_instance: limit };
         let limits = QosPolicyBuilder::new().resource_limits(limits).build();
         let policies = QosPolicies::from(&profile).modify_by(&limits);
         let (topic, type_name) = (format!("rt{name}"), kind.of_message().dds_msg_type());

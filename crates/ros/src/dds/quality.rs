@@ -27,8 +27,18 @@ impl Quality {
     const DEPTH: usize = 10;
     /// Samples kept for each topic of quality `Kept`.
     const KEPT_DEPTH: usize = 100;
-    /// Number of large samples held for each topic, instead of the 64 that `RustDDS` holds of any.
-    pub(super) const BULK: i32 = 4;
+
+    /// Number of samples that are held for a topic even if a subscription has not received them; `None` for the limit
+    /// of `RustDDS`. Without a limit, a publisher that keeps samples for later subscriptions holds 8192 of them, whatever
+    /// its depth, until there is a subscription.
+    pub(super) fn limit(self) -> Option<i32> {
+        match self {
+            Self::BestEffort | Self::Reliable => None,
+            Self::Kept => Some(512),
+            Self::Latched => Some(64),
+            Self::Bulk | Self::ReliableBulk | Self::LatchedBulk => Some(4),
+        }
+    }
 
     pub(super) fn profile(self) -> QosProfile {
         // a subscriber that has stopped reading must never block the monitor: its samples are dropped instead

@@ -82,13 +82,24 @@ impl SceneMessages<'_> {
         self.scene.world.obstacles().filter(move |o| !o.shapes.iter().any(is_sensor_data))
     }
 
-    fn kind(&self, name: &str) -> ObjectType {
+    pub fn kind(&self, name: &str) -> ObjectType {
         let [db, key] = self.scene.kinds.get(name).cloned().unwrap_or_default();
         ObjectType { key, db }
     }
 
     pub fn object_message(&self, object: &Obstacle) -> CollisionObject {
         self.collision_object(&object.name, self.root(), &object.pose_ro, &object.shapes, &object.subframes)
+    }
+
+    /// The new pose of an object whose shapes are known.
+    pub fn move_message(&self, object: &Obstacle) -> CollisionObject {
+        CollisionObject {
+            header: Header { frame_id: self.root().to_owned(), ..Header::default() },
+            pose: pose_message(&object.pose_ro),
+            id: object.name.clone(),
+            operation: CollisionObject::MOVE,
+            ..CollisionObject::default()
+        }
     }
 
     pub fn attached_message(&self, object: &AttachedObject) -> AttachedCollisionObject {

@@ -311,6 +311,25 @@ fn differences_of_scenes_lead_from_one_to_the_other() {
     assert_eq!(whole.iter().map(|message| message.world.collision_objects.len()).sum::<usize>(), 2000);
 }
 
+#[test]
+fn an_object_that_only_moves_is_published_without_its_shapes() {
+    let still = scene(&[difference(vec![ball("a", at(2.5, 0.0, 0.0), 0.1, "")], vec![])]);
+    let mut moved = still.clone();
+    let mut to = ball("a", at(2.5, 2.0, 0.0), 0.1, "");
+    to.operation = CollisionObject::MOVE;
+    to.primitives.clear();
+    let (robot, transforms) = (robot(), TransformTree::default());
+    let context = SceneContext::new(&robot, None, &transforms, None, 1.0);
+    let change = scene_change(&difference(vec![to.clone()], vec![]), false).change;
+    assert_eq!(moved.apply(&SceneUpdate::Scene(Box::new(change)), &context).refusals, []);
+
+    let told = monitored_scene::differences(&in_force(still, vec![]), &in_force(moved, vec![]));
+    let [message] = &told[..] else { panic!("{told:?}") };
+    let [told] = &message.world.collision_objects[..] else { panic!("{message:?}") };
+    assert_eq!((told.operation, told.primitives.len()), (CollisionObject::MOVE, 0));
+    assert_eq!((&told.pose.position, &*told.header.frame_id), (&to.pose.position, "base"));
+}
+
 fn field(name: &str, offset: u32, datatype: u8) -> PointField {
     PointField { name: name.to_owned(), offset, datatype, count: 1 }
 }

@@ -52,8 +52,13 @@ impl MonitoredScene {
                 whole(scene)
             }
         };
-        for message in messages {
-            self.publisher.publish(message);
+        let published = messages.into_iter().map(|message| self.publisher.publish(message));
+        if published.filter(|published| !published).count() > 0 {
+            log::warn!(
+                "monitored_planning_scene: a change was dropped, because a subscription does not keep up: the next \
+                 change publishes the whole scene"
+            );
+            self.last = None;
         }
     }
 }
@@ -122,18 +127,25 @@ pub fn differences(before: &ActiveScene, after: &ActiveScene) -> Vec<PlanningSce
         operation: CollisionObject::REMOVE,
         ..CollisionObject::default()
     });
-    let changed = |o: &&Obstacle| {
-        let known = before.scene.world.obstacle_by_name(&o.name);
-        known.is_none_or(|known| !std::ptr::eq(known.as_ref(), *o))
+    let changed = |o: &Obstacle| match before.scene.world.obstacle_by_name(&o.name) {
+        Some(known) if std::ptr::eq(known.as_ref(), o) => None,
+        Some(known) if is_same_but_for_pose(known, o) && old.kind(&o.name) == new.kind(&o.name) => {
+            Some(new.move_message(o))
+        }
+        _ => Some(new.object_message(o)),
     };
-    let objects =
-        removed.chain(new.objects().filter(changed).map(|o| new.object_message(o))).collect::<Vec<_>>();
+    let objects = removed.chain(new.objects().filter_map(changed)).collect::<Vec<_>>();
     if first == blank && objects.is_empty() {
         return Vec::new();
     }
     let size = first.robot_state.attached_collision_objects.iter().map(|o| size(&o.object)).sum::<usize>()
         + matrix_size(&first);
     split(first, size, objects)
+}
+
+/// Whether an object has at most moved. Copies of an object share their shapes.
+fn is_same_but_for_pose(a: &Obstacle, b: &Obstacle) -> bool {
+    Arc::ptr_eq(&a.shapes, &b.shapes) && a.subframes == b.subframes
 }
 
 fn writer(scene: &ActiveScene) -> SceneMessages<'_> {
