@@ -5,6 +5,8 @@ import subprocess
 from math import nan
 
 import pytest
+from moveit_msgs.msg import CollisionObject
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.time import Time
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
@@ -86,6 +88,21 @@ def test_parameters_that_say_which_joints_are_the_robots_are_heeded(peer, domain
 
 
 SIMULATED = "--urdf", two_link.URDF, "--ros-args", "-p", "use_sim_time:=true", "--"
+
+
+def test_topics_of_obstacles_that_the_node_cannot_read_are_named(peer, domain_id):
+    two_link.Driver(peer, "/joint_states")
+    peer.latch(String(data=two_link.description()), "/robot_description")
+    others = [
+        peer.node.create_publisher(String, "/clearance/obstacle_states", 1),
+        peer.node.create_publisher(CollisionObject, "/collision_object", QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)),
+        peer.node.create_publisher(String, "/camera/points", 1),
+    ]
+    given = "--ros-args", "-p", "point_cloud_topics:=[/camera/points]", "--"
+    texts = [text for verdict, about, text in doctor(domain_id, *given, code=1) if (verdict, about) == ("wrong", "peers")]
+    for topic in "/clearance/obstacle_states has the type", "of /collision_object is incompatible", "/camera/points has the type":
+        assert sum(topic in text for text in texts) == 1, texts
+    assert len(texts) == len(others)
 
 
 def test_simulated_time_that_nobody_publishes_is_missed(peer, domain_id):

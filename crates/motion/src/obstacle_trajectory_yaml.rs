@@ -87,7 +87,9 @@ pub enum ObstacleTextError {
     Unknown(String),
     #[error("obstacle '{0}': give linear or angular (and centre), or poses, but not both")]
     TwistOrPoses(String),
-    #[error("obstacle '{0}' turns and has several shapes: give the centre that it turns about")]
+    #[error(
+        "obstacle '{0}' turns, and is a plane or has several shapes: give the centre that it turns about"
+    )]
     NoCentre(String),
     #[error("obstacle '{name}': {what} is not finite, larger than {LARGEST_COORDINATE:e}, or no rotation")]
     Number { name: String, what: String },

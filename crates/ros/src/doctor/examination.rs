@@ -47,8 +47,7 @@ pub fn run_doctor(options: DoctorOptions) -> Result<Vec<Finding>, NodeError> {
         parameter_files::initial(Parameters::default(), &options.arguments.parameters, &names)
             .map_err(|fault| NodeError::Input(fault.to_string()))?;
     let robot_is_wanted = options.robot.is_none();
-    let received =
-        receive_topics(environment, &names, robot_is_wanted, parameters.use_sim_time, options.duration)?;
+    let received = receive_topics(environment, &names, robot_is_wanted, &parameters, options.duration)?;
     if parameters.use_sim_time {
         findings.push(check_clock(&received, environment));
     }

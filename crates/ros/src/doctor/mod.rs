@@ -6,3 +6,4 @@ pub mod finding; // result of one check
 pub mod network_checks; // checks of the network
 pub mod received_topics; // reception of the topics
 pub mod topic_checks; // checks of the received topics
+pub mod unread_topics; // topics of which only the type and quality matter

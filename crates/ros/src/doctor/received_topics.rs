@@ -13,6 +13,7 @@ use ros2_interfaces_jazzy_serde::std_msgs::msg::String as StringMessage;
 use ros2_interfaces_jazzy_serde::tf2_msgs::msg::TFMessage;
 use smol::Timer;
 
+use super::unread_topics;
 use crate::clock::RosClock;
 use crate::dds::announcement::Announcement;
 use crate::dds::middleware::Middleware;
@@ -24,6 +25,7 @@ use crate::logging;
 use crate::messages::time_and_geometry::time_of;
 use crate::names::{NODE_NAME, Names};
 use crate::node_error::NodeError;
+use crate::parameters::parameter_set::Parameters;
 use crate::scene::transform_messages::note_transforms;
 use crate::threading::thread_priority::ThreadPriority;
 
@@ -50,7 +52,7 @@ pub fn receive_topics(
     environment: Environment,
     names: &Names,
     describe: bool,
-    use_sim_time: bool,
+    parameters: &Parameters,
     duration: Duration,
 ) -> Result<ReceivedTopics, NodeError> {
     /// Limits for the joint states that are kept for the monitor: their number, and the number of names and values in
@@ -81,6 +83,8 @@ pub fn receive_topics(
             Ok::<_, NodeError>(middleware.subscription::<TFMessage>(&names.resolve(name)?, kind, quality)?)
         });
     let (moving, fixed) = (moving?, fixed?);
+    let unread = unread_topics::subscribe(&middleware, names, &parameters.point_cloud_topics)?;
+    let use_sim_time = parameters.use_sim_time;
     let clock = RosClock::new(use_sim_time);
     let kind = TypeName::new("rosgraph_msgs", "Clock");
     let clock_topic = names.resolve("/clock")?;
@@ -144,7 +148,7 @@ pub fn receive_topics(
     received.transforms = tree.into_inner();
     received.simulated_time = use_sim_time.then(|| clock.now()).flatten();
     received.nodes_of_same_name = middleware.publishers_elsewhere(&names.resolve("~/state")?);
-    drop((states, descriptions, semantics, moving, fixed, ticks));
+    drop((states, descriptions, semantics, moving, fixed, ticks, unread));
     middleware.leave();
     Ok(received)
 }

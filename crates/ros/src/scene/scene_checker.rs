@@ -44,7 +44,9 @@ pub fn solid_meshes(checker: &CollisionChecker) -> Vec<SolidMeshRemark> {
 
 fn nothing_to_check(checker: &CollisionChecker) -> Option<String> {
     const NOTHING: &str = "there is no pair to check: every state counts as free";
-    checker.pairs().is_empty().then(|| NOTHING.to_owned())
+    // without geometry the state is UNKNOWN
+    let has_geometry = checker.robot().links().iter().any(|link| !link.collisions.is_empty());
+    (has_geometry && checker.pairs().is_empty()).then(|| NOTHING.to_owned())
 }
 
 /// One line for all meshes that stay surfaces, and one line for each repaired mesh.
