@@ -159,6 +159,9 @@ impl AcmArgs {
         settings: &Settings,
         known: &[DecidedPair],
     ) -> Result<(Vec<DecidedPair>, Result<(), Failure>), Failure> {
+        // a time that no clock reaches is no deadline
+        let deadline =
+            self.deadline.and_then(|s| Instant::now().checked_add(Duration::try_from_secs_f64(s).ok()?));
         let builder = MatrixBuilder::new(robot, settings).map_err(Failure::input)?;
         let disabled: Vec<[LinkId; 2]> = match (&self.audit, robot.srdf()) {
             (Some(_), Some(srdf)) => srdf.disabled_pairs.iter().map(|pair| [pair.a, pair.b]).collect(),
@@ -167,14 +170,7 @@ impl AcmArgs {
         let wanted = |a: LinkId, b: LinkId| {
             self.audit.is_none() || disabled.contains(&[a, b]) || disabled.contains(&[b, a])
         };
-        let options = MatrixOptions {
-            most_boxes: self.max_boxes,
-            // a time that no clock reaches is no deadline
-            deadline: self
-                .deadline
-                .and_then(|s| Instant::now().checked_add(Duration::try_from_secs_f64(s).ok()?)),
-            ..MatrixOptions::default()
-        };
+        let options = MatrixOptions { most_boxes: self.max_boxes, deadline, ..MatrixOptions::default() };
         let count = if self.audit.is_some() { disabled.len() } else { builder.pair_count() };
         let progress = Progress::new(count);
         let saved = Mutex::new((Instant::now(), Vec::new()));

@@ -87,6 +87,19 @@ impl JointPath {
         Self { last: builder.next, ..builder.path }
     }
 
+    /// Number of the path's variables, without the path.
+    #[must_use]
+    pub fn variable_count(robot: &RobotModel, a: LinkId, b: LinkId) -> usize {
+        let (up, down) = joints_between(robot, a, b);
+        let mut positions: Vec<usize> = (up.into_iter().chain(down))
+            .filter(|id| has_one_axis(&robot.joint(*id).kind))
+            .filter_map(|id| robot.first_position(robot.joint(id).mimic.map_or(id, |mimic| mimic.joint)))
+            .collect();
+        positions.sort_unstable();
+        positions.dedup();
+        positions.len()
+    }
+
     /// The positions that move the links relative to each other.
     #[must_use]
     pub fn variables(&self) -> &[Variable] {
@@ -171,6 +184,10 @@ fn joints_between(robot: &RobotModel, a: LinkId, b: LinkId) -> (Vec<JointId>, Ve
     (up, down)
 }
 
+fn has_one_axis(kind: &JointKind) -> bool {
+    matches!(kind, JointKind::Revolute(_) | JointKind::Continuous(_) | JointKind::Prismatic(_))
+}
+
 struct Builder<'r> {
     robot: &'r RobotModel,
     ranges: Vec<[f64; 2]>,
@@ -224,5 +241,38 @@ impl Builder<'_> {
         let recurs = matches!(self.robot.joint(driver).kind, JointKind::Continuous(_))
             && self.robot.moved_by_whole_turns(driver).is_none();
         if recurs { [-PI, PI] } else { [low, high] }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clearance_robot::MeshFiles;
+
+    use super::*;
+
+    /// A branch with a follower, a sliding joint, a fixed one and one without an axis.
+    const TREE: &str = r#"<robot name="tree">
+  <link name="a"/><link name="b"/><link name="c"/><link name="d"/><link name="e"/>
+  <joint name="ab" type="continuous"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/></joint>
+  <joint name="bc" type="prismatic">
+    <parent link="b"/><child link="c"/><axis xyz="0 0 1"/><limit lower="0" upper="1" effort="1" velocity="1"/>
+  </joint>
+  <joint name="cd" type="continuous">
+    <parent link="c"/><child link="d"/><axis xyz="1 0 0"/><mimic joint="ab" multiplier="2"/>
+  </joint>
+  <joint name="ae" type="floating"><parent link="a"/><child link="e"/></joint>
+</robot>"#;
+
+    #[test]
+    fn variables_are_counted_without_the_path() {
+        let robot = RobotModel::from_urdf(TREE, &MeshFiles::default()).unwrap();
+        for a in robot.link_ids() {
+            for b in robot.link_ids() {
+                let path = JointPath::new(&robot, a, b);
+                assert_eq!(JointPath::variable_count(&robot, a, b), path.variables().len());
+            }
+        }
+        let [a, d] = ["a", "d"].map(|name| robot.link_ids().find(|id| robot.link(*id).name == name).unwrap());
+        assert_eq!(JointPath::variable_count(&robot, a, d), 2);
     }
 }

@@ -1,6 +1,6 @@
 //! Computes the decisions about all pairs of links.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use clearance_checker::{CollisionChecker, Question, Workspace};
 use clearance_proximity::Scratch;
@@ -120,17 +120,25 @@ impl MatrixBuilder {
             }
             results.push(found.cloned());
         }
+        // one for each thread: they are large, and pairs are many
+        let workspaces = Mutex::new(Vec::new());
         for budget in ROUNDS {
             let limits = ProofLimits { boxes: budget.min(options.most_boxes), options };
-            open.par_iter_mut().with_max_len(1).for_each_init(
-                || (self.checker.workspace(), Scratch::default()),
-                |(workspace, scratch), open| {
-                    self.advance(open, limits, workspace, scratch);
-                    if let Some(pair) = open.decided.as_ref().filter(|pair| pair.decision.is_final()) {
-                        progress(pair);
-                    }
-                },
-            );
+            open.par_iter_mut().with_max_len(1).for_each(|open| {
+                if options.is_over() {
+                    open.decided.get_or_insert_with(|| self.not_looked_at(open.pair));
+                    return;
+                }
+                let free = || workspaces.lock().unwrap_or_else(PoisonError::into_inner);
+                let taken = free().pop();
+                let (mut workspace, mut scratch) =
+                    taken.unwrap_or_else(|| (self.checker.workspace(), Scratch::default()));
+                self.advance(open, limits, &mut workspace, &mut scratch);
+                free().push((workspace, scratch));
+                if let Some(pair) = open.decided.as_ref().filter(|pair| pair.decision.is_final()) {
+                    progress(pair);
+                }
+            });
             open.retain_mut(|open| {
                 let is_final = open.decided.as_ref().is_some_and(|pair| pair.decision.is_final());
                 results[open.index].clone_from(&open.decided);
@@ -173,23 +181,31 @@ impl MatrixBuilder {
         let decision = attempt.decide(witnesses, limits);
         *scratch = attempt.workspace.scratch;
         let contact_share = witnesses.contact_share;
-        let mut decided = self.decided(open.pair, &problem, contact_share, decision);
+        let variables = problem.path.variables().len();
+        let mut decided = self.decided(open.pair, variables, contact_share, decision);
         decided.depth = self.contact_depth(&decided, &problem, witnesses, workspace);
         open.decided = Some(decided);
+    }
+
+    /// A pair that the deadline left out.
+    fn not_looked_at(&self, pair: Pair) -> DecidedPair {
+        let [a, b] = [pair.0, pair.1].map(|place| self.links[place].link);
+        let decision = Decision::Undecided { least_distance: None, state: Vec::new() };
+        self.decided(pair, JointPath::variable_count(&self.robot, a, b), 0.0, decision)
     }
 
     fn decided(
         &self,
         Pair(i, j): Pair,
-        problem: &PairProblem,
+        variables: usize,
         contact_share: f64,
         decision: Decision,
     ) -> DecidedPair {
-        let [a, b] = problem.links.map(|link| link.link);
+        let [a, b] = [i, j].map(|place| self.links[place].link);
         DecidedPair {
             link1: self.name(i).to_owned(),
             link2: self.name(j).to_owned(),
-            variables: problem.path.variables().len(),
+            variables,
             is_adjacent: self.robot.same_rigid_body(a, b) || self.robot.adjacent_rigid_bodies(a, b),
             contact_share,
             depth: None,
