@@ -160,17 +160,20 @@ impl ModelArgs {
 impl WorldArgs {
     /// Loads all files into one world; warnings are logged.
     pub fn load(&self, robot: &RobotModel, files: &MeshFiles) -> Result<Scene, Failure> {
-        self.load_with(robot, files, &|path| {
-            input_files::read(path, WORLD_LIMIT).map_err(|error| error.to_string())
-        })
+        let mut kinds = Vec::new();
+        let read = |path: &Path| input_files::read(path, WORLD_LIMIT).map_err(|error| error.to_string());
+        let scene = self.load_with(robot, files, &read, &mut kinds)?;
+        self.check_effect(&kinds)?;
+        Ok(scene)
     }
 
-    /// Like [`Self::load`], but reads files with `read`.
+    /// Like [`Self::load`], but reads files with `read`, and adds their kinds to `kinds` instead of rejecting options without effect.
     pub fn load_with(
         &self,
         robot: &RobotModel,
         files: &MeshFiles,
         read: &dyn Fn(&Path) -> Result<Vec<u8>, String>,
+        kinds: &mut Vec<WorldFileKind>,
     ) -> Result<Scene, Failure> {
         let mut loader = SceneLoader::default();
         loader.unknown_is_occupied = self.unknown_space == UnknownSpace::Occupied;
@@ -178,6 +181,7 @@ impl WorldArgs {
             let file = path.display();
             let bytes = read(path).map_err(Failure::Input)?;
             let kind = WorldFileKind::of(&bytes, path);
+            kinds.push(kind);
             if kind == WorldFileKind::Yaml
                 && let Some(why) = not_a_world(&bytes, path)
             {
@@ -209,6 +213,19 @@ impl WorldArgs {
             scene.matrix = Some(matrix);
         }
         Ok(scene)
+    }
+
+    /// Rejects options about clouds and octrees if there are none.
+    fn check_effect(&self, kinds: &[WorldFileKind]) -> Result<(), Failure> {
+        let without_effect =
+            |option, of| Err(Failure::Input(format!("{option} has no effect: no file is {of}")));
+        if self.point_radius.is_some() && !kinds.contains(&WorldFileKind::Cloud) {
+            return without_effect("--point-radius", "a cloud (.pcd, .ply)");
+        }
+        if self.unknown_space == UnknownSpace::Occupied && !kinds.contains(&WorldFileKind::Octomap) {
+            return without_effect("--unknown-space occupied", "an octree (.bt, .ot)");
+        }
+        Ok(())
     }
 }
 

@@ -177,7 +177,7 @@ fn prepare(archive: Archive) -> Result<Prepared, String> {
         mesh_files,
         surroundings: Box::new(move |robot| {
             let read = |path: &Path| archive.file(path).map(|bytes| bytes.to_vec());
-            world.load_with(robot, &files, &read).map_err(|failure| failure.to_string())
+            world.load_with(robot, &files, &read, &mut Vec::new()).map_err(|failure| failure.to_string())
         }),
         mesh_model,
     })

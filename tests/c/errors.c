@@ -69,6 +69,9 @@ static void check_worlds(void) {
   CHECK_FAILS(clearance_world_from_file("no/world.yaml", robot, 0.0, 0, &none), REJECTED, "no/world.yaml");
   CHECK_FAILS(clearance_world_from_file(NULL, robot, 0.0, 0, &none), ARGUMENT, "path is null");
   CHECK_FAILS(clearance_world_from_file("config/demo_world.yaml", NULL, 0.0, 0, &none), REJECTED, "read without a robot");
+  CHECK_FAILS(clearance_world_from_file("config/demo_world.yaml", robot, 0.1, 0, &none), REJECTED, "point_radius has no effect");
+  CHECK_FAILS(clearance_world_from_file("config/demo_world.yaml", robot, NAN, 0, &none), REJECTED, "point_radius has no effect");
+  CHECK_FAILS(clearance_world_from_file("config/demo_world.yaml", robot, 0.0, 1, &none), REJECTED, "unknown_is_occupied has no effect");
   CHECK_FAILS(clearance_world_from_file("tests/worlds/cloud_ascii.pcd", robot, 0.0, 0, &none), REJECTED, "needs a point_radius");
   CHECK_FAILS(clearance_world_from_file("tests/worlds/cloud_ascii.pcd", robot, NAN, 0, &none), REJECTED, "NaN");
   CHECK(none == NULL);

@@ -81,6 +81,15 @@ void check_errors(Scene &scene) {
   clearance::World world;
   CHECK_THROWS(world.add_points("p", {1.0, 2.0}, 0.1), "three numbers");
   CHECK_THROWS(world.add_sphere("s", -1.0), "obstacle 's'");
+  // C would read the shorter text
+  using namespace std::string_view_literals;
+  CHECK_THROWS(world.add_sphere("tool\0left"sv, 0.1), "'tool' is followed by a NUL");
+  CHECK_THROWS(clearance::Robot::from_urdf("urdf/demo_arm/demo_arm.urdf\0x"sv), "followed by a NUL");
+  CHECK_THROWS(clearance::Certificate::from_json("{}\0x"sv), "followed by a NUL");
+  CHECK_THROWS(scene.robot.state({{std::string("joint2\0x", 8), 0.1}}), "'joint2' is followed by a NUL");
+  clearance::MotionOptions event;
+  event.any_contact = true;
+  CHECK_THROWS(scene.checker.event_distance(scene.table, scene.table, 0.1, scene.workspace, event), "any_contact");
   CHECK_THROWS(world.remove("s"), "'s'");
   CHECK(world.obstacle_names().empty());
 }
@@ -97,6 +106,9 @@ void check_moved(const Scene &scene) {
   clearance::World world;
   const clearance::World taken = std::move(world);
   CHECK_THROWS(world.obstacle_names(), "the world was moved from");
+  CHECK_THROWS(clearance::Checker(scene.robot, world), "the world was moved from");
+  CHECK_THROWS(scene.checker.with_world(world), "world is null");
+  CHECK_THROWS(clearance::World::from_file("config/demo_world.yaml", robot), "the robot was moved from");
   clearance::Checker checker = scene.checker;
   const clearance::Checker kept = std::move(checker);
   CHECK_THROWS(checker.joint_names(), "the checker was moved from");

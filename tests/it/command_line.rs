@@ -380,6 +380,11 @@ fn faults_of_clouds_and_octrees_name_the_file() {
         assert_bad_input(&check(&TWO_LINK, &[&["--state", ""], world].concat()), words);
     };
     bad(&["--cloud", &cloud], &["--point-radius"]);
+    bad(&["--point-radius", "0.1"], &["--point-radius has no effect"]);
+    bad(
+        &["--world", &cloud, "--point-radius", "0.1", "--unknown-space", "occupied"],
+        &["--unknown-space occupied has no effect"],
+    );
     bad(&["--world", &cloud], &["scan.pcd", "--point-radius"]);
     bad(&["--cloud", &cloud, "--point-radius", "-1"], &["scan.pcd", "radius", "-1"]);
     bad(&["--cloud", &cloud, "--cloud", &cloud, "--point-radius", "1"], &["'scan'", "twice"]);

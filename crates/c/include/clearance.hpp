@@ -73,6 +73,21 @@ Handle *make(Make call) {
 
 inline std::string text(const char *text) { return text == nullptr ? std::string() : std::string(text); }
 
+// A text as C reads it. C would read one with a NUL in it as a shorter one.
+inline std::string terminated(std::string_view text) {
+  if (text.find('\0') != std::string_view::npos) {
+    throw Error(CLEARANCE_STATUS_ARGUMENT, "the text '" + std::string(text.substr(0, text.find('\0'))) +
+                                               "' is followed by a NUL and more: texts end at their first NUL");
+  }
+  return std::string(text);
+}
+
+// The text of the caller, if C reads all of it.
+inline const char *pointer(const std::string &text) {
+  terminated(text);
+  return text.c_str();
+}
+
 inline std::optional<Pair> pair(const clearance_pair &pair) {
   if (pair.a == nullptr) {
     return std::nullopt;
@@ -84,7 +99,7 @@ inline std::optional<Pair> pair(const clearance_pair &pair) {
 inline std::vector<clearance_named_value> named(const NamedValues &values) {
   std::vector<clearance_named_value> list;
   for (const auto &[name, value] : values) {
-    list.push_back({name.c_str(), value});
+    list.push_back({pointer(name), value});
   }
   return list;
 }
@@ -92,7 +107,7 @@ inline std::vector<clearance_named_value> named(const NamedValues &values) {
 inline std::vector<const char *> pointers(const std::vector<std::string> &texts) {
   std::vector<const char *> list;
   for (const std::string &text : texts) {
-    list.push_back(text.c_str());
+    list.push_back(pointer(text));
   }
   return list;
 }
@@ -100,7 +115,7 @@ inline std::vector<const char *> pointers(const std::vector<std::string> &texts)
 inline std::vector<clearance_pair> pairs(const std::vector<Pair> &names) {
   std::vector<clearance_pair> list;
   for (const auto &[a, b] : names) {
-    list.push_back({a.c_str(), b.c_str()});
+    list.push_back({pointer(a), pointer(b)});
   }
   return list;
 }
@@ -244,7 +259,7 @@ class Robot {
   // Reads a robot; urdf and srdf are paths or XML texts. Folders that package:// is searched in first: package_paths.
   static Robot from_urdf(std::string_view urdf, std::string_view srdf = {},
                          const std::vector<std::string> &package_paths = {}) {
-    const std::string urdf_text(urdf), srdf_text(srdf);
+    const std::string urdf_text = detail::terminated(urdf), srdf_text = detail::terminated(srdf);
     const auto folders = detail::pointers(package_paths);
     return Robot(detail::make<clearance_robot>([&](clearance_robot **robot) {
       return clearance_robot_from_urdf(urdf_text.c_str(), srdf.empty() ? nullptr : srdf_text.c_str(), folders.data(),
@@ -301,7 +316,7 @@ class Robot {
   // A group state of the SRDF, STATE or GROUP/STATE, as a state of the whole robot.
   std::vector<double> group_state(std::string_view name) const {
     std::vector<double> q(size());
-    detail::check(clearance_robot_group_state(handle(), std::string(name).c_str(), q.data(), q.size()));
+    detail::check(clearance_robot_group_state(handle(), detail::terminated(name).c_str(), q.data(), q.size()));
     return q;
   }
 
@@ -326,7 +341,7 @@ class Robot {
   // The pose of a link in the frame of the root link, for a state of the whole robot.
   Pose link_pose(Positions q, std::string_view link) const {
     Pose pose;
-    detail::check(clearance_robot_link_pose(handle(), q.state(), std::string(link).c_str(), &pose));
+    detail::check(clearance_robot_link_pose(handle(), q.state(), detail::terminated(link).c_str(), &pose));
     return pose;
   }
 
@@ -368,27 +383,27 @@ class World {
   // Reads a file: MoveIt's planning scene (YAML or .scene), an octree, or a cloud with balls of point_radius (m) around its points.
   static World from_file(std::string_view path, const Robot *robot = nullptr, double point_radius = 0.0,
                          bool unknown_is_occupied = false) {
-    const std::string text(path);
+    const std::string text = detail::terminated(path);
+    const clearance_robot *frames = robot == nullptr ? nullptr : detail::valid(robot->handle(), "robot");
     return World(detail::make<clearance_world>([&](clearance_world **world) {
-      return clearance_world_from_file(text.c_str(), robot == nullptr ? nullptr : robot->handle(), point_radius,
-                                       unknown_is_occupied ? 1 : 0, world);
+      return clearance_world_from_file(text.c_str(), frames, point_radius, unknown_is_occupied ? 1 : 0, world);
     }));
   }
   static World from_file(std::string_view path, const Robot &robot) { return from_file(path, &robot); }
 
   void add_box(std::string_view name, const std::array<double, 3> &size, const Pose &pose = {}) {
-    detail::check(clearance_world_add_box(handle(), std::string(name).c_str(), size.data(), &pose));
+    detail::check(clearance_world_add_box(handle(), detail::terminated(name).c_str(), size.data(), &pose));
   }
   void add_sphere(std::string_view name, double radius, const Pose &pose = {}) {
-    detail::check(clearance_world_add_sphere(handle(), std::string(name).c_str(), radius, &pose));
+    detail::check(clearance_world_add_sphere(handle(), detail::terminated(name).c_str(), radius, &pose));
   }
   // Along z, centred at pose.
   void add_cylinder(std::string_view name, double radius, double length, const Pose &pose = {}) {
-    detail::check(clearance_world_add_cylinder(handle(), std::string(name).c_str(), radius, length, &pose));
+    detail::check(clearance_world_add_cylinder(handle(), detail::terminated(name).c_str(), radius, length, &pose));
   }
   // Along z, centred at pose; length does not include the half spheres.
   void add_capsule(std::string_view name, double radius, double length, const Pose &pose = {}) {
-    detail::check(clearance_world_add_capsule(handle(), std::string(name).c_str(), radius, length, &pose));
+    detail::check(clearance_world_add_capsule(handle(), detail::terminated(name).c_str(), radius, length, &pose));
   }
   // Vertices: three coordinates each; triangles: three indices each.
   void add_mesh(std::string_view name, const std::vector<double> &vertices, const std::vector<std::uint32_t> &triangles,
@@ -397,12 +412,12 @@ class World {
       throw Error(CLEARANCE_STATUS_ARGUMENT, "the mesh '" + std::string(name) + "' needs three numbers for each vertex and triangle");
     }
     const clearance_mesh mesh = {vertices.data(), vertices.size() / 3, triangles.data(), triangles.size() / 3};
-    detail::check(clearance_world_add_mesh(handle(), std::string(name).c_str(), mesh, &pose));
+    detail::check(clearance_world_add_mesh(handle(), detail::terminated(name).c_str(), mesh, &pose));
   }
   // STL, OBJ, COLLADA, PLY, glTF, with a scale for each axis.
   void add_mesh_file(std::string_view name, std::string_view path, const std::array<double, 3> &scale = {1.0, 1.0, 1.0},
                      const Pose &pose = {}) {
-    detail::check(clearance_world_add_mesh_file(handle(), std::string(name).c_str(), std::string(path).c_str(),
+    detail::check(clearance_world_add_mesh_file(handle(), detail::terminated(name).c_str(), detail::terminated(path).c_str(),
                                                 scale.data(), &pose));
   }
   // Balls of one radius around points of three coordinates each.
@@ -411,13 +426,13 @@ class World {
       throw Error(CLEARANCE_STATUS_ARGUMENT, "the points '" + std::string(name) + "' need three numbers each");
     }
     detail::check(
-        clearance_world_add_points(handle(), std::string(name).c_str(), {xyz.data(), xyz.size() / 3}, radius, &pose));
+        clearance_world_add_points(handle(), detail::terminated(name).c_str(), {xyz.data(), xyz.size() / 3}, radius, &pose));
   }
   void move(std::string_view name, const Pose &pose) {
-    detail::check(clearance_world_move(handle(), std::string(name).c_str(), &pose));
+    detail::check(clearance_world_move(handle(), detail::terminated(name).c_str(), &pose));
   }
   void remove(std::string_view name) {
-    detail::check(clearance_world_remove(handle(), std::string(name).c_str()));
+    detail::check(clearance_world_remove(handle(), detail::terminated(name).c_str()));
   }
 
   std::vector<std::string> obstacle_names() const {
@@ -484,7 +499,7 @@ class COptions {
         allowed_(pairs(options.allowed_collisions)),
         checked_(pairs(options.checked_collisions)),
         options_(clearance_checker_options_default()) {
-    options_.group = options.group.empty() ? nullptr : options.group.c_str();
+    options_.group = options.group.empty() ? nullptr : pointer(options.group);
     options_.padding = options.padding;
     options_.pad_self = options.pad_self ? 1 : 0;
     options_.check_self = options.check_self ? 1 : 0;
@@ -626,7 +641,7 @@ class Certificate {
   explicit Certificate(clearance_certificate *handle) : handle_(handle, clearance_certificate_free) {}
 
   static Certificate from_json(std::string_view json) {
-    const std::string text(json);
+    const std::string text = detail::terminated(json);
     return Certificate(detail::make<clearance_certificate>([&](clearance_certificate **certificate) {
       return clearance_certificate_from_json(text.c_str(), certificate);
     }));
@@ -652,7 +667,7 @@ class Certificate {
     expectation.tube_count = expected.tube.size();
     expectation.tolerance = expected.tolerance;
     clearance_verification found;
-    detail::check(clearance_verify(handle(), robot.handle(), world.handle(), &expectation, &found));
+    detail::check(clearance_verify(handle(), robot.handle(), detail::valid(world.handle(), "world"), &expectation, &found));
     return {found.is_valid, detail::text(found.reason), found.segments, found.pairs, found.proofs};
   }
 
@@ -850,7 +865,7 @@ class Workspace {
 class Checker {
  public:
   Checker(const Robot &robot, const World &world, const CheckerOptions &options = {})
-      : Checker(made(robot, world.handle(), options)) {}
+      : Checker(made(robot, detail::valid(world.handle(), "world"), options)) {}
   // Without obstacles.
   explicit Checker(const Robot &robot, const CheckerOptions &options = {}) : Checker(made(robot, nullptr, options)) {}
 
@@ -875,7 +890,7 @@ class Checker {
   }
   // A checker in which an attached object is an obstacle, where it is in the state q.
   Checker detach(std::string_view object, Positions q) const {
-    const std::string name(object);
+    const std::string name = detail::terminated(object);
     return Checker(detail::make<clearance_checker>([&](clearance_checker **made) {
       return clearance_checker_detach(handle(), name.c_str(), q.state(), made);
     }));
@@ -1038,12 +1053,14 @@ class Checker {
     return motion_distances(found);
   }
   // The first time at which a pair is not farther apart than the distance (m), besides its padding, which takes the place of the
-  // margin: a report as of check_motion. A trajectory: check_trajectory with a margin.
+  // margin: a report as of check_motion, whose certificate proves this distance. A trajectory: check_trajectory with a margin.
   MotionReport event_distance(Positions from, Positions to, double distance, Workspace &workspace,
                               MotionOptions options = {}) const {
+    if (options.margin != 0.0 || options.any_contact) {
+      throw Error(CLEARANCE_STATUS_ARGUMENT,
+                  "event_distance finds the first time at the distance: margin and any_contact must be left out");
+    }
     options.margin = distance;
-    options.any_contact = false;
-    options.certificate = false;
     return check_motion(from, to, workspace, options);
   }
 
@@ -1091,7 +1108,7 @@ class Checker {
 
   Checker attached(std::string_view object, std::string_view link, const clearance_pose *pose, Positions q,
                    const std::vector<std::string> &touch_links) const {
-    const std::string name(object), link_name(link);
+    const std::string name = detail::terminated(object), link_name = detail::terminated(link);
     const auto links = detail::pointers(touch_links);
     const clearance_grasp grasp = {name.c_str(), link_name.c_str(), pose, q.state(), links.data(), links.size()};
     return Checker(detail::make<clearance_checker>(

@@ -98,7 +98,7 @@ pub extern "C" fn clearance_world_new(world: *mut *mut clearance_world) -> clear
 /// root. `point_radius` (m) is the radius of the balls around the points of a cloud; 0 if the file is none. Unknown space of an octree
 /// counts as occupied if `unknown_is_occupied` is not 0. Meshes are searched beside the file, and where those of the robot are.
 ///
-/// Rejected: every fault of the file. Unusual content that is accepted is among the warnings (`clearance_world_warning`).
+/// Rejected: every fault of the file, and a `point_radius` or `unknown_is_occupied` for a file of another kind. Unusual content that is accepted is among the warnings (`clearance_world_warning`).
 #[unsafe(no_mangle)]
 pub extern "C" fn clearance_world_from_file(
     path: *const c_char,
@@ -141,8 +141,15 @@ fn read(
     files: &MeshFiles,
 ) -> Outcome<SceneLoader> {
     let bytes = input_files::read(path, WORLD_LIMIT).map_err(Failure::rejected)?;
-    if WorldFileKind::of(&bytes, path) == WorldFileKind::Cloud && point_radius.is_none() {
-        return Err(Failure::rejected(format!("{}: a cloud needs a point_radius (m)", path.display())));
+    let kind = WorldFileKind::of(&bytes, path);
+    let rejected = |why: &str| Err(Failure::rejected(format!("{}: {why}", path.display())));
+    match (kind == WorldFileKind::Cloud, point_radius) {
+        (true, None) => return rejected("a cloud needs a point_radius (m)"),
+        (false, Some(_)) => return rejected("point_radius has no effect: the file is no cloud"),
+        _ => {}
+    }
+    if loader.unknown_is_occupied && kind != WorldFileKind::Octomap {
+        return rejected("unknown_is_occupied has no effect: the file is no octree");
     }
     let files = files.clone().with_folder(path.parent().unwrap_or(Path::new(".")));
     loader.read_file(&bytes, path, point_radius, robot, &files).map_err(mesh_failure)?;

@@ -1,5 +1,6 @@
 //! Computes the decisions about all pairs of links.
 
+use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use clearance_checker::{CollisionChecker, Question, Workspace};
@@ -12,7 +13,7 @@ use rayon::prelude::*;
 use crate::always_proof::{self, AlwaysSearch};
 use crate::decision::{DecidedPair, Decision};
 use crate::fixed_contact;
-use crate::joint_path::JointPath;
+use crate::joint_path::{JointPath, Variable};
 use crate::link_geometry::LinkGeometry;
 use crate::never_proof::{self, NeverSearch, ProofLimits};
 use crate::options::{MatrixFailure, MatrixOptions};
@@ -51,6 +52,8 @@ struct OpenPair {
     pair: Pair,
     /// Place in the result.
     index: usize,
+    /// The decision of an earlier run.
+    known: Option<DecidedPair>,
     witnesses: Option<Witnesses>,
     decided: Option<DecidedPair>,
 }
@@ -84,7 +87,8 @@ impl MatrixBuilder {
         self.links.len() * (self.links.len() - 1) / 2
     }
 
-    /// Decides all pairs that `known` does not decide. `progress` is called for every decided pair, from any thread.
+    /// Decides all pairs that `known` does not decide. The proofs of `known` have to be verified before; all else in it is
+    /// checked. `progress` is called for every decided pair, from any thread.
     ///
     /// Runs on the threads of the rayon pool it is called in.
     #[must_use]
@@ -111,21 +115,21 @@ impl MatrixBuilder {
         let pairs = pairs.filter(|Pair(i, j)| wanted(self.links[*i].link, self.links[*j].link));
         let mut results: Vec<Option<DecidedPair>> = Vec::new();
         let mut open: Vec<OpenPair> = Vec::new();
+        let known: HashMap<(&str, &str), &DecidedPair> = (known.iter())
+            .filter(|known| known.decision.is_final())
+            .map(|known| ((known.link1.as_str(), known.link2.as_str()), known))
+            .collect();
         for (index, pair) in pairs.enumerate() {
-            let found = known.iter().find(|known| known.decision.is_final() && self.is_of(pair, known));
-            if let Some(found) = found {
-                progress(found);
-            } else {
-                open.push(OpenPair { pair, index, witnesses: None, decided: None });
-            }
-            results.push(found.cloned());
+            let known = known.get(&(self.name(pair.0), self.name(pair.1))).map(|known| (*known).clone());
+            open.push(OpenPair { pair, index, known, witnesses: None, decided: None });
+            results.push(None);
         }
         // one for each thread: they are large, and pairs are many
         let workspaces = Mutex::new(Vec::new());
         for budget in ROUNDS {
             let limits = ProofLimits { boxes: budget.min(options.most_boxes), options };
             open.par_iter_mut().with_max_len(1).for_each(|open| {
-                if options.is_over() {
+                if options.is_over() && open.known.is_none() {
                     open.decided.get_or_insert_with(|| self.not_looked_at(open.pair));
                     return;
                 }
@@ -146,10 +150,6 @@ impl MatrixBuilder {
             });
         }
         results.into_iter().flatten().collect()
-    }
-
-    fn is_of(&self, Pair(i, j): Pair, known: &DecidedPair) -> bool {
-        self.name(i) == known.link1 && self.name(j) == known.link2
     }
 
     fn name(&self, place: usize) -> &str {
@@ -174,11 +174,18 @@ impl MatrixBuilder {
             checker_workspace: workspace,
             workspace: problem.workspace(std::mem::take(scratch)),
         };
+        // what is known is not lost to the deadline
+        let unlimited = MatrixOptions { deadline: None, watch: None, ..limits.options.clone() };
+        let options = if open.known.is_some() { &unlimited } else { limits.options };
         let witnesses = open.witnesses.get_or_insert_with(|| {
             let mut random = Rng::with_seed(limits.options.seed ^ ((i as u64) << 32) ^ j as u64);
-            attempt.witnesses(&mut random, limits.options)
+            attempt.witnesses(&mut random, options)
         });
-        let decision = attempt.decide(witnesses, limits);
+        let known = open.known.take().filter(|known| attempt.confirms(&known.decision));
+        let decision = match known {
+            Some(known) => known.decision,
+            None => attempt.decide(witnesses, limits),
+        };
         *scratch = attempt.workspace.scratch;
         let contact_share = witnesses.contact_share;
         let variables = problem.path.variables().len();
@@ -293,6 +300,21 @@ impl PairAttempt<'_, '_> {
         let samples = UNBOUNDED_SAMPLES as f64;
         found.contact_share = contacts / samples;
         found
+    }
+
+    /// Whether the states of an earlier decision are within the limits, and what it says about them is true. Proofs are
+    /// not checked here.
+    fn confirms(&mut self, known: &Decision) -> bool {
+        let Decision::Sometimes { colliding, free } = known else { return true };
+        let links = self.problem.links.map(|link| link.link);
+        let mut is = |state: &[f64], expected: bool| {
+            let is_within = |v: &Variable| {
+                state.get(v.position).is_some_and(|value| (v.range[0]..=v.range[1]).contains(value))
+            };
+            self.problem.path.variables().iter().all(is_within)
+                && self.builder.checker_collides(links, state, self.checker_workspace) == Some(expected)
+        };
+        is(colliding, true) && is(free, false)
     }
 
     fn decide(&mut self, witnesses: &mut Witnesses, limits: ProofLimits) -> Decision {

@@ -60,6 +60,12 @@ impl JointStateHistory {
         let positions: Option<Vec<f64>> = self.positions.iter().map(|history| history.at(time)).collect();
         Some((robot, Configuration::trusted(positions?)))
     }
+
+    /// Whether the configuration at a time is known: the history of every position begins before it.
+    #[must_use]
+    pub fn reaches(&self, time: Time) -> bool {
+        self.positions.iter().all(|history| history.values.front().is_some_and(|(first, _)| *first <= time))
+    }
 }
 
 impl PositionHistory {

@@ -222,7 +222,8 @@ impl ObstacleUncertainty {
 
     fn time_at(&self, t: f64) -> f64 {
         let [from, to] = self.time;
-        from + t * (to - from)
+        // the end is exact, so that the next segment continues from it
+        if t == 1.0 { to } else { from + t * (to - from) }
     }
 }
 

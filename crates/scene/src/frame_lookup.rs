@@ -48,7 +48,8 @@ impl<'c> SceneContext<'c> {
     }
 
     /// True if a frame never moves relative to the root because of a moving link or an attached object.
-    pub(super) fn stands_still(&self, frame: &str, scene: &Scene) -> bool {
+    #[must_use]
+    pub fn stands_still(&self, frame: &str, scene: &Scene) -> bool {
         let above = self.transforms.ancestors(frame.trim_start_matches('/'));
         // the nearest ancestor that is a part of the robot decides
         let part = above.iter().find_map(|a| match self.robot.link_by_name(a.name) {

@@ -68,7 +68,9 @@ pub use applied::Applied;
 pub use attached_object::{AttachedId, AttachedObject};
 pub use body_id::BodyId;
 pub use check_settings::{MeshModel, Settings};
-pub use cloud::{ByteOrder, CloudError, CloudPoints, Column, Columns, NumberKind, is_cloud, read_cloud};
+pub use cloud::{
+    ByteOrder, CloudError, CloudPoints, Column, Columns, NumberKind, is_at_origin, is_cloud, read_cloud,
+};
 pub use files::RobotStateText;
 pub use files::{SceneError, SceneLoader, StateList, WorldFileKind};
 pub use frame_path::{FramePath, PathLink};

@@ -132,6 +132,14 @@ impl<'c> SceneContext<'c> {
                 self.transform_ttl
             ));
         }
-        Ok(())
+        match ancestor.largest_lead {
+            Some((frame, lead)) if lead > self.transform_ttl => Err(format!(
+                "the stamp of the last transform of frame {} on tf was {lead:.3} s in the future when it was received, and transform_ttl \
+                 is {} s: synchronise the clocks",
+                quoted(frame),
+                self.transform_ttl
+            )),
+            _ => Ok(()),
+        }
     }
 }

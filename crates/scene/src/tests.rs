@@ -319,6 +319,16 @@ fn old_transforms_say_nothing() {
     cell.transforms.insert("old", late);
     cell.object(add("x", "old", Pose::identity())).unwrap();
     assert_eq!(cell.places("x"), [[0.0, 0.0, 1.0]]);
+    // the stamp of another clock never becomes old
+    for (lead, is_used) in [(0.5, true), (3600.0, false)] {
+        let ahead = transform(Some(seconds(100.0 + lead)));
+        cell.transforms.insert_received("ahead", ahead, Some(seconds(100.0)));
+        if is_used {
+            cell.object(add("x", "ahead", Pose::identity())).unwrap();
+        } else {
+            cell.refuses_object(add("x", "ahead", Pose::identity()), "3600.000 s in the future");
+        }
+    }
     // the search ends in a circle of frames
     for (frame, parent) in [("p", "q"), ("q", "p"), ("r", "r")] {
         cell.transforms.insert(frame, Transform { parent: parent.to_owned(), ..transform(None) });

@@ -19,6 +19,8 @@ pub struct Transform {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct StoredTransform {
     pub transform: Transform,
+    /// Time (s) by which its stamp was later than the clock when it was received.
+    pub lead: f64,
     /// True if the frame was received more than once, with different stamps; a frame received only once need not be repeated.
     pub is_alive: bool,
 }

@@ -2,8 +2,9 @@
 
 use std::collections::HashMap;
 
-use clearance_geometry::math::Pose;
+use clearance_geometry::math::{Extremes, Pose};
 
+use super::Time;
 use super::frame_ancestor::Ancestor;
 use super::frame_path::FramePath;
 use super::transform::{StoredTransform, Transform};
@@ -25,8 +26,13 @@ pub struct TransformTree {
 
 impl TransformTree {
     /// Stores a transform, unless it is older than the stored one. Returns `false` when there are too many frames.
-    #[expect(clippy::needless_pass_by_value, reason = "it is kept")]
     pub fn insert(&mut self, frame: &str, transform: Transform) -> bool {
+        self.insert_received(frame, transform, None)
+    }
+
+    /// As [`Self::insert`], with the time at which the transform was received, where it is known.
+    #[expect(clippy::needless_pass_by_value, reason = "it is kept")]
+    pub fn insert_received(&mut self, frame: &str, transform: Transform, received: Option<Time>) -> bool {
         let frame = frame.trim_start_matches('/');
         if transform.parent.trim_start_matches('/') == frame {
             // as in tf2: a frame relative to itself has no information
@@ -43,7 +49,9 @@ impl TransformTree {
             let is_anew = stamps.is_some_and(|(known, new)| known != new);
             let is_alive = is_anew || known.is_some_and(|known| known.is_alive);
             let parent = transform.parent.trim_start_matches('/').to_owned();
-            let known = StoredTransform { transform: Transform { parent, ..transform }, is_alive };
+            let times = transform.stamp.zip(received);
+            let lead = times.map_or(0.0, |(stamp, received)| stamp.seconds_since(received).greater(0.0));
+            let known = StoredTransform { transform: Transform { parent, ..transform }, lead, is_alive };
             self.by_frame.insert(frame.to_owned(), known);
         }
         true
@@ -75,6 +83,7 @@ impl TransformTree {
             transform: transform_of(frame),
             pose_af: Pose::identity(),
             oldest: None,
+            largest_lead: None,
             oldest_alive: None,
         };
         let above = std::iter::successors(Some(itself), |last| last.parent(transform_of));

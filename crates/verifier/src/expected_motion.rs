@@ -18,7 +18,8 @@ const ROUNDING: f64 = 1e-9;
 /// Expected motion, tube, tolerance and obstacle motion of a certificate. Fields without a value accept anything.
 #[derive(Clone, Debug, Default)]
 pub struct ExpectedMotion {
-    /// The motion with its tolerances (tube) and moving obstacles.
+    /// The motion with its tolerances (tube) and moving obstacles. Without it, any motion of the robot is accepted, among
+    /// standing obstacles.
     pub motion: Option<Trajectory>,
     /// Obstacles may move as in the certificate, whatever `motion` contains for them; they start at their poses in the world.
     pub any_obstacle_motion: bool,
@@ -58,6 +59,7 @@ impl ExpectedMotion {
                 let given = given.len();
                 found.add(|| format!("it has {given} segment(s), expected {expected}"));
             }
+            None if !self.any_obstacle_motion => expect_standing_obstacles(given, &mut found),
             None => {}
         }
         self.compare_tube(names, given, &mut found);
@@ -119,6 +121,16 @@ impl ExpectedMotion {
                 found.add(|| format!("it was made with tolerance {given:?} m, expected {expected:?} m"));
             }
             (None, _) | (Some(_), Some(_)) => {}
+        }
+    }
+}
+
+/// Without an expected motion, obstacles are expected where the world has them.
+fn expect_standing_obstacles(given: &[MotionSegment], found: &mut CertificateDifferences) {
+    for (segment, given) in given.iter().enumerate() {
+        for mover in given.obstacles() {
+            let name = shown(&mover.name);
+            found.add(|| format!("segment {segment}: obstacle '{name}' moves, expected to stand"));
         }
     }
 }

@@ -106,8 +106,18 @@ pub fn matrix_fingerprint(robot: &RobotModel, settings: &Settings) -> String {
     let every_pair = AllowedCollisionMatrix::default();
     let mut print = Fingerprint::default();
     print.text("clearance collision matrix 1").text(&model_fingerprint(robot, &settings, Some(&every_pair)));
-    for [low, high] in robot.position_ranges() {
-        print.numbers(&[low, high]);
+    let ranges = robot.position_ranges();
+    for range in &ranges {
+        print.numbers(range);
+    }
+    // proofs and random states keep to a joint's own limits, also where those of its followers are narrower
+    for id in robot.joint_ids().filter(|id| robot.joint(*id).mimic.is_none()) {
+        let own = robot.joint(id).limits.map(|limits| [limits.lower, limits.upper]);
+        if let (Some(own), Some(position)) = (own, robot.first_position(id))
+            && ranges[position] != own
+        {
+            print.count(position).numbers(&own);
+        }
     }
     print.finish()
 }

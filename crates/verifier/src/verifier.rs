@@ -47,12 +47,14 @@ impl<'r> Verifier<'r> {
         Ok(Self { model })
     }
 
-    /// Accepts a certificate only if all of its claims are proven here again. The caller must check which motion it belongs to.
+    /// Accepts a certificate only if all of its claims are proven here again. The caller must check which motion of
+    /// the robot and of the obstacles it is about.
     ///
     /// # Errors
     /// The first claim that could not be proven, or the first difference from this robot and world.
     pub fn verify(&self, certificate: &Certificate) -> Result<VerificationStatistics, Rejection> {
-        self.verify_expected(certificate, &ExpectedMotion::default())
+        let any_motion = ExpectedMotion { any_obstacle_motion: true, ..ExpectedMotion::default() };
+        self.verify_expected(certificate, &any_motion)
     }
 
     /// As [`Self::verify`], but accepts only a certificate of the expected motion.

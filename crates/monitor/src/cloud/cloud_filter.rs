@@ -9,6 +9,9 @@ use clearance_robot::LinkPoses;
 
 use super::SelfFilter;
 
+/// Error (m) of the points that is far below the noise of any sensor: points inside the robot are removed all the same.
+const NEGLIGIBLE: f64 = 1e-4;
+
 /// Filter settings for clouds. Lengths in metres, corners in the root frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CloudFilter {
@@ -37,7 +40,8 @@ pub struct FilteredCloud {
 
 impl CloudFilter {
     /// Balls that contain every point that is neither cropped nor part of the robot, each point with its radius.
-    /// `pose_rc` is the pose of the cloud in the root frame; `rounding` (m) is the possible error of its points.
+    /// `pose_rc` is the pose of the cloud in the root frame; `rounding` (m) is the possible error of its points. Points
+    /// that may, within that error, be inside the crop box or beside the robot remain.
     ///
     /// # Errors
     /// When a point is too far away for the computation.
@@ -49,11 +53,14 @@ impl CloudFilter {
         robot: (&SelfFilter, &LinkPoses),
     ) -> Result<FilteredCloud, String> {
         let all = points.iter().map(|p| pose_rc * Point::from(p.map(f64::from)));
-        let mut kept: Vec<Point> = all.filter(|p| self.is_inside(p)).collect();
+        let mut kept: Vec<Point> = all.filter(|p| self.is_inside(p, rounding)).collect();
         let cropped = points.len() - kept.len();
         let (filter, poses) = robot;
-        let mut is_robot = filter.is_robot(&kept, poses, self.self_filter_padding).into_iter();
-        kept.retain(|_| !is_robot.next().unwrap_or(false));
+        if self.self_filter_padding >= rounding || rounding <= NEGLIGIBLE {
+            let padding = (self.self_filter_padding - rounding).greater(0.0);
+            let mut is_robot = filter.is_robot(&kept, poses, padding).into_iter();
+            kept.retain(|_| !is_robot.next().unwrap_or(false));
+        }
         let of_robot = points.len() - cropped - kept.len();
         let mut radius = self.point_radius + rounding;
         if self.voxel_size > 0.0 {
@@ -66,13 +73,14 @@ impl CloudFilter {
 
     /// Whether a point of a cloud at this pose (root frame) is outside the crop box.
     #[must_use]
-    pub fn crops(&self, point: [f32; 3], pose_rc: &Pose) -> bool {
-        !self.is_inside(&(pose_rc * Point::from(point.map(f64::from))))
+    pub fn crops(&self, point: [f32; 3], rounding: f64, pose_rc: &Pose) -> bool {
+        !self.is_inside(&(pose_rc * Point::from(point.map(f64::from))), rounding)
     }
 
-    fn is_inside(&self, p: &Point) -> bool {
-        let above = self.crop_min.is_none_or(|min| (0..3).all(|i| p[i] >= min[i]));
-        above && self.crop_max.is_none_or(|max| (0..3).all(|i| p[i] <= max[i]))
+    /// Whether a point with this possible error may be inside the crop box.
+    fn is_inside(&self, p: &Point, rounding: f64) -> bool {
+        let above = self.crop_min.is_none_or(|min| (0..3).all(|i| p[i] + rounding >= min[i]));
+        above && self.crop_max.is_none_or(|max| (0..3).all(|i| p[i] - rounding <= max[i]))
     }
 }
 
@@ -188,6 +196,21 @@ mod tests {
         filter.hold(&World::default());
         let sieved = cloud_filter.apply(&seen, 0.0, &Pose::identity(), (&filter, &poses)).unwrap();
         assert_eq!(sieved.of_robot, 2);
+    }
+
+    #[test]
+    fn points_that_may_be_obstacles_within_their_error_remain() {
+        let (filter, poses) = robot();
+        let cloud_filter =
+            CloudFilter { self_filter_padding: 0.1, crop_max: Some([3.0; 3]), ..CloudFilter::default() };
+        let near = [[2.0, 0.59, 0.0], [2.0, 0.0, 3.02], [2.0, 0.0, 0.0]];
+        let kept = |rounding| {
+            let filtered = cloud_filter.apply(&near, rounding, &Pose::identity(), (&filter, &poses)).unwrap();
+            points(&filtered)
+        };
+        assert_eq!(kept(0.0), [[0.0_f32; 3]; 0]);
+        assert_eq!(kept(0.03), near[..2]);
+        assert_eq!(kept(0.2), near);
     }
 
     #[test]

@@ -3,17 +3,7 @@
 use clearance_scene::{ByteOrder, CloudPoints, Column, Columns, NumberKind};
 use ros2_interfaces_jazzy_serde::sensor_msgs::msg::{PointCloud2, PointField};
 
-/// Largest distance (m) from the origin of its frame at which a point means "no return": many drivers write zeros
-/// there.
-const AT_ORIGIN: f32 = 1e-6;
-
-/// Whether a point is at the origin of the cloud's frame, the position of the sensor.
-#[must_use]
-pub fn is_at_origin(point: &[f32; 3]) -> bool {
-    point.iter().all(|coordinate| coordinate.abs() <= AT_ORIGIN)
-}
-
-/// Points of a cloud, in its own frame. Several points at the origin are dropped like NaN. A single one is kept, since
+/// Points of a cloud, relative to an origin in its own frame. Several points at the origin are dropped like NaN. A single one is kept, since
 /// in a map it may be a cell.
 ///
 /// # Errors
@@ -22,7 +12,7 @@ pub fn decode(cloud: &PointCloud2) -> Result<CloudPoints, String> {
     let (width, height) = (size(cloud.width), size(cloud.height));
     let (point_step, row_step) = (size(cloud.point_step), size(cloud.row_step));
     // some drivers mark missing returns by large numbers as well
-    let mut points = CloudPoints { drops_far: true, ..CloudPoints::default() };
+    let mut points = CloudPoints::of_sensor();
     let mut xyz = [0, 1, 2].map(|_| None);
     for (column, name) in xyz.iter_mut().zip(["x", "y", "z"]) {
         *column = Some(coordinate(cloud, name, point_step)?);
@@ -50,11 +40,7 @@ pub fn decode(cloud: &PointCloud2) -> Result<CloudPoints, String> {
         let columns = Columns { xyz: xyz.map(place), order };
         points.read(&cloud.data, &columns, width).map_err(|error| format!("data: {error}"))?;
     }
-    let at_origin = points.points.iter().filter(|point| is_at_origin(point)).count();
-    if at_origin > 1 {
-        points.points.retain(|point| !is_at_origin(point));
-        points.dropped += at_origin;
-    }
+    points.take_origin_points();
     Ok(points)
 }
 

@@ -10,8 +10,25 @@ use clearance_scene::TransformTree;
 use crate::parameters::parameter_set::Parameters;
 use crate::scene::cloud_inbox::CloudMessage;
 
-/// Robot and its configuration at the stamp of each point cloud, by topic.
-pub type RobotsAtStamps = BTreeMap<String, (Arc<RobotModel>, Configuration)>;
+/// The robot at the stamp of each point cloud, by topic.
+pub type RobotsAtStamps = BTreeMap<String, RobotAtStamp>;
+
+/// A robot at the stamp of a point cloud.
+#[derive(Debug)]
+pub struct RobotAtStamp {
+    robot: Arc<RobotModel>,
+    /// The oldest known configuration if the stamp is older.
+    configuration: Configuration,
+    /// Whether the configuration at the stamp is known.
+    is_known: bool,
+}
+
+/// Poses of the links at the stamp of a point cloud.
+pub(super) struct PosesAtStamp {
+    pub poses: LinkPoses,
+    /// Whether they are those at the stamp, not the nearest known ones.
+    pub are_known: bool,
+}
 
 /// Configuration of the robot at the stamps of point clouds.
 #[must_use]
@@ -19,10 +36,11 @@ pub fn robots_at_stamps(
     clouds: &BTreeMap<String, CloudMessage>,
     joint_state_history: &JointStateHistory,
 ) -> RobotsAtStamps {
-    clouds
-        .iter()
-        .filter_map(|(topic, cloud)| Some((topic.clone(), joint_state_history.at(cloud.stamp())?)))
-        .collect()
+    let at = |stamp| {
+        let (robot, configuration) = joint_state_history.at(stamp)?;
+        Some(RobotAtStamp { robot, configuration, is_known: joint_state_history.reaches(stamp) })
+    };
+    clouds.iter().filter_map(|(topic, cloud)| Some((topic.clone(), at(cloud.stamp())?))).collect()
 }
 
 /// Snapshot of clock, parameters, transforms and last result that a scene update is applied against.
@@ -32,7 +50,7 @@ pub struct SceneUpdateContext {
     pub parameters: Parameters,
     pub transforms: TransformTree,
     pub evaluation: Option<Evaluation>,
-    /// Robot and its configuration at the stamp of each point cloud, by topic.
+    /// The robot at the stamp of each point cloud, by topic.
     pub robots_at_stamps: RobotsAtStamps,
 }
 
@@ -56,13 +74,16 @@ impl SceneUpdateContext {
         evaluation.robot_state.clone().filter(|_| same)
     }
 
-    /// Link poses at the stamp of a cloud, if the joint state history contains it; otherwise the current ones.
-    pub(super) fn poses_at(&self, robot: &Arc<RobotModel>, topic: &str) -> Option<LinkPoses> {
+    /// Link poses at the stamp of a cloud, or the nearest ones that the joint state history has; without a history, the
+    /// current ones.
+    pub(super) fn poses_at(&self, robot: &Arc<RobotModel>, topic: &str) -> Option<PosesAtStamp> {
         let now = self.checked_state(robot)?;
-        let then = self.robots_at_stamps.get(topic).filter(|(of, _)| Arc::ptr_eq(of, robot));
-        let Some((_, then)) = then else { return Some(now.poses.clone()) };
+        let then = self.robots_at_stamps.get(topic).filter(|then| Arc::ptr_eq(&then.robot, robot));
+        let Some(then) = then else {
+            return Some(PosesAtStamp { poses: now.poses.clone(), are_known: false });
+        };
         let mut poses = LinkPoses::new(robot);
-        robot.forward_kinematics(then, &mut poses);
-        Some(poses)
+        robot.forward_kinematics(&then.configuration, &mut poses);
+        Some(PosesAtStamp { poses, are_known: then.is_known })
     }
 }

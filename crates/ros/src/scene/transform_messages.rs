@@ -46,7 +46,8 @@ pub fn note_transforms(
         };
         let parent = transform.header.frame_id;
         let stamp = (!fixed).then_some(stamp);
-        too_many |= !tree.insert(&transform.child_frame_id, FrameTransform { parent, pose_pf, stamp });
+        let placed = FrameTransform { parent, pose_pf, stamp };
+        too_many |= !tree.insert_received(&transform.child_frame_id, placed, now);
     }
     match wrong {
         Some((frame, why)) => {

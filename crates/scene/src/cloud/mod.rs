@@ -9,7 +9,7 @@ mod ply;
 mod points;
 
 pub use clearance_files::ply_format::{ByteOrder, NumberKind};
-pub use points::{CloudError, CloudPoints, Column, Columns};
+pub use points::{CloudError, CloudPoints, Column, Columns, is_at_origin};
 
 use clearance_files::ply_format::is_ply;
 

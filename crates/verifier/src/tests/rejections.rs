@@ -78,6 +78,9 @@ fn what_is_proven_is_accepted() {
     assert_eq!(found.proofs, certificate.segments.iter().map(|s| s.proofs.len()).sum::<usize>());
     let read = Certificate::from_json(&certificate.to_json()).unwrap();
     assert_eq!(verifier.verify(&read).unwrap(), found);
+    // unless it says so, nobody expects that obstacles make way
+    let moves = verifier.verify_expected(&certificate, &ExpectedMotion::default()).unwrap_err().to_string();
+    assert!(moves.contains("obstacle 'comes' moves, expected to stand"), "{moves}");
 }
 
 /// Changes a certificate, and says what the rejection must look like once the digest fits again.

@@ -4,20 +4,24 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use clearance_geometry::Shape;
-use clearance_geometry::math::Pose;
+use clearance_geometry::math::{Extremes, Point, Pose, Vector};
 use clearance_monitor::cloud::{CloudFilter, SelfFilter};
 use clearance_monitor::{Now, Observation, Time};
 use clearance_robot::RobotModel;
 use clearance_scene::Obstacle;
 use clearance_scene::SceneContext;
+use clearance_scene::is_at_origin;
 use ros2_interfaces_jazzy_serde::sensor_msgs::msg::PointCloud2;
 
 use crate::monitor_events::cloud_report::CloudReport;
 use crate::parameters::parameter_set::Parameters;
 use crate::scene::cloud_inbox::CloudMessage;
 use crate::scene::loader_scene::LoaderScene;
-use crate::scene::point_cloud_decoder::{decode, is_at_origin};
-use crate::scene::scene_update_context::SceneUpdateContext;
+use crate::scene::point_cloud_decoder::decode;
+use crate::scene::scene_update_context::{PosesAtStamp, SceneUpdateContext};
+
+/// Time (s) by which the stamp of a cloud may be later than the clock. A later one is of a clock that was set back.
+const LARGEST_LEAD: f64 = 1.0;
 
 impl LoaderScene {
     /// Replaces the previous clouds by the newest ones; returns whether anything changed.
@@ -37,7 +41,9 @@ impl LoaderScene {
                 continue;
             }
             let (since, stamp) = (message.since, message.stamp());
+            let known = self.clouds.get(&topic).and_then(|cloud| cloud.seen);
             let seen = check_stamp(stamp, message.received_at, parameters)
+                .and_then(|()| check_order(stamp, known, message.received_at))
                 .and_then(|()| self.filter_cloud(&topic, &message.cloud, robot, update_context));
             let cloud = self.clouds.entry(topic.clone()).or_default();
             match seen {
@@ -95,13 +101,21 @@ impl LoaderScene {
     ) -> Result<(Option<Obstacle>, CloudReport), String> {
         let SceneUpdateContext { now, parameters, transforms, .. } = update_context;
         let points = decode(message)?;
-        let poses = update_context
+        let PosesAtStamp { poses, are_known } = update_context
             .poses_at(robot, topic)
             .ok_or("without a fresh joint state the points on the robot are not known")?;
         let context = SceneContext::new(robot, Some(&poses), transforms, now.ros, parameters.transform_ttl);
         let frame = &message.header.frame_id;
         let pose_rc =
             context.frame_pose(frame, &self.state).map_err(|why| format!("header.frame_id: {why}"))?;
+        if !are_known && !context.stands_still(frame, &self.state) {
+            let frame = frame.escape_debug();
+            return Err(format!(
+                "header.stamp is older than the joint states that are kept (those of the last 3 s): where frame '{frame}', which moves \
+                 with the robot, was then is not known"
+            ));
+        }
+        let pose_rc = pose_rc * Pose::from(Vector::from(points.origin));
         let filter = match self.filter.take().filter(|filter| Arc::ptr_eq(filter.robot(), robot)) {
             Some(filter) => filter,
             None => SelfFilter::new(Arc::clone(robot)),
@@ -110,14 +124,18 @@ impl LoaderScene {
         filter.hold(&self.state.world);
         let cloud_filter = cloud_filter(parameters);
         let filtered = cloud_filter.apply(&points.points, points.rounding, &pose_rc, (filter, &poses))?;
-        let is_origin_cropped = |p: &[f32; 3]| is_at_origin(p) && cloud_filter.crops(*p, &pose_rc);
-        let others_cropped = filtered.cropped - points.points.iter().filter(|p| is_origin_cropped(p)).count();
+        let placed: Vec<[f64; 3]> = points.positions().collect();
+        let is_origin_cropped = |(p, in_frame): &(&[f32; 3], &[f64; 3])| {
+            is_at_origin(in_frame) && cloud_filter.crops(**p, points.rounding, &pose_rc)
+        };
+        let at_origin = points.points.iter().zip(&placed).filter(is_origin_cropped).count();
+        let others_cropped = filtered.cropped - at_origin;
         let report = CloudReport {
             points: filtered.cloud.as_ref().map_or(0, |cloud| cloud.points().len()),
             not_finite: points.dropped,
             cropped: filtered.cropped,
             of_robot: filtered.of_robot,
-            blind: blindness(points.dropped, &points.points, others_cropped),
+            blind: blindness(points.dropped, &placed, others_cropped),
             ..CloudReport::default()
         };
         let shape = filtered.cloud.map(Shape::Points);
@@ -136,6 +154,19 @@ fn check_stamp(stamp: Time, received_at: Now, parameters: &Parameters) -> Result
     Ok(())
 }
 
+/// Rejects a cloud that is older than the last one, as of a second sensor or on a slow way: the newer one remains.
+fn check_order(stamp: Time, known: Option<Observation>, received_at: Now) -> Result<(), String> {
+    let Some(known) = known else { return Ok(()) };
+    let delay = known.stamp.seconds_since(stamp);
+    // a stamp that is later than the clock is of a clock that was set back
+    if delay <= 0.0 || received_at.ros.is_some_and(|now| known.stamp.seconds_since(now) > LARGEST_LEAD) {
+        return Ok(());
+    }
+    Err(format!(
+        "header.stamp is {delay:.3} s older than that of the last cloud, which remains; two sensors need two topics"
+    ))
+}
+
 fn cloud_filter(parameters: &Parameters) -> CloudFilter {
     let corner = |numbers: &[f64]| <[f64; 3]>::try_from(numbers).ok();
     CloudFilter {
@@ -152,8 +183,8 @@ fn cloud_filter(parameters: &Parameters) -> CloudFilter {
 /// `cropped` is the number of points outside of the crop box, without points at the sensor's origin, which are ignored
 /// anyway. Points on the robot prove that the sensor works: a cloud that contains only such points shows an empty
 /// environment.
-fn blindness(no_place: usize, points: &[[f32; 3]], cropped: usize) -> Option<String> {
-    let seen: Vec<&[f32; 3]> = points.iter().filter(|point| !is_at_origin(point)).collect();
+fn blindness(no_place: usize, points: &[[f64; 3]], cropped: usize) -> Option<String> {
+    let seen: Vec<&[f64; 3]> = points.iter().filter(|point| !is_at_origin(point)).collect();
     let all = no_place + points.len();
     if all == 0 {
         return Some("it has no points".to_owned());
@@ -181,15 +212,23 @@ fn blindness(no_place: usize, points: &[[f32; 3]], cropped: usize) -> Option<Str
 
 /// Common distance (m) of all points from the origin of the cloud's frame; `None` if there are too few points or the
 /// distances differ. Only a sphere around the sensor has the same distance everywhere, but a sensor that detects
-/// nothing may report its maximum range in all directions.
-fn range_limit(points: &[&[f32; 3]]) -> Option<f64> {
+/// nothing may report its maximum range in all directions. Points that are very far away in almost one direction, as in the frame of
+/// a map, are no such sphere.
+fn range_limit(points: &[&[f64; 3]]) -> Option<f64> {
     /// Minimum number of points: two points of a wall may have the same distance.
     const SOME: usize = 3;
     /// Relative tolerance for the rounding to 32-bit numbers.
     const ROUNDING: f64 = 1e-5;
-    let mut ranges = points.iter().map(|p| p.iter().map(|&c| f64::from(c).powi(2)).sum::<f64>().sqrt());
+    /// Least angle (rad) that a sensor sees.
+    const FIELD_OF_VIEW: f64 = 1e-3;
+    let mut ranges = points.iter().map(|p| p.iter().map(|c| c.powi(2)).sum::<f64>().sqrt());
     let first = ranges.next().filter(|_| points.len() >= SOME)?;
-    ranges.all(|range| (range - first).abs() <= ROUNDING * first).then_some(first)
+    if !ranges.all(|range| (range - first).abs() <= ROUNDING * first) {
+        return None;
+    }
+    let from_first = points.iter().map(|p| nalgebra::distance(&Point::from(**p), &Point::from(*points[0])));
+    let spread = from_first.fold(0.0, f64::greater);
+    (spread == 0.0 || spread >= FIELD_OF_VIEW * first).then_some(first)
 }
 
 #[cfg(test)]
@@ -212,9 +251,9 @@ mod tests {
         assert_eq!(blindness(0, &with_zero, 0), None);
     }
 
-    fn at_range(range: f32, count: u16) -> Vec<[f32; 3]> {
+    fn at_range(range: f32, count: u16) -> Vec<[f64; 3]> {
         let direction = |i| f32::from(i) * 0.1;
-        (0..count).map(direction).map(|a| [a.cos(), a.sin(), 0.0].map(|c| range * c)).collect()
+        (0..count).map(direction).map(|a| [a.cos(), a.sin(), 0.0].map(|c| f64::from(range * c))).collect()
     }
 
     #[test]
@@ -238,7 +277,10 @@ mod tests {
         one_is_nearer[50] = [1.0, 0.0, 0.0];
         assert_eq!(blindness(0, &one_is_nearer, 0), None);
         // points on a wall have many distances, even if all have the same depth
-        let wall: Vec<[f32; 3]> = (0..100u16).map(|i| [2.0, f32::from(i) * 0.01, 0.0]).collect();
+        let wall: Vec<[f64; 3]> = (0..100u16).map(|i| [2.0, f64::from(i) * 0.01, 0.0]).collect();
         assert_eq!(blindness(500, &wall, 0), None);
+        // a floor in a map whose origin is far away
+        let floor: Vec<[f64; 3]> = (0..100u16).map(|i| [5e5 + 0.1 * f64::from(i), 5.4e6, 0.0]).collect();
+        assert_eq!(blindness(0, &floor, 0), None);
     }
 }
