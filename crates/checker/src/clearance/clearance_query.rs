@@ -69,18 +69,26 @@ impl ClearanceQuery<'_> {
         let options = &self.witness_options();
         let (witnesses, scratch) = (&mut *self.witnesses, &mut *self.state.scratch);
         let nearest = distance_with_witnesses(pair.posed_bodies(), limit, options, witnesses, scratch)?;
-        if nearest.distance > 0.0 {
+        let padding = pair.info.padding;
+        let of_paddings_only = nearest.distance > 0.0;
+        if of_paddings_only && (nearest.distance > padding || pair.comes_apart(&nearest, scratch)) {
             let count = if witnesses.are_several() { WitnessCount::Several } else { WitnessCount::One };
             let distance = nearest.distance - pair.info.padding;
             let first = witnesses.pairs().first();
             return Some(of_witnesses(pair, [distance, distance], first, &nearest).counted(count, witnesses));
         }
         let [a, b] = self.state.pairs.solids(index);
-        let depth = penetration_depth(a, b, pair.pose_ab, pair.info.padding, scratch);
+        let depth = penetration_depth(a, b, pair.pose_ab, padding, scratch);
+        // the distance changes at most as much as a body is moved; the depth of solids says nothing about surfaces that are apart
+        let of_distance = padding - nearest.distance;
+        let depth = depth.map(|depth| PenetrationDepth {
+            lower: if of_paddings_only { of_distance } else { depth.lower },
+            ..depth
+        });
         let Some(depth) = depth.filter(|depth| depth.upper.is_finite()) else {
             return Some(without_depth(pair, depth.as_ref(), &nearest));
         };
-        let of_depth = (&depth, pair.info.padding);
+        let of_depth = (&depth, padding);
         let is_known = depth_witnesses([a, b], &pair.pose_ab, of_depth, options, witnesses);
         let count = match (is_known, witnesses.are_several()) {
             (false, _) => WitnessCount::Unknown,

@@ -46,6 +46,22 @@ impl PosedPair<'_> {
         query::pieces_within_margin(self.posed_bodies(), pieces, self.info.padding, scratch).is_some()
     }
 
+    /// True if bodies of which only the paddings overlap come apart by the shortest way: the second one moves away from its nearest
+    /// point until the distance would be the padding. Bodies with dents may touch elsewhere then.
+    pub fn comes_apart(&self, apart: &Separation, scratch: &mut Scratch) -> bool {
+        /// Relative lengths that are added for curved solids, whose distance is found less accurately.
+        const ALLOWANCES: [f64; 2] = [0.0, 1e-6];
+        let (a, b) = self.bodies;
+        let [p, q] = apart.witness_points;
+        let Some(away) = (q - p).try_normalize(CONTACT_DISTANCE) else { return false };
+        let overlap = (self.info.padding - apart.distance).greater(0.0);
+        ALLOWANCES.iter().any(|allowance| {
+            let way = overlap * (1.0 + allowance) + 2.0 * CONTACT_DISTANCE;
+            let pose = MatrixPose { translation: self.pose_ab.translation + way * away, ..self.pose_ab };
+            query::within_margin(a, b, pose, self.info.padding, scratch).is_none()
+        })
+    }
+
     /// True if a part of a is inside a solid mesh of b; their elements must not touch.
     pub fn is_inside(&self, scratch: &mut Scratch) -> bool {
         self.pieces_touch(&[Piece::Inside], scratch)

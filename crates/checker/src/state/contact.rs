@@ -40,11 +40,19 @@ impl FoundContact {
     ) -> Option<Self> {
         let padding = pair.info.padding;
         let apart = pair.separation(padding + CONTACT_DISTANCE, scratch)?;
-        if apart.distance > 0.0 {
+        let of_paddings_only = apart.distance > 0.0;
+        if of_paddings_only && pair.comes_apart(&apart, scratch) {
             return Some(Self::of_paddings(pair, &apart));
         }
         let [a, b] = solids();
-        Some(match penetration_depth(a, b, pair.pose_ab, padding, scratch) {
+        let depth = penetration_depth(a, b, pair.pose_ab, padding, scratch);
+        // the distance changes at most as much as a body is moved; the depth of solids says nothing about surfaces that are apart
+        let of_distance = (padding - apart.distance).greater(0.0);
+        let depth = depth.map(|depth| PenetrationDepth {
+            lower: if of_paddings_only { of_distance } else { depth.lower },
+            ..depth
+        });
+        Some(match depth {
             Some(deepest) if deepest.upper.is_finite() => Self::of_depth(pair, &deepest),
             Some(deepest) => Self::at_common_point(pair, &apart).without_translation(&deepest),
             None => Self::at_common_point(pair, &apart),
@@ -114,7 +122,7 @@ mod tests {
     use clearance_geometry::{Primitive, Shape, TriangleMesh};
     use clearance_robot::{MeshFiles, RobotModel};
     use clearance_scene::Settings;
-    use clearance_scene::{AttachedId, BodyId, Obstacle, ObstacleId, World};
+    use clearance_scene::{AttachedId, BodyId, Obstacle, ObstacleId, ObstacleShape, World};
 
     const URDF: &str = "<robot name='r'><link name='a'><collision><geometry><sphere radius='0.5'/></geometry></collision></link></robot>";
 
@@ -178,5 +186,36 @@ mod tests {
         assert!((contact.depth.unwrap() - 0.02).abs() < 1e-8, "{contact:?}");
         assert!((contact.normal.unwrap() - Vector::x()).norm() < 1e-8, "{contact:?}");
         assert_eq!(contact_at(0.64, 0.03), None);
+    }
+
+    /// The ball is between two plates: away from the nearer one, it comes nearer to the other.
+    #[test]
+    fn what_is_within_the_padding_on_two_sides_has_to_leave_the_slot() {
+        let robot = Arc::new(RobotModel::from_urdf(URDF, &MeshFiles::default()).unwrap());
+        let shape = Shape::Primitive(Primitive::Box { half_extents: [0.1, 0.3, 1.0] });
+        let plate = |x| ObstacleShape { pose_os: Pose::translation(x, 0.0, 0.0), shape: shape.clone() };
+        let checker = |at: Vector| {
+            let mut world = World::default();
+            let slot = Obstacle::new("slot", vec![plate(0.612), plate(-0.61)]);
+            world.add(Obstacle { pose_ro: Pose::from(at), ..slot }).unwrap();
+            let settings = Settings { padding: 0.03, ..Settings::default() };
+            CollisionChecker::new(Arc::clone(&robot), &world, settings).unwrap()
+        };
+        let there = checker(Vector::zeros());
+        let q = there.robot().default_configuration();
+        let (link, slot) = there.pairs().world_pairs().next().unwrap();
+        let pair = (link, BodyId::Obstacle(slot));
+        let contact = there.contact(&q, pair, &mut there.workspace()).unwrap();
+        assert!((contact.depth_lower - 0.02).abs() < 1e-8, "{contact:?}");
+        let away = contact.normal.unwrap() * (contact.depth.unwrap() + 1e-9);
+        let moved = checker(away);
+        assert_eq!(moved.contact(&q, pair, &mut moved.workspace()), None, "{contact:?}");
+
+        let found = there.clearance(&q, 0.1, &mut there.workspace());
+        let bounds = [found.pairs[0].lower, found.pairs[0].upper];
+        assert!(
+            (bounds[0] + contact.depth.unwrap()).abs() < 1e-8 && (bounds[1] + 0.02).abs() < 1e-8,
+            "{bounds:?}"
+        );
     }
 }
