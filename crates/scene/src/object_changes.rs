@@ -25,7 +25,7 @@ impl Scene {
             }
             Operation::Remove => self.remove_object(&change.id),
             Operation::Move => self.move_object(change, context, warnings).map_err(SceneRejection::of_pose),
-            Operation::Add | Operation::Append => self.add_object(change, context),
+            Operation::Add | Operation::Append => self.add_object(change, context, warnings),
         }
     }
 
@@ -45,12 +45,25 @@ impl Scene {
         Ok(())
     }
 
-    fn add_object(&mut self, change: &ObjectChange, context: &SceneContext) -> Result<(), SceneRejection> {
+    fn add_object(
+        &mut self,
+        change: &ObjectChange,
+        context: &SceneContext,
+        warnings: &mut Vec<String>,
+    ) -> Result<(), SceneRejection> {
         let id = &change.id;
         self.check_addition(id, change.shapes.len(), context)?;
         if change.operation == Operation::Append
             && let Some(known) = self.world.obstacle_by_name(id)
         {
+            // as in MoveIt, the object stays where it is
+            let given = self.pose_of(change, context)?;
+            if is_given(change) && !are_alike(&given, &known.pose_ro) {
+                warnings.push(format!(
+                    "object '{id}' stays where it is: the appended shapes are placed in its frame, and the pose and frame given with them \
+                     are ignored"
+                ));
+            }
             let obstacle = extended(known, change);
             (self.world.replace(obstacle)).map_err(|error| SceneRejection::of(id, error.to_string()))?;
         } else {
@@ -232,4 +245,16 @@ impl Scene {
 fn extended(known: &Obstacle, change: &ObjectChange) -> Obstacle {
     let shapes = known.shapes.iter().chain(&change.shapes).cloned().collect();
     Obstacle { shapes, subframes: change.subframes.clone(), ..known.clone() }
+}
+
+/// Whether a change names a frame or a pose.
+fn is_given(change: &ObjectChange) -> bool {
+    !change.frame.is_empty() || change.pose_fo != Pose::identity()
+}
+
+/// Whether two poses are equal but for rounding.
+fn are_alike(a: &Pose, b: &Pose) -> bool {
+    const ROUNDING: f64 = 1e-9;
+    let difference = a.inverse() * b;
+    difference.translation.vector.norm() <= ROUNDING && difference.rotation.angle() <= ROUNDING
 }

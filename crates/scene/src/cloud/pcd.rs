@@ -223,7 +223,7 @@ fn read_ascii(
             cloud.remarks.push(format!("more follows after the {count} points that it announces"));
             break;
         }
-        if line.len() < numbers {
+        if line.len() != numbers {
             return Err(CloudError(format!(
                 "point {read} has {} numbers, but must have {numbers}",
                 line.len()

@@ -62,11 +62,12 @@ impl Header {
             at += line.len();
             let line = String::from_utf8_lossy(line);
             let mut words = line.split_whitespace();
-            let (key, value) = (words.next().unwrap_or_default(), words.next().unwrap_or_default());
+            let key = words.next().unwrap_or_default();
+            let value = &words.collect::<Vec<_>>().join(" ");
             match key {
-                "id" => id = Some(value.to_owned()),
-                "size" => size = Some(number("size", value)?),
-                "res" => resolution = Some(number("res", value)?),
+                "id" => once("id", &mut id, value.clone())?,
+                "size" => once("size", &mut size, number("size", value)?)?,
+                "res" => once("res", &mut resolution, number("res", value)?)?,
                 "data" => {
                     return Ok(Self {
                         id: id.ok_or(OctomapError::Incomplete("id"))?,
@@ -87,6 +88,14 @@ impl Header {
         let resolution = f64::from_le_bytes(*rest.first_chunk()?);
         let size = u32::from_le_bytes(*rest.get(8..)?.first_chunk()?) as usize;
         Some(Self { id: "OcTree".to_owned(), size, resolution, end: 16 })
+    }
+}
+
+/// Sets an entry that the header may have once.
+fn once<T: PartialEq>(key: &'static str, entry: &mut Option<T>, value: T) -> Result<(), OctomapError> {
+    match entry.replace(value) {
+        Some(before) if entry.as_ref() != Some(&before) => Err(OctomapError::Contradiction(key)),
+        _ => Ok(()),
     }
 }
 

@@ -73,6 +73,8 @@ pub enum OctomapError {
     NoOctomap,
     #[error("the header lacks '{0}'")]
     Incomplete(&'static str),
+    #[error("the header has '{0}' twice, with different values")]
+    Contradiction(&'static str),
     #[error("the header has {key} '{value}', which is no number")]
     BadHeader { key: &'static str, value: String },
 }

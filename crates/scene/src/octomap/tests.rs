@@ -240,6 +240,8 @@ fn headers_are_read_as_octomap_does() {
     assert_eq!(text("hello"), Err(OctomapError::NoOctomap));
     let start = "# Octomap OcTree binary file\n";
     assert_eq!(text(start), Err(OctomapError::Incomplete("data")));
+    assert_eq!(text(&format!("{start}res 0.1\nres 0.2\n")), Err(OctomapError::Contradiction("res")));
+    assert!(matches!(text(&format!("{start}res 0.1 x\n")), Err(OctomapError::BadHeader { key: "res", .. })));
     assert_eq!(text(&format!("{start}res 0.1\nsize 1\ndata\n")), Err(OctomapError::Incomplete("id")));
     assert!(matches!(text(&format!("{start}res x\n")), Err(OctomapError::BadHeader { key: "res", .. })));
     let wrong = String::from_utf8(bt_file(&tree, 0.25)).unwrap().replace("size 3", "size 4");

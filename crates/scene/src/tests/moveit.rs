@@ -164,6 +164,29 @@ fn a_fixed_frame_does_not_move_with_the_robot() {
 
 /// `processAttachedCollisionObjectMsg`: only ADD without shapes removes the object from the world.
 #[test]
+fn appending_leaves_an_object_where_it_is_and_says_so() {
+    let appended = |place: &str| {
+        format!(
+            "{{id: a, header: {{frame_id: base}}, pose: {{position: [1, 0, 0]}}, {SPHERE}}}, {{id: a, operation: append, {place} {SPHERE}}}"
+        )
+    };
+    for (place, is_told) in [
+        ("", false),
+        ("header: {frame_id: base}, pose: {position: [1, 0, 0]},", false),
+        ("header: {frame_id: base},", true),
+        ("pose: {position: [5, 0, 0]},", true),
+    ] {
+        let warnings = read(&appended(place)).unwrap().warnings;
+        assert_eq!(
+            warnings.iter().any(|text| text.contains("'a' stays where it is")),
+            is_told,
+            "{place}: {warnings:?}"
+        );
+    }
+    assert!(read(&appended("header: {frame_id: nowhere},")).unwrap_err().message.contains("nowhere"));
+}
+
+#[test]
 fn appending_to_nothing_takes_no_object_from_the_world() {
     let mut cell = Cell::new();
     cell.object(add("a", "", Pose::identity())).unwrap();
