@@ -223,6 +223,25 @@ def test_certificates_prove_a_margin(robot, world, arm, home):
         cl.verify(plain, robot, world, edge=edge, margin=-1)
 
 
+def test_one_tolerance_in_an_array_is_that_of_the_one_joint():
+    """Not one for every joint: those that mimic it would need more."""
+    link = '<link name="{}"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>'
+    joint = (
+        '<joint name="{0}" type="revolute"><parent link="{1}"/><child link="{2}"/><origin xyz="1 0 0"/><axis xyz="0 0 1"/>'
+        '<limit lower="-1" upper="1" effort="1" velocity="1"/>{3}</joint>'
+    )
+    urdf = "".join([link.format(name) for name in "abc"]) + joint.format("lead", "a", "b", "")
+    follow = joint.format("follow", "b", "c", '<mimic joint="lead" multiplier="0.5"/>')
+    robot = cl.Robot.from_urdf(f'<robot name="r">{urdf}{follow}</robot>')
+    checker = cl.Checker(robot)
+    tube = lambda given: checker.check_motion([0.0], [0.1], tube=given, certificate=True).certificate  # noqa: E731
+    assert cl.verify(tube([0.01]), robot, tube=[0.01])
+    assert cl.verify(tube(0.01), robot, tube=[0.02]) and not cl.verify(tube(0.01), robot, tube=[0.01])
+    free = cl.Checker(cl.Robot.from_urdf(f'<robot name="r">{urdf}{joint.format("follow", "b", "c", "")}</robot>'))
+    with pytest.raises(ValueError, match=r"tube has shape \(1,\)"):
+        free.check_motion([0.0, 0.0], [0.1, 0.0], tube=[0.01])
+
+
 def test_a_deviation_between_samples_is_part_of_the_proof(robot, world, arm, home):
     points = home + np.array([0, 0.05, 0.1])[:, None]
     report = arm.check_trajectory(None, points, deviation=1e-3, certificate=True)

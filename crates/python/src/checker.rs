@@ -405,7 +405,7 @@ impl Checker {
     /// Between two points the motion is linear, cubic if there are velocities, quintic if there are accelerations, too, as in
     /// `trajectory_msgs/JointTrajectory`. With `shortest=True`, continuous joints go the shortest way. `deviation` (rad, m; a number or
     /// (n,)) is the largest deviation of the true motion from the motion between the points, for points that sample a line or an arc of
-    /// a link: the proof holds for the true motion. It adds to `tube`. Other arguments and options are those of `check_motion`.
+    /// a link: the proof holds for the true motion. One number is for the joints of `joint_names`; mimic joints follow. It adds to `tube`. Other arguments and options are those of `check_motion`.
     #[pyo3(
         signature = (times, positions, velocities=None, accelerations=None, *, shortest=false, certificate=false, tube=None, deviation=None, **options),
         text_signature = "($self, times, positions, velocities=None, accelerations=None, *, shortest=False, certificate=False, tube=None, deviation=None, **options)"

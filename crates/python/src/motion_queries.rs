@@ -144,8 +144,7 @@ pub fn whole_tube(
             None => Ok(Some(values)),
         }
     };
-    let of_deviation: Read = |space, given| tolerances_of(space, given, "deviation");
-    Ok(match (read(tube, "tube", tube_of)?, read(deviation, "deviation", of_deviation)?) {
+    Ok(match (read(tube, "tube", tube_of)?, read(deviation, "deviation", deviation_of)?) {
         (Some(tube), Some(deviation)) => Some(tube.iter().zip(&deviation).map(|(a, b)| a + b).collect()),
         (tube, deviation) => tube.or(deviation),
     })
@@ -228,24 +227,32 @@ fn with_tube(
     }
 }
 
-/// A tracking tolerance (rad, m) for each position of the whole robot. One number is for every joint, also for mimic joints and for those
-/// that are not in the group.
+/// A tracking tolerance (rad, m) for each position of the whole robot: one for each position of a state, or one number for every joint,
+/// also for mimic joints and for those that are not in the group.
 pub fn tube_of(space: &JointSpace, tube: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
-    let numbers = Numbers::new(tube, "tube")?;
-    match (numbers.shape(), numbers.values()) {
-        ([] | [1], [tolerance]) => {
-            space.robot().uniform_tolerances(*tolerance).map_err(|why| error(format!("tube: {why}")))
-        }
-        _ => tolerances_of(space, tube, "tube"),
-    }
+    tolerances_of(space, tube, "tube", |tolerance| {
+        space.robot().uniform_tolerances(tolerance).map_err(|why| error(format!("tube: {why}")))
+    })
 }
 
-/// A number for all positions of a state, or one for each, as numbers for each position of the whole robot.
-fn tolerances_of(space: &JointSpace, given: &Bound<'_, PyAny>, name: &'static str) -> PyResult<Vec<f64>> {
+/// A deviation (rad, m) of each position of the whole robot from the motion between samples: one for each position of a state, or one
+/// number for all of these. Mimic joints follow, and what is not in the group stands.
+fn deviation_of(space: &JointSpace, deviation: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+    let of_all = |deviation| Ok(space.expand(&vec![deviation; space.names().len()]));
+    tolerances_of(space, deviation, "deviation", of_all)
+}
+
+/// One number as `of_all` has it, or one for each position of a state.
+fn tolerances_of(
+    space: &JointSpace,
+    given: &Bound<'_, PyAny>,
+    name: &'static str,
+    of_all: impl FnOnce(f64) -> PyResult<Vec<f64>>,
+) -> PyResult<Vec<f64>> {
     let numbers = Numbers::new(given, name)?;
     let count = space.names().len();
     match (numbers.shape(), numbers.values()) {
-        ([] | [1], [tolerance]) => Ok(space.expand(&vec![*tolerance; count])),
+        ([], [tolerance]) => of_all(*tolerance),
         ([length], values) if *length == count => Ok(space.expand(values)),
         (shape, _) => Err(wrong_shape(name, shape, &format!("must be a number or ({count},)"))),
     }
