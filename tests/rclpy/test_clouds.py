@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 from clearance_msgs.msg import CollisionState
 from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import TransformStamped
 from rclpy.duration import Duration
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import PointCloud2, PointField
+from tf2_msgs.msg import TFMessage
 
 from point_cloud_node import ACCURACY, FOLDED, QOS, RADIUS, STRETCHED, WALL, PointCloudNode, to_cloud
 from clouds import FLOAT32, FLOAT64, PLAIN, Layout, cloud
@@ -85,6 +87,60 @@ def test_a_cloud_from_the_future_is_rejected(start_cloud):
     cell.peer.wait_for(rejected, "UNKNOWN for a cloud of another clock")
 
 
+def test_an_older_cloud_does_not_replace_a_newer_one(start_cloud):
+    cell = start_cloud(parameters={"point_cloud_ttl": 60.0})
+    publisher = cell.scene.topic(PointCloud2, "points", QOS)
+    now = cell.peer.now()
+    touching, late = cloud([(2.11, 0, 0)], stamp=now), cloud(WALL, stamp=now - Duration(seconds=0.5))
+    # its frame moves with the robot, and where it was then nobody knows
+    outlived = cloud([(0.11, 0, 0)], frame="tip", stamp=now - Duration(seconds=10))
+    seen = cell.peer.now()
+
+    def published(message, reached):
+        publisher.publish(message)
+        return any(reached(state) for state in cell.states.after(seen))
+
+    def rejected(words):
+        return lambda state: state.reason_code == "rejected_obstacle" and words in state.reason
+
+    cell.peer.wait_for(lambda: published(outlived, rejected("older than the joint states")), "UNKNOWN for an old cloud")
+    cell.peer.wait_for(
+        lambda: published(touching, lambda state: state.status == CollisionState.COLLIDING), "COLLIDING in the newer cloud"
+    )
+    cell.peer.wait_for(lambda: published(late, rejected("older than that of the last cloud")), "UNKNOWN for a late cloud")
+    seen = cell.peer.now()
+    again = cloud([(2.11, 0, 0)], stamp=now + Duration(seconds=0.1))
+    cell.peer.wait_for(
+        lambda: published(again, lambda state: state.status == CollisionState.COLLIDING), "COLLIDING in the next cloud"
+    )
+
+
+def test_points_far_from_their_frame_keep_their_places(start_cloud):
+    """The coordinates of a map grid have half a metre between two 32-bit floats."""
+    cell = start_cloud()
+    origin = np.array([500_123.4, 5_400_321.7, 0.0])
+    transform = TransformStamped(child_frame_id="map")
+    transform.header.frame_id = "base"
+    place = transform.transform.translation
+    place.x, place.y, place.z = (-origin).tolist()
+    cell.scene.topic(TFMessage, "tf_static").publish(TFMessage(transforms=[transform]))
+    doubles = LAYOUTS["of doubles"]
+    floor = [(x, y, -0.6) for x in range(-40, 41, 8) for y in range(-40, 41, 8)]
+    free = cloud(origin + np.array([*WALL, *floor]), frame="map", layout=doubles)
+    publisher = cell.scene.topic(PointCloud2, "points", QOS)
+
+    def is_free():
+        free.header.stamp = cell.peer.now().to_msg()
+        publisher.publish(free)
+        return any(state.status == CollisionState.FREE for state in cell.states.all())
+
+    cell.peer.wait_for(is_free, "FREE beside the wall")
+    assert to_cloud(cell.sees(free)) == pytest.approx(0.2 - RADIUS, abs=1e-4)
+    for shift in np.random.default_rng(1).uniform(-0.005, 0.005, (5, 3)):
+        touching = np.array([(2.11, 0, 0) + shift, *floor])
+        assert cell.sees(cloud(origin + touching, frame="map", layout=doubles)).status == CollisionState.COLLIDING
+
+
 def organise(message, height, row_step):
     message.height, message.width, message.row_step = height, message.width // height, row_step
 
@@ -143,6 +199,8 @@ def test_a_best_effort_driver_is_received(start_cloud):
 
 def test_a_cloud_in_the_frame_of_a_link_stays_where_the_link_was(start_cloud):
     cell = start_cloud()
+    # a cloud is only placed by joint states that are not younger
+    cell.evaluate(**STRETCHED)
     # The tip's frame is at (1, 0, 0).
     state = cell.sees(cloud(np.array(WALL) - (1, 0, 0), frame="tip"))
     assert to_cloud(state) == pytest.approx(0.2 - RADIUS, abs=ACCURACY)

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+use clearance_monitor::SourceId;
 use futures_lite::{FutureExt, future};
 use ros2_interfaces_jazzy_serde::moveit_msgs::msg::{
     AttachedCollisionObject, CollisionObject, PlanningScene, PlanningSceneWorld,
@@ -243,8 +244,15 @@ impl SceneTopics {
     }
 
     async fn receive_cloud_topic(&self, topic: &str, clouds: &Subscription<PointCloud2>) {
+        let mut publishers = AlternatingPublishers::default();
         loop {
             let (cloud, origin) = clouds.next().await;
+            if publishers.begin_to_alternate(origin.publisher) {
+                log::warn!(
+                    "point_cloud_topics: two publishers share '{topic}': each cloud replaces that of the other; give each \
+                     sensor a topic of its own"
+                );
+            }
             let (received_at, since) = (self.sender.shared.clock.read(), origin.received);
             let message = CloudMessage { cloud: Arc::new(cloud), received_at, since };
             self.sender.shared.clouds.put(topic, message);
@@ -252,6 +260,28 @@ impl SceneTopics {
                 return;
             }
         }
+    }
+}
+
+/// Detects that two publishers share a topic; one that was started again only follows another.
+#[derive(Default)]
+struct AlternatingPublishers {
+    /// The last publisher, and the one before it.
+    last: [Option<SourceId>; 2],
+    are_known: bool,
+}
+
+impl AlternatingPublishers {
+    /// Adds the publisher of a message. Returns `true` once, when a publisher returns after another one.
+    fn begin_to_alternate(&mut self, publisher: SourceId) -> bool {
+        let [last, before] = self.last;
+        if last == Some(publisher) {
+            return false;
+        }
+        self.last = [Some(publisher), last];
+        let begins = before == Some(publisher) && !self.are_known;
+        self.are_known |= begins;
+        begins
     }
 }
 
@@ -266,5 +296,19 @@ impl DuplicateDetector {
             self.last = Some((subscription, message.clone(), Instant::now()));
         }
         !is_copy
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn publishers_that_take_turns_are_reported_once() {
+        let told = |order: &[u8]| {
+            let mut publishers = AlternatingPublishers::default();
+            order.iter().filter(|id| publishers.begin_to_alternate(SourceId([**id; 16]))).count()
+        };
+        assert_eq!((told(&[1, 1, 1]), told(&[1, 1, 2, 2, 3]), told(&[1, 2, 1, 2, 1])), (0, 0, 1));
     }
 }
