@@ -1,7 +1,6 @@
 //! Topics of the scene, of which the doctor looks at the type and quality of service alone.
 
 use crate::dds::middleware::Middleware;
-use crate::dds::middleware_error::MiddlewareError;
 use crate::dds::quality::Quality;
 use crate::dds::subscription::Subscription;
 use crate::dds::type_name::TypeName;
@@ -29,9 +28,8 @@ pub fn subscribe(
     let clouds =
         point_cloud_topics.iter().map(|name| (name.as_str(), "sensor_msgs", "PointCloud2", Quality::Bulk));
     let open = |(name, package, kind, quality): (&str, &'static str, &'static str, Quality)| {
-        let subscription =
-            middleware.subscription(&names.resolve(name)?, TypeName::new(package, kind), quality);
-        Ok(subscription.map_err(MiddlewareError::from)?)
+        let name = names.resolve(name)?;
+        Ok(middleware.subscription(&name, TypeName::new(package, kind), quality)?)
     };
     TOPICS.into_iter().chain(clouds).map(open).collect()
 }

@@ -211,7 +211,9 @@ mod tests {
         let mut cloud = CloudPoints::of_sensor();
         let far =
             [[0.0; 3], [500_123.417, 5_400_321.733, 41.2], [500_125.031, 5_400_320.899, 43.0], [0.0; 3]];
-        far.into_iter().for_each(|point| cloud.push(point).unwrap());
+        for point in far {
+            cloud.push(point).unwrap();
+        }
         cloud.take_origin_points();
         assert!(cloud.dropped == 2 && cloud.rounding < 1e-6, "{cloud:?}");
         for (place, point) in cloud.positions().zip(&far[1..]) {
@@ -219,7 +221,9 @@ mod tests {
         }
         // a single cell at the origin remains, and its error counts
         let mut cloud = CloudPoints::of_sensor();
-        far[..2].iter().for_each(|point| cloud.push(*point).unwrap());
+        for point in &far[..2] {
+            cloud.push(*point).unwrap();
+        }
         cloud.take_origin_points();
         let first = cloud.positions().next().unwrap();
         assert!(first.iter().all(|c| c.abs() <= cloud.rounding), "{cloud:?}");
