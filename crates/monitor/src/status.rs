@@ -330,7 +330,7 @@ impl fmt::Display for Reason {
             ),
             Self::Disabled => f.write_str("checking is disabled: call ~/enable with data: true"),
             Self::ModelSwap => f.write_str(
-                "robot_description or link_prefix changed, and the new robot model is still being built: the last one does not count any more",
+                "another robot came on robot_description, and its model is still being built: the last one does not count any more",
             ),
             Self::NoGeometry => f.write_str(
                 "no link of the robot has collision geometry, so that nothing can be checked: give its links <collision> elements",

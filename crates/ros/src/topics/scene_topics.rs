@@ -255,7 +255,9 @@ impl SceneTopics {
             }
             let (received_at, since) = (self.sender.shared.clock.read(), origin.received);
             let message = CloudMessage { cloud: Arc::new(cloud), received_at, since };
-            self.sender.shared.clouds.put(topic, message);
+            if !self.sender.shared.clouds.put(topic, message) {
+                log::debug!("a cloud of '{topic}' is older than the one before it, and is dropped");
+            }
             if !self.sender.send(LoaderCommand::Clouds).await {
                 return;
             }

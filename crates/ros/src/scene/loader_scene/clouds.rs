@@ -15,13 +15,10 @@ use ros2_interfaces_jazzy_serde::sensor_msgs::msg::PointCloud2;
 
 use crate::monitor_events::cloud_report::CloudReport;
 use crate::parameters::parameter_set::Parameters;
-use crate::scene::cloud_inbox::CloudMessage;
+use crate::scene::cloud_inbox::{CloudMessage, delay_of};
 use crate::scene::loader_scene::LoaderScene;
 use crate::scene::point_cloud_decoder::decode;
 use crate::scene::scene_update_context::{PosesAtStamp, SceneUpdateContext};
-
-/// Time (s) by which the stamp of a cloud may be later than the clock. A later one is of a clock that was set back.
-const LARGEST_LEAD: f64 = 1.0;
 
 impl LoaderScene {
     /// Replaces the previous clouds by the newest ones; returns whether anything changed.
@@ -156,12 +153,9 @@ fn check_stamp(stamp: Time, received_at: Now, parameters: &Parameters) -> Result
 
 /// Rejects a cloud that is older than the last one, as of a second sensor or on a slow way: the newer one remains.
 fn check_order(stamp: Time, known: Option<Observation>, received_at: Now) -> Result<(), String> {
-    let Some(known) = known else { return Ok(()) };
-    let delay = known.stamp.seconds_since(stamp);
-    // a stamp that is later than the clock is of a clock that was set back
-    if delay <= 0.0 || received_at.ros.is_some_and(|now| known.stamp.seconds_since(now) > LARGEST_LEAD) {
+    let Some(delay) = known.and_then(|known| delay_of(stamp, known.stamp, received_at)) else {
         return Ok(());
-    }
+    };
     Err(format!(
         "header.stamp is {delay:.3} s older than that of the last cloud, which remains; two sensors need two topics"
     ))
