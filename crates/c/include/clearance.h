@@ -705,7 +705,8 @@ clearance_status clearance_world_new(clearance_world **world);
 // root. `point_radius` (m) is the radius of the balls around the points of a cloud; 0 if the file is none. Unknown space of an octree
 // counts as occupied if `unknown_is_occupied` is not 0. Meshes are searched beside the file, and where those of the robot are.
 //
-// Rejected: every fault of the file, and a `point_radius` or `unknown_is_occupied` for a file of another kind. Unusual content that is accepted is among the warnings (`clearance_world_warning`).
+// Rejected: every fault of the file, and a `point_radius` or `unknown_is_occupied` for a file of another kind. Unusual content that is
+// accepted is among the warnings (`clearance_world_warning`).
 clearance_status clearance_world_from_file(const char *path,
                                            const clearance_robot *robot,
                                            double point_radius,

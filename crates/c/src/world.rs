@@ -98,7 +98,8 @@ pub extern "C" fn clearance_world_new(world: *mut *mut clearance_world) -> clear
 /// root. `point_radius` (m) is the radius of the balls around the points of a cloud; 0 if the file is none. Unknown space of an octree
 /// counts as occupied if `unknown_is_occupied` is not 0. Meshes are searched beside the file, and where those of the robot are.
 ///
-/// Rejected: every fault of the file, and a `point_radius` or `unknown_is_occupied` for a file of another kind. Unusual content that is accepted is among the warnings (`clearance_world_warning`).
+/// Rejected: every fault of the file, and a `point_radius` or `unknown_is_occupied` for a file of another kind. Unusual content that is
+/// accepted is among the warnings (`clearance_world_warning`).
 #[unsafe(no_mangle)]
 pub extern "C" fn clearance_world_from_file(
     path: *const c_char,
