@@ -76,6 +76,7 @@ mod state_contacts;
 mod state_evaluator;
 mod status;
 mod tracked_obstacle;
+mod transform_ages;
 mod transform_joints;
 mod world_source;
 mod world_updates;

@@ -8,8 +8,9 @@ use clearance_robot::quoted;
 use clearance_scene::{AnchorFrames, PathLink, RootPoseLoss, TrackedFrame, TransformTree};
 
 use super::obstacle_motion::{FrameMotion, FramePoses, ObstacleMotion};
-use super::world_source::{Observation, WorldSource};
-use super::{Now, Reason, Time};
+use super::transform_ages::TransformAges;
+use super::world_source::WorldSource;
+use super::{Now, Reason};
 
 /// Last `tf` data about the frames that obstacles are placed in.
 #[derive(Debug, Default)]
@@ -32,10 +33,8 @@ pub(super) struct RootLocationWatch {
 
 #[derive(Debug)]
 struct Seen {
-    /// Stamp of the oldest transform on the path.
-    stamp: Time,
-    /// Time of its first use (steady clock), so that it also becomes old while ROS time stands still.
-    since: Option<Duration>,
+    /// The transforms on the path that are published repeatedly.
+    ages: TransformAges,
     obstacle_motion: ObstacleMotion,
 }
 
@@ -59,14 +58,15 @@ impl RootLocationWatch {
         self.are_elsewhere = anchor_frames.are_elsewhere(tree);
         let (seen, tracks) = (std::mem::take(&mut self.seen), std::mem::take(&mut self.tracks));
         for tracked in anchor_frames.tracked_frames(tree) {
-            let before = seen.get(tracked.frame).filter(|seen| seen.stamp == tracked.stamp);
             let motions = self.motions(&tracked, &tracks);
             let links = tracked.path.live_links();
             let observed = links.filter_map(|link| Some(self.tracks.get(link.name)?.observation())).collect();
             let obstacle_motion = ObstacleMotion { frame: tracked.frame.to_owned(), motions, observed };
-            let seen =
-                Seen { stamp: tracked.stamp, since: before.and_then(|seen| seen.since), obstacle_motion };
-            self.seen.insert(tracked.frame.to_owned(), seen);
+            let mut ages = TransformAges::of(tracked.path.live_links().map(|link| (link.name, link.stamp)));
+            if let Some(before) = seen.get(tracked.frame) {
+                ages.inherit(&before.ages);
+            }
+            self.seen.insert(tracked.frame.to_owned(), Seen { ages, obstacle_motion });
         }
     }
 
@@ -87,7 +87,7 @@ impl RootLocationWatch {
     /// Starts the age of the transforms: they are used now.
     pub fn note_seen(&mut self, now: Now) {
         for seen in self.seen.values_mut() {
-            seen.since.get_or_insert(now.steady);
+            seen.ages.note_seen(now);
         }
         if !self.are_elsewhere || self.right_at.is_none() {
             self.right_at = Some(now.steady);
@@ -146,9 +146,9 @@ impl RootLocationWatch {
     }
 
     fn sources(&self, now: Now, ttl: f64) -> impl Iterator<Item = WorldSource> {
-        self.seen.iter().map(move |(frame, seen)| {
-            let observation = Observation { stamp: seen.stamp, at: seen.since.unwrap_or(now.steady) };
-            WorldSource { name: of_root(frame), seen: Some(observation), ttl }
+        self.seen.iter().flat_map(move |(frame, seen)| {
+            let of_link = move |seen| WorldSource { name: of_root(frame), seen: Some(seen), ttl };
+            seen.ages.observations(now).map(of_link)
         })
     }
 }

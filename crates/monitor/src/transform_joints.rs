@@ -1,11 +1,10 @@
 //! Joints with several positions whose positions come from `tf`: a base that drives, flies or swims.
 
-use std::time::Duration;
-
 use clearance_geometry::math::{Extremes, Pose};
 use clearance_robot::{JointId, RobotModel};
 use clearance_scene::TransformTree;
 
+use super::transform_ages::TransformAges;
 use super::{MonitorSettings, Now, Reason, Time};
 
 /// Largest deviation (m, rad) of a transform from the plane of a planar joint. The check ignores this deviation.
@@ -15,10 +14,9 @@ const PLANE_SLACK: f64 = 1e-3;
 #[derive(Clone, Debug, PartialEq)]
 struct TransformJoint {
     joint: JointId,
-    /// Pose of the child link in the parent link, and its stamp; `None` while no transform connects the two links.
-    found: Option<(Pose, Option<Time>)>,
-    /// Time of its first use (steady clock), so that it also becomes old while ROS time stands still.
-    since: Option<Duration>,
+    /// Pose of the child link in the parent link, and the ages of the transforms between them; `None` while none
+    /// connects the two links.
+    found: Option<(Pose, TransformAges)>,
 }
 
 /// All joints whose positions come from `tf`.
@@ -58,8 +56,9 @@ impl TransformJoints {
                 continue;
             };
             let [parent, child] = frames(robot, joint);
-            let found = tree.path(parent, child).map(|path| (path.pose(), path.oldest()));
-            all.transform_joints.push(TransformJoint { joint, found, since: None });
+            let found =
+                tree.path(parent, child).map(|path| (path.pose(), TransformAges::of(path.stamped_links())));
+            all.transform_joints.push(TransformJoint { joint, found });
         }
         all
     }
@@ -67,24 +66,27 @@ impl TransformJoints {
     /// Keeps the times of first use of transforms that have not changed.
     pub fn inherit(&mut self, before: &Self) {
         for transform_joint in &mut self.transform_joints {
-            let same = before
-                .transform_joints
-                .iter()
-                .find(|b| b.joint == transform_joint.joint && b.found == transform_joint.found);
-            transform_joint.since = same.and_then(|same| same.since);
+            let same = before.transform_joints.iter().find(|b| b.joint == transform_joint.joint);
+            if let (Some((_, ages)), Some((_, before))) =
+                (&mut transform_joint.found, same.and_then(|same| same.found.as_ref()))
+            {
+                ages.inherit(before);
+            }
         }
     }
 
     /// Starts the age of new transforms.
     pub fn note_seen(&mut self, now: Now) {
         for transform_joint in &mut self.transform_joints {
-            transform_joint.since.get_or_insert(now.steady);
+            if let Some((_, ages)) = &mut transform_joint.found {
+                ages.note_seen(now);
+            }
         }
     }
 
     /// Stamp of the newest transform, if any has one.
     pub fn newest_stamp(&self) -> Option<Time> {
-        self.transform_joints.iter().filter_map(|p| p.found?.1).max()
+        self.ages().filter_map(TransformAges::oldest_stamp).max()
     }
 
     /// Whether all positions of the robot come from `tf`.
@@ -96,7 +98,11 @@ impl TransformJoints {
 
     /// Stamp of the oldest transform, if any has one.
     pub fn stamp(&self) -> Option<Time> {
-        self.transform_joints.iter().filter_map(|p| p.found?.1).min()
+        self.ages().filter_map(TransformAges::oldest_stamp).min()
+    }
+
+    fn ages(&self) -> impl Iterator<Item = &TransformAges> {
+        self.transform_joints.iter().filter_map(|p| Some(&p.found.as_ref()?.1))
     }
 
     /// Positions of the joints, NaN where unknown, and the reason for the first unknown one.
@@ -117,24 +123,12 @@ impl TransformJoints {
 
     /// Time (s) until the oldest transform becomes stale; infinite if none can become stale.
     pub fn time_to_stale(&self, now: Now, settings: &MonitorSettings) -> f64 {
-        let age =
-            now.ros.zip(self.stamp()).map_or(f64::NEG_INFINITY, |(ros, stamp)| ros.seconds_since(stamp));
-        let since_reception = self
-            .transform_joints
-            .iter()
-            .filter_map(|p| p.since_reception(now))
-            .fold(f64::NEG_INFINITY, f64::greater);
-        settings.transform_ttl - age.greater(since_reception)
+        let age = self.ages().map(|ages| ages.age(now)).fold(f64::NEG_INFINITY, f64::greater);
+        settings.transform_ttl - age
     }
 }
 
 impl TransformJoint {
-    /// Time (s) since the last new transform; `None` for a transform that cannot become stale.
-    fn since_reception(&self, now: Now) -> Option<f64> {
-        self.found?.1?;
-        Some(now.steady.saturating_sub(self.since?).as_secs_f64())
-    }
-
     fn read(
         &self,
         robot: &RobotModel,
@@ -148,17 +142,16 @@ impl TransformJoint {
             frames: [parent.to_owned(), child.to_owned()],
             why,
         };
-        let (pose_pc, stamp) =
-            self.found.ok_or_else(|| unknown("nothing connects these frames".to_owned()))?;
+        let (pose_pc, ages) =
+            self.found.as_ref().ok_or_else(|| unknown("nothing connects these frames".to_owned()))?;
         let ros = now.ros.ok_or(Reason::NoClock)?;
-        let by_stamp = stamp.map_or(0.0, |stamp| ros.seconds_since(stamp));
-        let age = by_stamp.greater(self.since_reception(now).unwrap_or(f64::NEG_INFINITY));
+        let (age, lead) = (ages.age(now), ages.lead(ros));
         let ttl = settings.transform_ttl;
         if age > ttl {
             return Err(unknown(format!("it is {age:.3} s old, and transform_ttl is {ttl} s")));
         }
-        if -by_stamp > ttl {
-            return Err(unknown(format!("it is stamped {:.3} s in the future", -by_stamp)));
+        if lead > ttl {
+            return Err(unknown(format!("it is stamped {lead:.3} s in the future")));
         }
         let placed = joint.kind.positions_at(&(joint.pose_pj.inverse() * pose_pc));
         let first = robot.first_position(self.joint);

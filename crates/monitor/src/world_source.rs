@@ -26,14 +26,21 @@ pub struct Observation {
     pub at: Duration,
 }
 
+impl Observation {
+    /// Age (s): by its stamp, or since its reception if that is longer.
+    #[must_use]
+    pub fn age(&self, now: Now) -> f64 {
+        let since_reception = now.steady.saturating_sub(self.at).as_secs_f64();
+        now.ros.map_or(since_reception, |ros| ros.seconds_since(self.stamp).greater(since_reception))
+    }
+}
+
 impl WorldSource {
     /// Age (s) of the last message: by its stamp, or since its reception if that is longer; `None` before the first
     /// one.
     #[must_use]
     pub fn age(&self, now: Now) -> Option<f64> {
-        let seen = self.seen?;
-        let since_reception = now.steady.saturating_sub(seen.at).as_secs_f64();
-        Some(now.ros.map_or(since_reception, |ros| ros.seconds_since(seen.stamp).greater(since_reception)))
+        Some(self.seen?.age(now))
     }
 
     /// Why the data of this sensor is stale, if it is.

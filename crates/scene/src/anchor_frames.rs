@@ -3,7 +3,7 @@
 use clearance_geometry::math::Pose;
 
 use super::anchor::{Certainty, is_elsewhere};
-use super::{FramePath, Time, TransformTree};
+use super::{FramePath, TransformTree};
 
 /// World-fixed frames that obstacles are anchored to, with their poses in the root frame at the obstacles' last update.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -80,7 +80,8 @@ impl AnchorFrames {
     ) -> impl Iterator<Item = TrackedFrame<'g>> {
         self.frames.iter().filter_map(|WatchedFrame { frame, .. }| {
             let path = transforms.path(&self.root, frame)?;
-            Some(TrackedFrame { frame, stamp: path.oldest_alive()?, path })
+            path.live_links().next()?;
+            Some(TrackedFrame { frame, path })
         })
     }
 }
@@ -101,6 +102,4 @@ pub struct TrackedFrame<'g> {
     pub frame: &'g str,
     /// The path from the root to the frame.
     pub path: FramePath<'g>,
-    /// Stamp of the oldest repeatedly published transform on the path.
-    pub stamp: Time,
 }

@@ -18,14 +18,12 @@ pub(super) struct Ancestor<'t> {
     /// The frame on the path whose stamp was latest when it was received, and by how much (s) it was later than the
     /// clock; `None` if none was.
     pub largest_lead: Option<(&'t str, f64)>,
-    /// The stamp of the oldest repeatedly published transform on the path.
-    pub oldest_alive: Option<Time>,
 }
 
 impl<'t> Ancestor<'t> {
     /// The parent of this ancestor, as the next ancestor; `transform_of` gives a frame's transform to its parent.
     pub fn parent(&self, transform_of: impl FnOnce(&str) -> Option<&'t StoredTransform>) -> Option<Self> {
-        let StoredTransform { transform, lead, is_alive } = self.transform?;
+        let StoredTransform { transform, lead, .. } = self.transform?;
         let stamped = transform.stamp.map(|stamp| (self.name, stamp));
         let oldest = match (self.oldest, stamped) {
             (Some(a), Some(b)) => Some(if b.1 < a.1 { b } else { a }),
@@ -33,10 +31,8 @@ impl<'t> Ancestor<'t> {
         };
         let is_later = *lead > self.largest_lead.map_or(0.0, |(_, known)| known);
         let largest_lead = if is_later { Some((self.name, *lead)) } else { self.largest_lead };
-        let alive = transform.stamp.filter(|_| *is_alive);
-        let oldest_alive = [self.oldest_alive, alive].into_iter().flatten().min();
         let name = transform.parent.as_str();
         let pose_af = transform.pose_pf * self.pose_af;
-        Some(Self { name, transform: transform_of(name), pose_af, oldest, largest_lead, oldest_alive })
+        Some(Self { name, transform: transform_of(name), pose_af, oldest, largest_lead })
     }
 }

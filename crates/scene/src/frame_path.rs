@@ -48,23 +48,15 @@ impl<'t> FramePath<'t> {
         of_reference.pose_af.inverse() * of_frame.pose_af
     }
 
-    /// Frame and stamp of the oldest transform on the path, if one of them is not static.
-    #[must_use]
-    pub fn oldest(&self) -> Option<Time> {
-        self.ends().into_iter().filter_map(|end| end.oldest).map(|(_, stamp)| stamp).min()
-    }
-
-    /// As above, among the frames that are published repeatedly.
-    #[must_use]
-    pub fn oldest_alive(&self) -> Option<Time> {
-        self.ends().into_iter().filter_map(|end| end.oldest_alive).min()
+    /// The frames on the path whose transforms are not static, with the stamps of these.
+    pub fn stamped_links(&self) -> impl Iterator<Item = (&'t str, Time)> {
+        self.transforms().filter_map(|(name, known)| Some((name, known.transform.stamp?)))
     }
 
     /// The frames on the path that are published repeatedly.
     pub fn live_links(&self) -> impl Iterator<Item = PathLink<'t>> {
-        let below = [&self.of_reference, &self.of_frame].into_iter().flat_map(|side| &side[..side.len() - 1]);
-        let known = below.filter_map(|ancestor| Some((ancestor.name, ancestor.transform?)));
-        known.filter(|(_, known)| known.is_alive).filter_map(|(name, StoredTransform { transform, .. })| {
+        let alive = self.transforms().filter(|(_, known)| known.is_alive);
+        alive.filter_map(|(name, StoredTransform { transform, .. })| {
             let Transform { pose_pf, stamp, .. } = transform;
             Some(PathLink { name, pose_pf: *pose_pf, stamp: (*stamp)? })
         })
@@ -73,9 +65,7 @@ impl<'t> FramePath<'t> {
     /// True if a transform on the path is neither static nor published repeatedly so far: nobody knows whether it moves.
     #[must_use]
     pub fn has_single_transform(&self) -> bool {
-        let below = [&self.of_reference, &self.of_frame].into_iter().flat_map(|side| &side[..side.len() - 1]);
-        let mut known = below.filter_map(|ancestor| ancestor.transform);
-        known.any(|known| !known.is_alive && known.transform.stamp.is_some())
+        self.transforms().any(|(_, known)| !known.is_alive && known.transform.stamp.is_some())
     }
 
     /// Pose of the frame in the reference, if a frame on the path had another pose in its parent.
@@ -90,6 +80,12 @@ impl<'t> FramePath<'t> {
             })
         });
         of_reference.inverse() * of_frame
+    }
+
+    /// The frames below the common ancestor, with their transforms.
+    fn transforms(&self) -> impl Iterator<Item = (&'t str, &'t StoredTransform)> {
+        let below = [&self.of_reference, &self.of_frame].into_iter().flat_map(|side| &side[..side.len() - 1]);
+        below.filter_map(|ancestor| Some((ancestor.name, ancestor.transform?)))
     }
 
     /// The first common ancestor, as reached from each of the two frames.

@@ -84,7 +84,6 @@ impl TransformTree {
             pose_af: Pose::identity(),
             oldest: None,
             largest_lead: None,
-            oldest_alive: None,
         };
         let above = std::iter::successors(Some(itself), |last| last.parent(transform_of));
         above.take(MOST_ABOVE + 1).collect()

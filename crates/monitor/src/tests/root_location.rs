@@ -145,6 +145,32 @@ fn one_transform_on_the_path_hides_no_missing_ones() {
     assert_eq!(code(&room.evaluated(2.1)), "stale_world");
 }
 
+/// Odometry goes on; the localiser above it falls silent. Its stamps are in the future.
+#[test]
+fn a_transform_that_falls_silent_is_old_whatever_its_stamp() {
+    for lead in [0.0, 0.9, 30.0] {
+        let mut room = Room::new();
+        let of = |parent: &str, seconds: f64| Transform {
+            parent: parent.to_owned(),
+            pose_pf: Pose::identity(),
+            stamp: Some(time(START + seconds)),
+        };
+        let mut silent_after = None;
+        for i in 0..60_u32 {
+            let seconds = 0.05 * f64::from(i);
+            if i < 10 {
+                room.transforms.insert("odom", of("map", seconds + lead));
+            }
+            room.transforms.insert("base", of("odom", seconds));
+            if code(&room.evaluated(seconds)) == "stale_world" {
+                silent_after.get_or_insert(seconds - 0.45);
+            }
+        }
+        let silent_after = silent_after.unwrap();
+        assert!((0.99..1.06).contains(&silent_after), "{silent_after} s after it, {lead} s ahead");
+    }
+}
+
 #[test]
 fn the_moment_at_which_tf_has_been_silent_for_too_long_is_news() {
     let mut room = Room::in_use();
