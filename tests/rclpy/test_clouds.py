@@ -186,6 +186,31 @@ def test_a_broken_cloud_is_a_warning_if_that_is_wanted_and_the_last_one_kept(sta
     assert (state.status, to_cloud(state)) == (CollisionState.FREE, before)
 
 
+def test_two_sensors_on_one_topic_are_not_taken_for_one(start_cloud):
+    cell = start_cloud(parameters={"point_cloud_ttl": 60.0})
+    topic = cell.node.relative("points")
+    left, right = (cell.peer.node.create_publisher(PointCloud2, topic, QOS) for _ in range(2))
+    cell.peer.wait_for(lambda: left.get_subscription_count() and right.get_subscription_count(), "the subscription")
+
+    def seen_in(status, *publishers, reason=""):
+        since = cell.peer.now()
+
+        def sent_and_seen():
+            for publisher in publishers:
+                publisher.publish(cloud(WALL, stamp=cell.peer.now()))
+            return any(state.status == status and reason in state.reason for state in cell.states.after(since))
+
+        return sent_and_seen
+
+    cell.peer.wait_for(seen_in(CollisionState.FREE, left), "FREE with one sensor")
+    cell.peer.wait_for(
+        seen_in(CollisionState.UNKNOWN, left, right, reason="several publishers send on this topic"),
+        "UNKNOWN with two sensors",
+    )
+    # one of them ends
+    cell.peer.wait_for(seen_in(CollisionState.FREE, right), "FREE with one sensor again")
+
+
 def test_a_best_effort_driver_is_received(start_cloud):
     cell = start_cloud()
     publisher = cell.scene.topic(PointCloud2, "points", qos_profile_sensor_data)

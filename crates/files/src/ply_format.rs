@@ -250,8 +250,23 @@ impl<'d> Numbers<'d> {
         Ok(point)
     }
 
+    /// Checks that all has been read. Returns a remark on padding: programs add a line break or a few zeros to binary
+    /// data.
+    ///
+    /// # Errors
+    /// If more data is left: the header is wrong, and records may have been read from the numbers of others.
+    pub fn end(&mut self) -> Result<Option<String>, PlyError> {
+        let is_padding = self.is_padding_left();
+        match self.left() {
+            Some(left) if !is_padding => {
+                Err(PlyError(format!("{left}: the header is wrong, or two files were joined")))
+            }
+            left => Ok(left),
+        }
+    }
+
     /// Describes unread data, as a clause; `None` when all has been read.
-    pub fn left(&mut self) -> Option<String> {
+    fn left(&mut self) -> Option<String> {
         match self {
             Self::Ascii(words) => {
                 let first = words.next()?;
@@ -271,8 +286,8 @@ impl<'d> Numbers<'d> {
         }
     }
 
-    /// Whether a line break or a few zeros at most are left of binary data: programs pad files so.
-    pub fn is_padding_left(&self) -> bool {
+    /// Whether a line break or a few zeros at most are left of binary data.
+    fn is_padding_left(&self) -> bool {
         match self {
             Self::Ascii(_) => false,
             Self::Binary { rest, .. } => {

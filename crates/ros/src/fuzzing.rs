@@ -171,6 +171,7 @@ impl OfflineNode {
                     cloud: Arc::new(cdr::decode(bytes)?),
                     received_at: now,
                     since: Instant::now(),
+                    is_shared: false,
                 };
                 self.pass(vec![LoaderCommand::Clouds], BTreeMap::from([(CLOUDS.to_owned(), cloud)]));
             }

@@ -48,12 +48,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<ReadMesh, String> {
             }
         }
     }
-    let is_padding = numbers.is_padding_left();
-    match numbers.left() {
-        Some(left) if is_padding => remarks.push(left),
-        Some(left) => return Err(format!("bad PLY: {left}: the header is wrong, or two files were joined")),
-        None => {}
-    }
+    remarks.extend(numbers.end().map_err(bad)?);
     let mut surface = vertices.ok_or("bad PLY: the header has no element vertex")?;
     let mut triangulator = Triangulator::default();
     for face in faces.lists() {

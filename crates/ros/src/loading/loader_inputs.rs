@@ -6,7 +6,7 @@ use std::sync::{Arc, PoisonError};
 use clearance_robot::MeshLog;
 
 use crate::monitor_events::current_evaluation::CurrentEvaluation;
-use crate::recording::recorder_handle::{OriginalMessage, RecordedEvent};
+use crate::recording::recorder_handle::{OriginalMessage, RecordedCloud, RecordedEvent};
 use crate::recording::step::RecordedCommand;
 use crate::scene::cloud_inbox::CloudMessage;
 use crate::scene::loader_command::LoaderCommand;
@@ -37,8 +37,13 @@ impl LoaderInputs {
         let clouds = clouds.take();
         let originals: Vec<_> =
             if recording.is_on() { commands.iter_mut().map(original).collect() } else { Vec::new() };
-        let used =
-            clouds.iter().map(|(topic, c)| (topic.clone(), c.received_at, Arc::clone(&c.cloud))).collect();
+        let used = clouds.iter().map(|(topic, message)| RecordedCloud {
+            topic: topic.clone(),
+            received_at: message.received_at,
+            is_shared: message.is_shared,
+            cloud: Arc::clone(&message.cloud),
+        });
+        let used = used.collect();
         let used_parameters = Box::new(parameters.clone());
         let transforms = transforms.lock().unwrap_or_else(PoisonError::into_inner);
         // the monitor waits for this lock: hold it for as little work as possible

@@ -24,8 +24,8 @@ use crate::parameters::parameter_set::Parameters;
 use crate::parameters::recording_settings::RecordingSettings;
 use crate::recording::message_schemas::schema;
 use crate::recording::recorder_handle::{
-    Backlog, CommandLineInputs, Item, OriginalMessage, RecordedEvaluation, RecordedEvent, RecorderHandle,
-    system_time,
+    Backlog, CommandLineInputs, Item, OriginalMessage, RecordedCloud, RecordedEvaluation, RecordedEvent,
+    RecorderHandle, system_time,
 };
 use crate::recording::step::{Clocks, CloudStep, RecordStep, RecordedCommand, parameters_to_json};
 use crate::threading::mailbox;
@@ -298,7 +298,7 @@ impl Writer {
                         self.original(command, original, now, at)?;
                     }
                 }
-                for (topic, received_at, cloud) in &clouds {
+                for RecordedCloud { topic, received_at, cloud, .. } in &clouds {
                     let topic = self.topics.named(topic);
                     self.message(
                         &topic,
@@ -307,9 +307,12 @@ impl Writer {
                         before(at, now, *received_at),
                     )?;
                 }
-                let clouds = clouds
-                    .into_iter()
-                    .map(|(topic, received_at, _)| CloudStep { topic, received_at: received_at.into() });
+                let clouds =
+                    clouds.into_iter().map(|RecordedCloud { topic, received_at, is_shared, .. }| CloudStep {
+                        topic,
+                        received_at: received_at.into(),
+                        is_shared,
+                    });
                 RecordStep::Pass {
                     now: now.into(),
                     parameters: parameters_to_json(&parameters),

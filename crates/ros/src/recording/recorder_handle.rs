@@ -48,6 +48,16 @@ pub enum OriginalMessage {
     Octomap(Box<Octomap>),
 }
 
+/// A cloud that the loader processed.
+#[derive(Clone, Debug)]
+pub struct RecordedCloud {
+    pub topic: String,
+    pub received_at: Now,
+    /// Whether several publishers sent on its topic.
+    pub is_shared: bool,
+    pub cloud: Arc<PointCloud2>,
+}
+
 /// An event that changed the node's inputs or outputs.
 #[derive(Debug)]
 pub enum RecordedEvent {
@@ -56,7 +66,7 @@ pub enum RecordedEvent {
         now: Now,
         parameters: Box<Parameters>,
         commands: Vec<(RecordedCommand, Option<OriginalMessage>)>,
-        clouds: Vec<(String, Now, Arc<PointCloud2>)>,
+        clouds: Vec<RecordedCloud>,
     },
     MonitorEvent(RecordedMonitorEvent),
     Parameters(Box<Parameters>),
@@ -242,7 +252,7 @@ fn size(what: &RecordedEvent) -> usize {
     };
     ANY + match what {
         RecordedEvent::Pass { commands, clouds, .. } => {
-            let clouds: usize = clouds.iter().map(|(_, _, cloud)| cloud.data.len()).sum();
+            let clouds: usize = clouds.iter().map(|recorded| recorded.cloud.data.len()).sum();
             clouds
                 + commands
                     .iter()

@@ -169,6 +169,9 @@ pub struct CloudStep {
     /// Time of reception.
     #[serde(rename = "came")]
     pub received_at: Clocks,
+    /// Whether several publishers sent on its topic. Earlier versions did not detect it.
+    #[serde(default, rename = "shared")]
+    pub is_shared: bool,
 }
 
 impl SceneSource {

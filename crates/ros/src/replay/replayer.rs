@@ -204,12 +204,10 @@ impl Replay {
         let commands =
             commands.into_iter().map(|command| read_command(command, messages)).collect::<Result<_, _>>()?;
         let mut read = BTreeMap::new();
-        for CloudStep { topic, received_at } in clouds {
+        for CloudStep { topic, received_at, is_shared } in clouds {
             let cloud = Arc::new(messages.next("a cloud")?);
-            read.insert(
-                topic,
-                CloudMessage { cloud, received_at: received_at.into(), since: Instant::now() },
-            );
+            let (received_at, since) = (received_at.into(), Instant::now());
+            read.insert(topic, CloudMessage { cloud, received_at, since, is_shared });
         }
         let update_context = SceneUpdateContext {
             now: now.into(),

@@ -33,7 +33,8 @@ use crate::parameters::parameter_set::Parameters;
 use crate::parameters::recording_settings::RecordingSettings;
 use crate::recording::recorder::{RecordedNode, Recorder};
 use crate::recording::recorder_handle::{
-    Backlog, CommandLineInputs, OriginalMessage, RecordedEvaluation, RecordedEvent, RecorderHandle,
+    Backlog, CommandLineInputs, OriginalMessage, RecordedCloud, RecordedEvaluation, RecordedEvent,
+    RecorderHandle,
 };
 use crate::recording::save::save_part;
 use crate::recording::step::{
@@ -213,7 +214,12 @@ impl Cell {
         cloud: Option<PointCloud2>,
     ) {
         let now = self.tick();
-        let cloud = cloud.map(|cloud| ("points".to_owned(), now, Arc::new(cloud)));
+        let cloud = cloud.map(|cloud| RecordedCloud {
+            topic: "points".to_owned(),
+            received_at: now,
+            is_shared: false,
+            cloud: Arc::new(cloud),
+        });
         let (commands, steps): (Vec<_>, Vec<_>) =
             commands.into_iter().map(|(command, step, original)| (command, (step, original))).unzip();
         self.recording.note(|| RecordedEvent::Pass {
@@ -223,8 +229,8 @@ impl Cell {
             clouds: cloud.iter().cloned().collect(),
         });
         let clouds: BTreeMap<_, _> = (cloud.into_iter())
-            .map(|(topic, received_at, cloud)| {
-                (topic, CloudMessage { cloud, received_at, since: std::time::Instant::now() })
+            .map(|RecordedCloud { topic, received_at, is_shared, cloud }| {
+                (topic, CloudMessage { cloud, received_at, since: std::time::Instant::now(), is_shared })
             })
             .collect();
         let update_context = SceneUpdateContext {

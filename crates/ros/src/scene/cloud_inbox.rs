@@ -31,6 +31,8 @@ pub struct CloudMessage {
     pub cloud: Arc<PointCloud2>,
     pub received_at: Now,
     pub since: Instant,
+    /// Whether several publishers send on its topic.
+    pub is_shared: bool,
 }
 
 impl CloudMessage {
@@ -50,8 +52,9 @@ impl CloudMessages {
         let mut waiting = self.lock();
         let last = waiting.get(topic).map(CloudMessage::stamp);
         let is_late = last.is_some_and(|last| delay_of(message.stamp(), last, message.received_at).is_some());
-        if !is_late {
-            waiting.insert(topic.to_owned(), message);
+        match waiting.get_mut(topic) {
+            Some(last) if is_late => last.is_shared |= message.is_shared,
+            _ => drop(waiting.insert(topic.to_owned(), message)),
         }
         !is_late
     }
@@ -75,7 +78,7 @@ mod tests {
         cloud.header.stamp.sec = seconds;
         let ros = Some(Time::from_nanoseconds(now * 1_000_000_000));
         let received_at = Now { steady: std::time::Duration::ZERO, ros };
-        CloudMessage { cloud: Arc::new(cloud), received_at, since: Instant::now() }
+        CloudMessage { cloud: Arc::new(cloud), received_at, since: Instant::now(), is_shared: false }
     }
 
     #[test]

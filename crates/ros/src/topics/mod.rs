@@ -11,5 +11,6 @@ pub mod monitored_scene; // `monitored_planning_scene`
 pub mod retreat_topic; // `~/retreat_direction`, on its own thread
 pub mod scene_requester; // client of the scene service of `move_group`
 pub mod scene_topics; // subscriptions of scenes, octomaps, clouds and transforms
+pub mod shared_topic; // detects several publishers on a topic
 pub mod simulation_clock; // `/clock`
 pub mod swept_volume_markers; // content of `~/swept_volume`

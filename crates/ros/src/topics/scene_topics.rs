@@ -5,7 +5,6 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use clearance_monitor::SourceId;
 use futures_lite::{FutureExt, future};
 use ros2_interfaces_jazzy_serde::moveit_msgs::msg::{
     AttachedCollisionObject, CollisionObject, PlanningScene, PlanningSceneWorld,
@@ -34,6 +33,7 @@ use crate::scene::scene_command_sender::SceneCommandSender;
 use crate::scene::shared_state::SharedState;
 use crate::scene::transform_messages::note_transforms;
 use crate::topics::scene_requester::{RequestContext, SceneRequester};
+use crate::topics::shared_topic::SharedTopic;
 
 /// The two octomap topics.
 const OCTOMAP_SOURCES: [SceneSource; 2] = [SceneSource::OctomapBinary, SceneSource::OctomapFull];
@@ -244,17 +244,12 @@ impl SceneTopics {
     }
 
     async fn receive_cloud_topic(&self, topic: &str, clouds: &Subscription<PointCloud2>) {
-        let mut publishers = AlternatingPublishers::default();
+        let mut shared_topic = SharedTopic::default();
         loop {
             let (cloud, origin) = clouds.next().await;
-            if publishers.begin_to_alternate(origin.publisher) {
-                log::warn!(
-                    "point_cloud_topics: two publishers share '{topic}': each cloud replaces that of the other; give each \
-                     sensor a topic of its own"
-                );
-            }
+            let is_shared = shared_topic.note(origin.publisher, origin.received);
             let (received_at, since) = (self.sender.shared.clock.read(), origin.received);
-            let message = CloudMessage { cloud: Arc::new(cloud), received_at, since };
+            let message = CloudMessage { cloud: Arc::new(cloud), received_at, since, is_shared };
             if !self.sender.shared.clouds.put(topic, message) {
                 log::debug!("a cloud of '{topic}' is older than the one before it, and is dropped");
             }
@@ -262,28 +257,6 @@ impl SceneTopics {
                 return;
             }
         }
-    }
-}
-
-/// Detects that two publishers share a topic; one that was started again only follows another.
-#[derive(Default)]
-struct AlternatingPublishers {
-    /// The last publisher, and the one before it.
-    last: [Option<SourceId>; 2],
-    are_known: bool,
-}
-
-impl AlternatingPublishers {
-    /// Adds the publisher of a message. Returns `true` once, when a publisher returns after another one.
-    fn begin_to_alternate(&mut self, publisher: SourceId) -> bool {
-        let [last, before] = self.last;
-        if last == Some(publisher) {
-            return false;
-        }
-        self.last = [Some(publisher), last];
-        let begins = before == Some(publisher) && !self.are_known;
-        self.are_known |= begins;
-        begins
     }
 }
 
@@ -298,19 +271,5 @@ impl DuplicateDetector {
             self.last = Some((subscription, message.clone(), Instant::now()));
         }
         !is_copy
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn publishers_that_take_turns_are_reported_once() {
-        let told = |order: &[u8]| {
-            let mut publishers = AlternatingPublishers::default();
-            order.iter().filter(|id| publishers.begin_to_alternate(SourceId([**id; 16]))).count()
-        };
-        assert_eq!((told(&[1, 1, 1]), told(&[1, 1, 2, 2, 3]), told(&[1, 2, 1, 2, 1])), (0, 0, 1));
     }
 }

@@ -5,7 +5,7 @@ use clearance_files::ply_format::PlyFile;
 use super::points::{CloudError, CloudPoints};
 
 /// # Errors
-/// If the header is incomplete, or the data ends before the last vertex.
+/// If the header is incomplete, or the data does not end where it says.
 pub(super) fn read(bytes: &[u8]) -> Result<CloudPoints, CloudError> {
     let PlyFile { elements, mut numbers } = PlyFile::open(bytes)?;
     let mut cloud = CloudPoints::default();
@@ -26,11 +26,11 @@ pub(super) fn read(bytes: &[u8]) -> Result<CloudPoints, CloudError> {
     if elements.iter().any(|e| e.name == "face" && e.count > 0) {
         cloud.remarks.push("its faces are not used: only its vertices are points".to_owned());
     }
-    // the vertices are complete; the data after them is not needed
-    match after.iter().try_for_each(|element| numbers.skip(element)) {
-        Ok(()) => cloud.remarks.extend(numbers.left()),
-        Err(error) => cloud.remarks.push(format!("what follows its vertices is cut: {error}")),
+    // vertices with more numbers than the header lists are only noticed by what remains
+    for element in after {
+        numbers.skip(element)?;
     }
+    cloud.remarks.extend(numbers.end()?);
     Ok(cloud)
 }
 

@@ -102,8 +102,12 @@ fn a_robot_that_is_replaced_is_freed() {
     };
     cell.pass(1000, vec![LoaderCommand::Description(urdf("first"))], BTreeMap::new());
     cell.turn(1010);
-    let changed =
-        CloudMessage { cloud: Arc::new(cloud()), received_at: now(1020), since: std::time::Instant::now() };
+    let changed = CloudMessage {
+        cloud: Arc::new(cloud()),
+        received_at: now(1020),
+        since: std::time::Instant::now(),
+        is_shared: false,
+    };
     cell.pass(1020, vec![LoaderCommand::Clouds], BTreeMap::from([("points".to_owned(), changed)]));
     cell.turn(1030);
     let revision = cell.evaluation.as_ref().unwrap().revision.as_ref().unwrap();

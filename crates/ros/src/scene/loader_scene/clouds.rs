@@ -39,7 +39,8 @@ impl LoaderScene {
             }
             let (since, stamp) = (message.since, message.stamp());
             let known = self.clouds.get(&topic).and_then(|cloud| cloud.seen);
-            let seen = check_stamp(stamp, message.received_at, parameters)
+            let seen = check_source(message.is_shared)
+                .and_then(|()| check_stamp(stamp, message.received_at, parameters))
                 .and_then(|()| check_order(stamp, known, message.received_at))
                 .and_then(|()| self.filter_cloud(&topic, &message.cloud, robot, update_context));
             let cloud = self.clouds.entry(topic.clone()).or_default();
@@ -138,6 +139,16 @@ impl LoaderScene {
         let shape = filtered.cloud.map(Shape::Points);
         Ok((shape.map(|shape| Obstacle::of_shape(topic, Pose::identity(), shape)), report))
     }
+}
+
+/// Rejects a cloud of one of several sensors: it would replace that of another one.
+fn check_source(is_shared: bool) -> Result<(), String> {
+    if is_shared {
+        return Err("several publishers send on this topic, and each cloud would replace that of the other: give each sensor a \
+                    topic of its own"
+            .to_owned());
+    }
+    Ok(())
 }
 
 /// Rejects a cloud with the stamp of another clock: its age is unknown.

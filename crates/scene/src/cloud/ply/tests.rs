@@ -127,27 +127,32 @@ fn faults_are_named() {
 }
 
 #[test]
-fn what_the_header_does_not_announce_is_reported() {
+fn what_the_header_does_not_announce_is_rejected() {
     let xyz = "property float x\nproperty float y\nproperty float z\n";
-    let head = |format: &str, more: &str| {
-        format!("ply\nformat {format} 1.0\nelement vertex 1\n{xyz}{more}end_header\n")
+    let head = |format: &str, more: &str, vertices: usize| {
+        format!("ply\nformat {format} 1.0\nelement vertex {vertices}\n{xyz}{more}end_header\n")
     };
-    let remarks = |bytes: &[u8]| {
-        let cloud = read_cloud(bytes).unwrap();
-        assert_eq!(cloud.points.len(), 1);
-        cloud.remarks.concat()
-    };
+    let fault = |bytes: &[u8]| read_cloud(bytes).unwrap_err().to_string();
     let faces = "element face 1\nproperty list uchar int vertex_indices\n";
-    let ascii = |more: &str, data: &str| remarks(format!("{}{data}", head("ascii", more)).as_bytes());
-    assert_eq!(ascii("", "1 2 3\n\n"), "");
-    assert!(ascii("", "1 2 3\n4 5 6\n").starts_with("3 more words follow"));
-    assert!(ascii("", "1 2 3 x\n").starts_with("1 more word follows"));
-    assert!(ascii(faces, "1 2 3\n3 0 0 0\n0 0 0\n").contains("3 more words follow"));
-    assert!(ascii(faces, "1 2 3\n3 0 0\n").contains("is cut"));
+    let of = |more: &str, data: &str| format!("{}{data}", head("ascii", more, 1));
+    assert!(read_cloud(of("", "1 2 3\n\n").as_bytes()).unwrap().remarks.is_empty());
+    for (more, data, words) in [
+        ("", "1 2 3\n4 5 6\n", "3 more words follow"),
+        ("", "1 2 3 x\n", "1 more word follows"),
+        (faces, "1 2 3\n3 0 0 0\n0 0 0\n", "3 more words follow"),
+        (faces, "1 2 3\n3 0 0\n", "element 'face': the file ends here"),
+    ] {
+        let found = fault(of(more, data).as_bytes());
+        assert!(found.contains(words), "{found}");
+    }
+    // an intensity that the header does not list
+    let slid = format!("{}1 2 3 9\n4 5 6 9\n", head("ascii", "", 2));
+    assert!(fault(slid.as_bytes()).contains("2 more words follow"));
     for format in ["binary_little_endian", "binary_big_endian"] {
-        let bytes = [head(format, "").into_bytes(), vec![0; 24]].concat();
-        assert!(remarks(&bytes).starts_with("12 more bytes follow"));
-        assert_eq!(remarks(&bytes[..bytes.len() - 12]), "");
+        let of = |count: usize| [head(format, "", 1).into_bytes(), vec![0; count]].concat();
+        assert!(fault(&of(24)).contains("12 more bytes follow"));
+        assert!(read_cloud(&of(14)).unwrap().remarks[0].contains("2 more bytes follow"));
+        assert!(read_cloud(&of(12)).unwrap().remarks.is_empty());
     }
     let two = format!(
         "ply\nformat ascii 1.0\nelement vertex 1\n{xyz}element vertex 1\n{xyz}end_header\n1 2 3 4 5 6"
