@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use clap::Args;
 use clearance::checker::CollisionChecker;
-use clearance::robot::{LinkId, MeshFiles, RobotModel};
+use clearance::robot::{LinkId, MeshFiles, RobotModel, check_package_path};
 use clearance::scene::{AllowedCollisionMatrix, MeshModel, Settings, VolumeSelection};
 use clearance::scene::{Scene, SceneLoader, World, WorldFileKind};
 use clearance_files::input_files::{self, WORLD_LIMIT};
@@ -108,6 +108,9 @@ impl RobotArgs {
     pub fn load_quietly(&self, files: &MeshFiles) -> Result<RobotModel, Failure> {
         let urdf =
             (self.urdf.as_deref()).ok_or_else(|| Failure::Input("no robot: give --urdf FILE".to_owned()))?;
+        for dir in &self.package_path {
+            check_package_path(dir).map_err(|why| Failure::Input(format!("--package-path: {why}")))?;
+        }
         RobotModel::load_with(urdf, self.srdf.as_deref(), files).map_err(|error| {
             let mut faults: Vec<String> = error.faults.iter().map(ToString::to_string).collect();
             let Some(message) = faults.first_mut() else { return Failure::Input(error.to_string()) };

@@ -69,6 +69,7 @@ def test_the_first_bad_row_is_named(checker, states, bad):
         ({"object_padding": {"none": 0.1}}, cl.Error, "object_padding: there is no object 'none'"),
         ({"mesh_model": "hull"}, ValueError, "mesh_model is 'hull'"),
         ({"allowed_collisions": [("hand", "none")]}, cl.Error, "allowed_collisions: there is no link or object 'none'"),
+        ({"allowed_collisions": [("hand", "hand")]}, cl.Error, "allowed_collisions: 'hand' is paired with itself"),
         ({"allowed_collisions": ["hand"]}, TypeError, "allowed_collisions is .*list of pairs"),
         ({"fixed": {"none": 1.0}}, cl.Error, "fixed: the robot has no joint 'none'"),
         ({"group": "arm", "fixed": {"joint1": 1.0}}, cl.Error, "fixed: joint 'joint1' is one of group 'arm'"),

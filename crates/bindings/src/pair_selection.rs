@@ -35,6 +35,11 @@ pub enum NameError {
         /// The reason.
         why: &'static str,
     },
+    /// A pair that may collide is one body.
+    #[error(
+        "allowed_collisions: '{0}' is paired with itself, and a body is not checked against itself: name two"
+    )]
+    OneBody(String),
     /// An object has the name of a link.
     #[error("object '{0}': the robot has a link of this name; take another name")]
     OfLink(String),
@@ -72,6 +77,9 @@ impl PairSelection {
             if let Some(name) = pairs.iter().flat_map(|(a, b)| [a, b]).find(|name| !is_known(name)) {
                 return Err(NameError::Unknown { option, kind: "link or object", name: name.clone() });
             }
+        }
+        if let Some((name, _)) = self.allowed.iter().find(|(a, b)| a == b) {
+            return Err(NameError::OneBody(name.clone()));
         }
         let Settings { object_padding, object_scale, .. } = settings;
         for (option, values) in [("object_padding", object_padding), ("object_scale", object_scale)] {

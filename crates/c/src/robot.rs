@@ -7,7 +7,7 @@ use std::ptr;
 use std::sync::Arc;
 
 use clearance::geometry::math::Pose;
-use clearance::robot::{Configuration, LinkPoses, MeshFiles, RobotModel, RobotText};
+use clearance::robot::{Configuration, LinkPoses, MeshFiles, RobotModel, RobotText, check_package_path};
 use clearance_bindings::JointSpace;
 use clearance_files::input_files::{self, DESCRIPTION_LIMIT};
 
@@ -115,6 +115,10 @@ impl Source {
 }
 
 fn load(urdf: &Source, srdf: Option<&Source>, package_paths: &[String]) -> Outcome<clearance_robot> {
+    for dir in package_paths {
+        check_package_path(Path::new(dir))
+            .map_err(|why| Failure::rejected(format!("package_paths: {why}")))?;
+    }
     let files = package_paths.iter().fold(MeshFiles::default(), MeshFiles::with_package_path);
     let files = match &urdf.path {
         Some(path) => {

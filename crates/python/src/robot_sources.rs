@@ -5,7 +5,9 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use clearance::robot::{MeshFiles, MeshLog, MeshUse, RecordedMeshes, RobotModel, RobotText};
+use clearance::robot::{
+    MeshFiles, MeshLog, MeshUse, RecordedMeshes, RobotModel, RobotText, check_package_path,
+};
 use clearance_files::input_files::{self, DESCRIPTION_LIMIT, MESH_LIMIT};
 use pyo3::exceptions::{PyImportError, PyTypeError};
 use pyo3::prelude::*;
@@ -53,6 +55,9 @@ impl RobotSources {
             return Err(error(
                 "xacro_args are given, but neither urdf nor srdf is the path of a .xacro file: leave them out, or give that path",
             ));
+        }
+        for dir in &package_paths {
+            check_package_path(dir).map_err(|why| error(format!("package_paths: {why}")))?;
         }
         let (urdf, path) = read_text(urdf, "urdf", xacro_args)?;
         let srdf = srdf.map(|srdf| read_text(srdf, "srdf", xacro_args)).transpose()?.map(|(text, _)| text);

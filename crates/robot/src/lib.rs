@@ -63,7 +63,7 @@ pub use joint_transforms::JointTransformError;
 pub use kinematics::LinkPoses;
 pub use loaded_mesh::LoadedMesh;
 pub use mesh_file_error::MeshFileError;
-pub use mesh_files::MeshFiles;
+pub use mesh_files::{MeshFiles, check_package_path};
 pub use mesh_log::{MeshLog, MeshUse, RecordedMeshes};
 pub use model::{Collision, Link, MeshSource, ModelError, RobotModel};
 pub use name_length::check_name_length;

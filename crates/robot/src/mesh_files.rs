@@ -90,6 +90,18 @@ enum Miss {
     System(PathBuf),
 }
 
+/// Checks that a folder for [`MeshFiles::with_package_path`] can be searched: a misspelled one would find nothing, in silence.
+///
+/// # Errors
+/// If it is not a folder, with the reason.
+pub fn check_package_path(dir: &Path) -> Result<(), String> {
+    match dir.metadata() {
+        Ok(found) if found.is_dir() => Ok(()),
+        Ok(_) => Err(format!("'{}' is not a folder", dir.display())),
+        Err(error) => Err(format!("'{}' is not a folder that can be searched: {error}", dir.display())),
+    }
+}
+
 impl MeshFiles {
     /// Searches for meshes in packages in `dir`, and for names relative to `dir`.
     #[must_use]

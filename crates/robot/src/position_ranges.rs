@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use clearance_geometry::math::Extremes;
 
-use super::RobotModel;
+use super::{JointId, RobotModel};
 
 /// Rounding error allowed in bounds that follow from mimic joints, relative to the numbers used: limits of a leader and its followers
 /// that are meant to agree must not exclude each other's last digit.
@@ -41,6 +41,22 @@ impl RobotModel {
             *high = high.lesser(largest);
         }
         ranges
+    }
+
+    /// The joints whose limits and those of the joints that mimic them exclude each other, with a warning for each.
+    pub(super) fn contradictory_limits(&self) -> Vec<(JointId, String)> {
+        let ranges = self.position_ranges();
+        let empty = |id: JointId| {
+            let [low, high] = ranges[self.first_position(id)?];
+            let message = || {
+                format!(
+                    "no position is within its limits and those of the joints that mimic it: they demand at least {low:.6} and at most \
+                     {high:.6}"
+                )
+            };
+            (low > high).then(|| (id, message()))
+        };
+        self.joint_ids().filter_map(empty).collect()
     }
 
     /// By position, a finite range (rad, m) for random states: [`Self::position_ranges`] where these are bounds. Otherwise a joint that
@@ -130,6 +146,13 @@ mod tests {
         let robot = gripper("lower='0.5' upper='1'", "");
         let [low, high] = robot.position_ranges()[0];
         assert!((low - 0.5).abs() < 1e-11 && high == 0.08);
+        let warning =
+            robot.warnings.iter().map(ToString::to_string).find(|text| text.contains("mimic it")).unwrap();
+        assert!(
+            warning.contains("'first'") && warning.contains("at least 0.500000 and at most 0.080000"),
+            "{warning}"
+        );
+        assert!(gripper("lower='0' upper='0.04'", "").contradictory_limits().is_empty());
         assert_eq!(robot.sampling_ranges()[0], [high, low]);
     }
 }

@@ -38,11 +38,11 @@ pub(super) fn build(
     sound.warnings.extend(remarks.collect::<Vec<_>>());
     check_position_names(&joints, &sound)?;
     let tree = Tree::new(robot.links.len(), &joints).map_err(|e| tree_fault(e, &sound, &joints))?;
-    let ValidUrdf { links: notes, mut warnings, .. } = sound;
+    let ValidUrdf { links: notes, joints: joint_notes, mut warnings, .. } = sound;
     let links = links(robot, &notes, &tree, files, &mut warnings)?;
     pair_limit::check(&links)?;
     let (first_position, position_names) = positions(&joints);
-    Ok(RobotModel {
+    let mut model = RobotModel {
         name: robot.name.clone(),
         links,
         joints,
@@ -53,7 +53,12 @@ pub(super) fn build(
         srdf: None,
         link_prefix: String::new(),
         warnings,
-    })
+    };
+    for (joint, message) in model.contradictory_limits() {
+        let place = joint_notes.get(joint.index()).map(|notes| notes.place.clone()).unwrap_or_default();
+        model.warnings.push(Warning { place, message });
+    }
+    Ok(model)
 }
 
 fn place(sound: &ValidUrdf, joint: JointId) -> Place {

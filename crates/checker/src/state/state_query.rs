@@ -145,6 +145,10 @@ impl StateQuery<'_> {
             let pair = evaluation.state.candidates[k];
             let Some(found) = evaluation.distance(pair, limit) else { continue };
             let found: PairDistance = evaluation.decide_contact(pair, found);
+            if found.lower > limit {
+                // proven to be beyond the limit after all: others may be nearer that have only this bound
+                continue;
+            }
             if found.distance == 0.0 {
                 evaluation.report.add_collision(evaluation.state.pairs.info(pair.index).ids);
             }
