@@ -3,10 +3,12 @@
 
 use std::sync::Arc;
 
+use clearance_geometry::math::{Extremes, Pose};
 use clearance_geometry::testing::Random;
-use clearance_proximity::Work;
-use clearance_robot::{Configuration, RobotModel};
-use clearance_scene::{BodyId, Settings, World};
+use clearance_geometry::{Primitive, Shape};
+use clearance_proximity::{Effort, Work};
+use clearance_robot::{Configuration, MeshFiles, RobotModel};
+use clearance_scene::{BodyId, Obstacle, Settings, World};
 
 use crate::random_scenes::{GRID, coordinate, robot, settings, world};
 use crate::{CollisionChecker, CollisionReport, PairDistance, PairKind, Question, Workspace};
@@ -136,4 +138,79 @@ fn self_and_world_are_apart_bit_for_bit() {
     }
     let Counts { nothing, touching, apart } = counts;
     assert!([nothing, touching, apart].iter().flatten().all(|count| *count > 500), "{counts:?}");
+}
+
+/// Lower bound on the distances of all pairs of a kind that a survey implies; `None` without a pair of this kind.
+fn bound_of_survey(report: &CollisionReport, kind: PairKind) -> Option<f64> {
+    let of_kind =
+        report.pair_distances.iter().chain(report.nearest_of(kind)).filter(|pair| pair.kind() == kind);
+    of_kind.map(|pair| pair.lower).reduce(f64::lesser)
+}
+
+/// The survey of a state in a stream with tolerances, compared with the least distances of single states.
+fn survey_holds(checked: &mut Checked, q: &Configuration, influence_distance: f64, effort: &Effort) -> usize {
+    let question = Question::Survey { influence_distance, limit: f64::INFINITY };
+    let survey = checked.checker.check_with(q, question, effort, &mut checked.stream);
+    let exact = Question::SelfAndWorldDistance { limit: f64::INFINITY };
+    let exact = checked.checker.check(q, exact, &mut checked.single);
+    let mut compared = 0;
+    for kind in PairKind::ALL {
+        assert_eq!(survey.has_collision(kind), exact.has_collision(kind));
+        let Some(truth) = exact.nearest_of(kind) else { continue };
+        let bound = bound_of_survey(&survey, kind).unwrap();
+        let found = survey.nearest_of(kind).unwrap().distance;
+        let rounding = 1e-9 * (1.0 + truth.distance);
+        assert!(bound <= truth.distance + rounding, "{bound} {truth:?} {influence_distance} {effort:?}");
+        assert!(found >= truth.distance - rounding, "{found} {truth:?} {influence_distance} {effort:?}");
+        compared += usize::from(truth.distance > 0.0);
+    }
+    compared
+}
+
+#[test]
+fn a_survey_with_tolerances_bounds_the_least_distance_of_each_kind() {
+    let (mut random, mut compared) = (Random::new(92), 0);
+    for _ in 0..250 {
+        let (robot, world, settings) =
+            (Arc::new(robot(&mut random)), world(&mut random), settings(&mut random));
+        let mut checked = Checked::new(&robot, &world, settings);
+        let effort = Effort {
+            absolute_tolerance: [0.0, 0.05, 0.2][random.below(3)],
+            relative_tolerance: [0.0, 0.1, 0.5][random.below(3)],
+            exact_cost: [0, 100, 1000][random.below(3)],
+            ..Effort::default()
+        };
+        let mut positions = state(&robot, &mut random);
+        for _ in 0..40 {
+            positions = next_state(&positions, &robot, &mut random);
+            let q = robot.configuration(&positions).unwrap();
+            compared += survey_holds(&mut checked, &q, [0.0, 0.001, 0.1][random.below(3)], &effort);
+        }
+    }
+    assert!(compared > 5_000, "{compared}");
+}
+
+/// The nearest pair has the roughest bounds, which are improved to decide its contact; the other is 0.5 mm apart.
+#[test]
+fn a_pair_that_turns_out_to_be_far_hides_no_near_one() {
+    let urdf = "<robot name='r'><link name='base'>
+        <collision><origin xyz='1 0 0.084'/><geometry><sphere radius='0.05'/></geometry></collision>
+        <collision><origin xyz='1 0 -0.084'/><geometry><sphere radius='0.05'/></geometry></collision></link>
+        <link name='tip'><collision><geometry><sphere radius='0.001'/></geometry></collision></link>
+        <joint name='x' type='prismatic'><parent link='base'/><child link='tip'/><axis xyz='1 0 0'/>
+        <limit lower='-1' upper='1' effort='1' velocity='1'/></joint></robot>";
+    let robot = Arc::new(RobotModel::from_urdf(urdf, &MeshFiles::default()).unwrap());
+    let mut world = World::default();
+    for (name, x, radius) in [("between", 1.0, 0.01), ("wire", 0.0, 0.0005)] {
+        let ball = Shape::Primitive(Primitive::sphere(radius).unwrap());
+        world.add(Obstacle::of_shape(name, Pose::translation(x, 0.0, 0.0), ball)).unwrap();
+    }
+    let mut checked = Checked::new(&robot, &world, Settings::default());
+    let q = robot.configuration(&[0.002]).unwrap();
+    for tolerance in [0.05, 0.1] {
+        let effort = Effort { absolute_tolerance: tolerance, ..Effort::default() };
+        for influence_distance in [0.0, 0.0001, 0.1] {
+            assert!(survey_holds(&mut checked, &q, influence_distance, &effort) > 0);
+        }
+    }
 }
