@@ -93,7 +93,8 @@ pub(super) fn poses_after_step(robot: &RobotModel, checked_state: &CheckedState)
     Some(PosesAtOtherTime { poses, after: STEP })
 }
 
-/// Rate (m/s) at which the distance of a pair shrinks; negative when it grows, `None` when the bodies touch.
+/// Rate (m/s) at which the distance of a pair shrinks; negative when it grows, `None` when the bodies touch. It is that of
+/// the nearest points, unless other points come nearer in the time `within` (s).
 ///
 /// Obstacles are at rest in the frames that they are placed in; motion of their own is not that of the robot. If there are
 /// several such frames, the fastest approach counts.
@@ -102,9 +103,12 @@ pub(super) fn approach_rate(
     pair: &PairDistance,
     checked_state: &CheckedState,
     other: &PosesAtOtherTime,
+    within: f64,
 ) -> Option<f64> {
-    let rate =
-        |obstacle_motion| approach_rate_in(checker, pair, (&checked_state.poses, other), obstacle_motion);
+    let rate = |obstacle_motion| {
+        let moved = RelativeMotion { checker, pair, poses: (&checked_state.poses, other), obstacle_motion };
+        moved.rate(within)
+    };
     let is_of_world = [pair.a, pair.b].iter().any(|body| matches!(body, BodyId::Obstacle(_)));
     if !is_of_world || checked_state.obstacle_motions.is_empty() {
         return rate(None);
@@ -118,25 +122,71 @@ pub(super) fn approach_rate(
         .reduce(f64::greater)
 }
 
-/// Approach rate in one frame: the relative velocity of the nearest points along the line between them.
-fn approach_rate_in(
-    checker: &CollisionChecker,
-    pair: &PairDistance,
-    (now, other): (&LinkPoses, &PosesAtOtherTime),
-    obstacle_motion: Option<&ObstacleMotion>,
-) -> Option<f64> {
-    let [a, b] = pair.witness_points;
-    let way = b - a;
-    if way.norm() < LEAST_DISTANCE || pair.distance <= 0.0 {
-        return None;
+/// Motion of the bodies of a pair, relative to each other.
+struct RelativeMotion<'m> {
+    checker: &'m CollisionChecker,
+    pair: &'m PairDistance,
+    /// Now, and at another time.
+    poses: (&'m LinkPoses, &'m PosesAtOtherTime),
+    /// Motion of the frame of an obstacle.
+    obstacle_motion: Option<&'m ObstacleMotion>,
+}
+
+impl RelativeMotion<'_> {
+    /// Approach rate (m/s): the relative velocity of the nearest points along the line between them, or, if that is more,
+    /// the mean rate in the time `within` (s) at which the bodies approach along this direction. `None` if they touch.
+    fn rate(&self, within: f64) -> Option<f64> {
+        let [a, b] = self.pair.witness_points;
+        let way = b - a;
+        if way.norm() < LEAST_DISTANCE || self.pair.distance <= 0.0 {
+            return None;
+        }
+        let (direction, after) = (way.normalize(), self.poses.1.after);
+        let moved = self.moved(self.pair.a, &a) - self.moved(self.pair.b, &b);
+        let rate = direction.dot(&moved) / after;
+        if within <= 0.0 || !rate.is_finite() {
+            return rate.is_finite().then_some(rate);
+        }
+        // seen from each body, the other one moves: the smaller of both rates is enough
+        let bodies = [(self.pair.a, direction), (self.pair.b, -direction)];
+        let robot_bodies = bodies.into_iter().filter(|(body, _)| carrier(self.checker, *body).is_some());
+        let of_others = robot_bodies.map(|(body, towards)| self.advance(body, &towards, within) / within);
+        let of_others = of_others.filter(|rate| rate.is_finite()).reduce(f64::lesser);
+        Some(of_others.map_or(rate, |of_others| rate.greater(of_others)))
     }
-    let moved = |body, point| match carrier(checker, body) {
-        Some(link) => displacement(&point, now.pose(link), other.poses.pose(link)),
-        None => obstacle_motion
-            .map_or_else(Vector::zeros, |obstacle_motion| obstacle_motion.displacement(&point, other.after)),
-    };
-    let rate = way.normalize().dot(&(moved(pair.a, a) - moved(pair.b, b))) / other.after;
-    rate.is_finite().then_some(rate)
+
+    /// How far (m) a body advances in a direction in the time `within` (s), beyond where its foremost point is now: it is in
+    /// capsules, whose ends move at a constant velocity.
+    fn advance(&self, body: BodyId, towards: &Vector, within: f64) -> f64 {
+        let sign = if body == self.pair.a { 1.0 } else { -1.0 };
+        // rate at which a point of this body moves in the direction, relative to the other body
+        let rate = |point: &Point| {
+            let moved = self.moved(self.pair.a, point) - self.moved(self.pair.b, point);
+            sign * towards.dot(&moved) / self.poses.1.after
+        };
+        let capsules = self.checker.bounding_capsules(body, self.poses.0);
+        let ends =
+            capsules.iter().flat_map(|capsule| capsule.ends.map(|end| (Point::from(end), capsule.radius)));
+        let (mut front, mut reached) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
+        for (end, radius) in ends {
+            let place = towards.dot(&end.coords);
+            front = front.greater(place + radius);
+            // the ball around this end turns in place
+            reached = reached.greater(place + within * rate(&end) + radius);
+        }
+        reached - front
+    }
+
+    /// Displacement of a point of a body.
+    fn moved(&self, body: BodyId, point: &Point) -> Vector {
+        let (now, other) = self.poses;
+        match carrier(self.checker, body) {
+            Some(link) => displacement(point, now.pose(link), other.poses.pose(link)),
+            None => self.obstacle_motion.map_or_else(Vector::zeros, |obstacle_motion| {
+                obstacle_motion.displacement(point, other.after)
+            }),
+        }
+    }
 }
 
 /// Upper bound (m/s) on the rate at which any point of a robot body approaches any point of an obstacle; `None` where

@@ -3,7 +3,7 @@
 //!
 //! Each near pair requests a share: 1 from the slow-down distance on, 0 up to the stop distance, linear between them.
 //! The distance of an approaching pair is reduced by its motion in the reaction time, also from beyond the slow-down
-//! distance. So is the distance of an obstacle that may move, by its largest motion in that time. A pair that the robot
+//! distance. In this time other points than the nearest ones may come nearer. So is the distance of an obstacle that may move, by its largest motion in that time. A pair that the robot
 //! moves apart requests no reduction. The least share counts. If the approach rate of a near pair
 //! is unknown, the share does not rise, except for a first state, which counts as at rest. The share falls once a
 //! number of states in a row, the trigger count, request less: to the largest of their requests. It rises once a number
@@ -109,14 +109,13 @@ impl SpeedGovernor {
             .and_then(|_| poses_after_step(checker.robot(), checked_state).or_else(|| self.before(stamp)));
         let mut requests = Requests::none(&settings.speed);
         for (pair, rule) in near {
-            let rate = other.as_ref().and_then(|other| approach_rate(checker, pair, checked_state, other));
+            let rate = |within| approach_rate(checker, pair, checked_state, other.as_ref()?, within);
             match rule {
                 Rule::Nothing => {}
                 Rule::Distances { distances, obstacle_motion } => {
-                    let share = |rate| {
-                        let reaction_time = settings.speed.reaction_time;
-                        distances.share(pair.distance, rate, reaction_time, obstacle_motion)
-                    };
+                    let reaction_time = settings.speed.reaction_time;
+                    let rate = rate(reaction_time);
+                    let share = |rate| distances.share(pair.distance, rate, reaction_time, obstacle_motion);
                     // a pair beyond that distance requests no reduction even if its rate is unknown
                     let matters = pair.distance <= distances.reach() + obstacle_motion;
                     requests.add(share(rate), rate.is_some() || !matters);
@@ -125,7 +124,7 @@ impl SpeedGovernor {
                     let other = other.as_ref();
                     let largest =
                         other.and_then(|other| largest_approach_rate(checker, pair, checked_state, other));
-                    requests.add_separation(pair, [rate, largest], &separation);
+                    requests.add_separation(pair, [rate(0.0), largest], &separation);
                 }
             }
         }

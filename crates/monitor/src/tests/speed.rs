@@ -238,3 +238,44 @@ proptest! {
         prop_assert!((evaluation.speed_scale - expected).abs() < 1e-3, "{} but {expected}", evaluation.speed_scale);
     }
 }
+
+/// A bar of 2 m that turns about its middle (or, with `middle` 1, about one end), beside a wall at x = 1.1.
+fn beside_a_wall(middle: f64) -> Arc<Revision> {
+    let urdf = format!(
+        "<robot name='saw'><link name='base'/><link name='bar'><collision><origin xyz='0 {middle} 0'/>
+        <geometry><box size='0.02 2 0.02'/></geometry></collision></link>
+        <joint name='turn' type='revolute'><parent link='base'/><child link='bar'/><origin xyz='0.99 0 0'/><axis xyz='0 0 1'/>
+        <limit lower='-9' upper='9' effort='1' velocity='9'/></joint></robot>"
+    );
+    let mut world = World::default();
+    let wall = Shape::Primitive(Primitive::Box { half_extents: [0.5, 5.0, 5.0] });
+    world.add(Obstacle::of_shape("wall", Pose::translation(1.6, 0.0, 0.0), wall)).unwrap();
+    let robot = RobotModel::from_urdf(&urdf, &MeshFiles::default()).unwrap();
+    let checker = CollisionChecker::new(Arc::new(robot), &world, Settings::default()).unwrap();
+    Arc::new(Revision::new(checker, 1, 1))
+}
+
+#[test]
+fn a_part_that_is_not_the_nearest_one_may_come_first() {
+    let share = |middle, angle, rate| {
+        let world = SpeedDistances { slowdown: 0.6, stop: 0.01 };
+        let mut monitor = governed(SpeedSettings { world, ..SPEED });
+        monitor.set_checker(beside_a_wall(middle));
+        let input = JointStateInput {
+            names: vec!["turn".to_owned()],
+            positions: vec![angle],
+            velocities: vec![rate],
+            ..state(0.0, FREE)
+        };
+        monitor.on_joint_state(input, at(0.0)).speed_scale
+    };
+    let at_rest = share(0.0, 0.01, 0.0);
+    assert!(at_rest > 0.1, "{at_rest}");
+    // the nearest end leaves, and the other one comes: by 1 cm, and into the wall
+    assert!(share(0.0, 0.01, 0.2) < 0.99 * at_rest);
+    assert_eq!(share(0.0, 0.01, 5.0), 0.0);
+    // about the nearest end, which stays where it is
+    let at_rest = share(1.0, 0.02, 0.0);
+    assert_eq!(share(1.0, 0.02, -5.0), 0.0);
+    assert!(share(1.0, 0.02, 5.0) > 0.9 * at_rest, "the rest of it leaves");
+}
