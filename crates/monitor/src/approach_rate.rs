@@ -42,8 +42,9 @@ pub(super) fn slowdown_range(
 ) -> f64 {
     let by_distances = range_of_distances(checker, moving, settings);
     let Some(separation) = &settings.speed.separation else { return by_distances };
-    by_distances
-        .greater(separation.range_of_measured(moving.tracked_obstacles.largest_speed(checker, moving.poses)))
+    let (tracked, poses) = (moving.tracked_obstacles, moving.poses);
+    let of_separation = separation.range_of_measured(tracked.largest_speed(checker, poses, settings));
+    by_distances.greater(of_separation + tracked.largest_displacement_since_pose(checker, poses, settings))
 }
 
 /// Distance (m) up to which pairs may slow the robot down by their distances: moving bodies may be nearer once the

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use clearance_checker::{CollisionChecker, CollisionReport, LookAhead, LookAheadState, Workspace};
 use clearance_geometry::math::Extremes;
 use clearance_robot::{Configuration, JointKind, LinkPoses, RobotModel, quoted, quoted_list};
+use clearance_scene::BodyId;
 
 use super::obstacle_motion::ObstacleMotion;
 use super::root_speed::{JointRanges, RootSpeed};
@@ -111,6 +112,9 @@ impl LookAheadEvaluator {
         if let Some(name) = tracked_obstacles.of_a_later_clock() {
             return unknown(&format!("the last state of obstacle {} has a later stamp", quoted(name)));
         }
+        if let Some(pair) = self.touched_since_poses(checker, input, velocities) {
+            return Ok(LookAhead { free_for: 0.0, first: Some(pair) });
+        }
         let mut obstacle_limits = tracked_obstacles.limits_beyond_motion(&settings.obstacle_limits);
         let accelerating = tracked_obstacles.longest_age(|limit| limit.acceleration > 0.0, settings);
         let mut obstacle_latency = settings.obstacle_latency.greater(accelerating);
@@ -132,6 +136,36 @@ impl LookAheadEvaluator {
         };
         let found = checker.look_ahead(state, horizon, &mut self.workspace);
         found.or_else(|error| unknown(&error.to_string()))
+    }
+}
+
+impl LookAheadEvaluator {
+    /// A pair with a moving obstacle that may have touched since the last known pose of the obstacle: where it moves on from
+    /// there is not known.
+    fn touched_since_poses(
+        &mut self,
+        checker: &CollisionChecker,
+        input: &LookAheadInput,
+        velocities: &[f64],
+    ) -> Option<(BodyId, BodyId)> {
+        let (time, moving_obstacles) = input.tracked_obstacles.motions_since_poses()?;
+        let positions = input.configuration.positions().iter();
+        let before: Vec<f64> = positions.zip(velocities).map(|(q, v)| q - v * time).collect();
+        let state = LookAheadState {
+            q: &checker.robot().configuration(&before).ok()?,
+            velocities,
+            accelerations: &vec![0.0; velocities.len()],
+            moving_obstacles: &moving_obstacles,
+            obstacle_limits: None,
+            obstacle_latency: 0.0,
+        };
+        let found = checker.look_ahead(state, time, &mut self.workspace).ok()?;
+        let is_of_obstacle = |(a, b): &(BodyId, BodyId)| {
+            let is_moving = |name: &str| moving_obstacles.iter().any(|moving| moving.name == name);
+            let bodies = [*a, *b].into_iter().filter(|body| matches!(body, BodyId::Obstacle(_)));
+            bodies.into_iter().any(|body| is_moving(checker.body_name(body)))
+        };
+        found.first.filter(is_of_obstacle)
     }
 }
 

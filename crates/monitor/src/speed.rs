@@ -26,6 +26,7 @@ use super::approach_rate::{
 };
 use super::separation_settings::SeparationSettings;
 use super::speed_settings::{SpeedDistances, SpeedSettings};
+use super::tracked_obstacle::TrackedObstacle;
 use super::{CheckedState, MonitorSettings, Separation, Status, Time};
 
 /// Computes the speed scale from successive states.
@@ -240,12 +241,17 @@ fn rule_of(
         );
     };
     // what was measured to be faster is faster
-    let measured = tracked.map(|tracked| tracked.speed_of(pair)).filter(|speed| *speed > 0.0);
-    match rules.of_measured(name, measured) {
+    let measured = tracked.map(|tracked| tracked.speed(checker, &checked_state.poses, settings));
+    let moved =
+        |tracked: &TrackedObstacle| tracked.displacement_since_pose(pair, checker, checked_state, settings);
+    match rules.of_measured(name, measured.filter(|speed| *speed > 0.0)) {
         None => by_distances(0.0),
         // where the root stays in place, a body that is fixed to it cannot approach
         Some(_) if checked_state.obstacle_motions.is_empty() && is_fixed(checker, body) => Rule::Nothing,
-        Some(separation) => Rule::Separation(separation),
+        Some(separation) => {
+            let margin = separation.margin + tracked.map_or(0.0, moved);
+            Rule::Separation(SeparationSettings { margin, ..separation })
+        }
     }
 }
 

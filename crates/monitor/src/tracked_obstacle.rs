@@ -9,6 +9,7 @@ use clearance_motion::{MovingObstacle, ObstacleLimits, SpeedLimit};
 use clearance_robot::LinkPoses;
 use clearance_scene::{BodyId, ObstacleTwist};
 
+use super::obstacle_motion::ObstacleMotion;
 use super::{CheckedState, MonitorSettings, Revision, Time};
 
 /// Largest motion (m) by a rotation that the range of `slowdown_range` takes into account.
@@ -84,6 +85,14 @@ impl TrackedObstacles {
         moving.map(|obstacle| obstacle.motion.part([obstacle.age, obstacle.age + time])).collect()
     }
 
+    /// Their motions in a time (s) up to the joint state: the longest time since one of their poses.
+    pub(super) fn motions_since_poses(&self) -> Option<(f64, Vec<MovingObstacle>)> {
+        let moving = || self.0.iter().filter(|obstacle| !obstacle.motion.stands());
+        let time = moving().map(|obstacle| obstacle.age).reduce(f64::greater).filter(|age| *age > 0.0)?;
+        let motions = moving().map(|obstacle| obstacle.motion.part([obstacle.age - time, obstacle.age]));
+        Some((time, motions.collect()))
+    }
+
     /// Limits of what obstacles do beyond their known motion: these have their velocity already.
     pub(super) fn limits_beyond_motion(&self, limits: &ObstacleLimits) -> ObstacleLimits {
         let mut beyond = limits.clone();
@@ -115,13 +124,27 @@ impl TrackedObstacles {
         if settings.speed.world.reach() > 0.0 { approaches.fold(0.0, f64::greater) } else { 0.0 }
     }
 
-    /// Upper bound (m/s) on [`TrackedObstacle::speed_of`] of all of them.
-    pub(super) fn largest_speed(&self, checker: &CollisionChecker, poses: &LinkPoses) -> f64 {
-        let speeds = self.0.iter().map(|obstacle| {
-            let [moved, turned] = obstacle.largest_displacement(checker, poses, 1.0);
-            moved + turned.lesser(LONGEST_TURN)
-        });
+    /// Upper bound (m/s) on [`TrackedObstacle::speed`] of all of them.
+    pub(super) fn largest_speed(
+        &self,
+        checker: &CollisionChecker,
+        poses: &LinkPoses,
+        settings: &MonitorSettings,
+    ) -> f64 {
+        let speeds = self.0.iter().map(|obstacle| obstacle.speed(checker, poses, settings));
         speeds.fold(0.0, f64::greater)
+    }
+
+    /// Upper bound (m) on [`TrackedObstacle::displacement_since_pose`] of all of them, without the motion of the root.
+    pub(super) fn largest_displacement_since_pose(
+        &self,
+        checker: &CollisionChecker,
+        poses: &LinkPoses,
+        settings: &MonitorSettings,
+    ) -> f64 {
+        let moved =
+            self.0.iter().map(|obstacle| obstacle.most(checker, poses, settings, obstacle.longest_age));
+        moved.fold(0.0, f64::greater)
     }
 }
 
@@ -160,16 +183,43 @@ impl TrackedObstacle {
         let not_convex = between.norm() - gap_along(&from_other, pair, checker, poses);
         let since_state = moved.lesser(not_convex.greater(0.0) + along) + turned;
         let until_state: f64 = self.largest_displacement(checker, poses, age).iter().sum();
-        let of_root = obstacle_motions.iter().map(|moved| moved.displacement(&point, age).norm());
-        let of_root = of_root.fold(0.0, f64::greater);
+        let of_root = self.motion_of_root(pair, obstacle_motions);
         since_state + until_state + of_root + self.departure(age + reaction_time, settings)
     }
 
-    /// Speed (m/s) of its nearest point of a pair.
-    pub(super) fn speed_of(&self, pair: &PairDistance) -> f64 {
-        let MovingObstacle { centre, linear, angular, .. } = &self.motion;
-        let arm = point_on_obstacle(pair) - Point::from(Vector::from(*centre));
-        (Vector::from(*linear) + Vector::from(*angular).cross(&arm)).norm()
+    /// Upper bound (m) on the displacement of its points, from where the world has it, until the joint state; the root has
+    /// moved meanwhile, too.
+    pub(super) fn displacement_since_pose(
+        &self,
+        pair: &PairDistance,
+        checker: &CollisionChecker,
+        checked_state: &CheckedState,
+        settings: &MonitorSettings,
+    ) -> f64 {
+        let CheckedState { poses, obstacle_motions, .. } = checked_state;
+        self.most(checker, poses, settings, self.longest_age) + self.motion_of_root(pair, obstacle_motions)
+    }
+
+    /// Motion (m) of the root since its pose, at its nearest point of a pair.
+    fn motion_of_root(&self, pair: &PairDistance, obstacle_motions: &[ObstacleMotion]) -> f64 {
+        let point = point_on_obstacle(pair);
+        let of_root =
+            obstacle_motions.iter().map(|moved| moved.displacement(&point, self.longest_age).norm());
+        of_root.fold(0.0, f64::greater)
+    }
+
+    /// Upper bound (m/s) on the speed of its points at the joint state.
+    pub(super) fn speed(
+        &self,
+        checker: &CollisionChecker,
+        poses: &LinkPoses,
+        settings: &MonitorSettings,
+    ) -> f64 {
+        let MovingObstacle { name, linear, angular, .. } = &self.motion;
+        let [linear, angular] = [linear, angular].map(|v| Vector::from(*v).norm());
+        let of_turning = if angular > 0.0 { angular * self.extent(checker, poses) } else { 0.0 };
+        let acceleration = settings.obstacle_limits.of(name).acceleration;
+        linear + of_turning + acceleration * self.longest_age
     }
 
     /// Upper bound (m) on the displacement of its points in a time (s) from its pose.
@@ -193,16 +243,20 @@ impl TrackedObstacle {
     /// Upper bounds (m) on the displacement of its points in a time (s), from where the world has it: by its translation, and by its
     /// rotation, which is infinite for a plane.
     fn largest_displacement(&self, checker: &CollisionChecker, poses: &LinkPoses, time: f64) -> [f64; 2] {
-        let MovingObstacle { name, linear, angular, .. } = &self.motion;
-        let Some(id) = checker.world().id(name) else { return [0.0; 2] };
+        let MovingObstacle { linear, angular, .. } = &self.motion;
+        let [speed, turning] = [linear, angular].map(|v| Vector::from(*v).norm() * time);
+        [speed, if turning > 0.0 { turning.lesser(2.0) * self.extent(checker, poses) } else { 0.0 }]
+    }
+
+    /// Largest distance (m) of its points from its origin; infinite for a plane.
+    fn extent(&self, checker: &CollisionChecker, poses: &LinkPoses) -> f64 {
+        let Some(id) = checker.world().id(&self.motion.name) else { return 0.0 };
         let centre = checker.world().obstacle(id).pose_ro.translation.vector;
         let extents = checker.bounding_capsules(BodyId::Obstacle(id), poses).into_iter().map(|capsule| {
             let [a, b] = capsule.ends.map(|end| (end - centre).norm());
             a.greater(b) + capsule.radius
         });
-        let extent = extents.fold(0.0, f64::greater);
-        let [speed, turning] = [linear, angular].map(|v| Vector::from(*v).norm() * time);
-        [speed, if turning > 0.0 { turning.lesser(2.0) * extent } else { 0.0 }]
+        extents.fold(0.0, f64::greater)
     }
 }
 

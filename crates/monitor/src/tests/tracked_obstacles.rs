@@ -89,6 +89,19 @@ fn the_stamp_of_the_pose_counts() {
     }
 }
 
+/// It reached the robot 0.2 s after its pose, and goes on in the model, through the robot and beyond.
+#[test]
+fn an_obstacle_that_should_have_touched_by_now_has_no_time_left() {
+    let limit = SpeedLimit::default();
+    for (age, is_left) in [(0.1, true), (0.19, true), (0.21, false), (0.3, false), (0.7, false)] {
+        let found = time_to_contact(cart(in_front(), [-5.0, 0.0, 0.0], [0.0; 3], 1.0 - age), limit);
+        assert_eq!(found > 0.0, is_left, "{found} s left after {age} s");
+    }
+    // beside the robot it goes on
+    let beside = Pose::translation(2.2 + GAP, 0.5, 0.0);
+    assert!(time_to_contact(cart(beside, [-5.0, 0.0, 0.0], [0.0; 3], 0.9), limit) > 0.0);
+}
+
 #[test]
 fn an_acceleration_limit_allows_departures_and_a_speed_limit_none() {
     let linear = [-0.5, 0.0, 0.0];
@@ -363,13 +376,14 @@ fn a_measured_speed_counts_for_the_separation() {
         acceleration: 0.0,
         margin: 0.1,
     };
-    let share = |resting: &[&str], linear: [f64; 3]| {
+    let share_of = |resting: &[&str], revision: Arc<Revision>| {
         let resting_obstacles = resting.iter().map(|name| (*name).to_owned()).collect();
         let rules = SeparationRules { resting_obstacles, ..SeparationRules::of_all(usual) };
         let speed = SpeedSettings { separation: Some(rules), release_count: 1, ..SpeedSettings::default() };
         let settings = MonitorSettings { speed, ..MonitorSettings::default() };
-        evaluated(cart(in_front(), linear, [0.0; 3], 1.0), settings).speed_scale
+        evaluated(revision, settings).speed_scale
     };
+    let share = |resting: &[&str], linear| share_of(resting, cart(in_front(), linear, [0.0; 3], 1.0));
     let with_speed = |human_speed| SeparationSettings { human_speed, ..usual }.allowed_speed(GAP).min(1.0);
     assert!(with_speed(3.0) < with_speed(1.6));
     let fast = [-3.0, 0.0, 0.0];
@@ -383,6 +397,13 @@ fn a_measured_speed_counts_for_the_separation() {
         let found = share(resting, linear);
         assert!((found - expected).abs() < 1e-9, "{resting:?} {linear:?}: {found}, not {expected}");
     }
+    // its pose is 0.2 s old
+    let found = share_of(&[], cart(in_front(), fast, [0.0; 3], 0.8));
+    let expected = SeparationSettings { human_speed: 3.0, margin: 0.1 + 0.6, ..usual }.allowed_speed(GAP);
+    assert!((found - expected).abs() < 1e-6, "{found}, not {expected}");
+    // its points turn about a centre 10 cm away, the nearest ones too
+    let found = share_of(&[], cart(in_front(), [0.0; 3], [0.0, 0.0, 30.0], 1.0));
+    assert!((found - with_speed(3.0)).abs() < 1e-6, "{found}, not {}", with_speed(3.0));
 }
 
 /// The motion through one of two balls of 1 cm: a cart that moves, and a post.
