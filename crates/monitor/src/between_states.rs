@@ -180,7 +180,9 @@ impl BetweenStates {
         }
         let previous = self.previous.as_ref().ok_or(self.missing)?;
         let (state, settings) = (&previous.state, current.settings);
-        if state.measured == current.measured && state.configuration == *current.configuration {
+        let is_same_time =
+            state.measured == current.measured && previous.time.transforms == current.time.transforms;
+        if is_same_time && state.configuration == *current.configuration {
             return Err(NoMotion::NoNewState);
         }
         let duration = longest_interval(previous, current);

@@ -41,6 +41,17 @@ impl FramePoses {
         Observed { time, step: steps.fold(0.0, f64::greater), last }
     }
 
+    /// The successive poses between which the frame moved farthest.
+    pub fn largest_step(&self) -> Option<[&Pose; 2]> {
+        let size = |[before, after]: &[&Pose; 2]| {
+            let moved = before.inverse() * **after;
+            moved.translation.vector.norm() + moved.rotation.angle()
+        };
+        let poses = self.places.iter().map(|(_, pose)| pose);
+        let steps = poses.clone().zip(poses.skip(1)).map(|(before, after)| [before, after]);
+        steps.max_by(|a, b| size(a).total_cmp(&size(b)))
+    }
+
     /// The earlier pose, how long ago (s) that was, and the longest time (s) between two successive poses since; `None` if
     /// the frame has not moved.
     pub fn before(&self) -> Option<(&Pose, f64, f64)> {
@@ -69,6 +80,8 @@ pub(super) struct FrameMotion {
     pub taken: f64,
     /// Longest time (s) between two transforms.
     pub step: f64,
+    /// Largest motion between two transforms: a root that is located anew jumps.
+    pub jump: Pose,
 }
 
 /// Motion of all obstacles in a frame, relative to the root. Two are equal if the frames move in the same way.
@@ -147,10 +160,10 @@ impl ObstacleMotion {
     }
 
     /// As [`Self::largest_displacement`], but at least for the longest time between two transforms: they move frames in
-    /// steps, and a whole step may fall into a short time.
+    /// steps, and a whole step may fall into a short time. So may the largest one.
     #[must_use]
     pub fn largest_step(&self, radius: f64, time: f64) -> f64 {
-        self.motions.iter().map(|motion| motion.most(radius, time.greater(motion.step))).sum()
+        self.motions.iter().map(|motion| motion.most_in_steps(radius, time)).sum()
     }
 }
 
@@ -158,10 +171,22 @@ impl FrameMotion {
     /// Upper bound (m) on the displacement of a point at this distance (m) from the origin, which may be infinite, in
     /// this time (s).
     fn most(&self, radius: f64, time: f64) -> f64 {
-        let angle = self.way.rotation.angle();
-        let turned = if angle > 0.0 { angle * radius } else { 0.0 };
-        (self.way.translation.vector.norm() + turned) * (time / self.taken)
+        largest_displacement(&self.way, radius) * (time / self.taken)
     }
+
+    /// The same for a frame that moves in steps, of which the largest one exceeds the others by any amount.
+    fn most_in_steps(&self, radius: f64, time: f64) -> f64 {
+        let jump = largest_displacement(&self.jump, radius);
+        let excess = if jump.is_finite() { jump - self.most(radius, self.step) } else { 0.0 };
+        self.most(radius, time.greater(self.step)) + excess.greater(0.0)
+    }
+}
+
+/// Upper bound (m) on the displacement of a point at this distance (m) from the origin, which may be infinite.
+fn largest_displacement(way: &Pose, radius: f64) -> f64 {
+    let angle = way.rotation.angle();
+    let turned = if angle > 0.0 { angle * radius } else { 0.0 };
+    way.translation.vector.norm() + turned
 }
 
 #[cfg(test)]
@@ -177,6 +202,7 @@ mod tests {
             way: track.places[track.places.len() - 1].1 * before.inverse(),
             taken,
             step,
+            jump: Pose::identity(),
         });
         let observed = vec![track.observation()];
         ObstacleMotion { frame: "map".to_owned(), motions: moved.into_iter().collect(), observed }
@@ -214,6 +240,7 @@ mod tests {
                 way: clearance_geometry::math::pose_from_xyz_rpy([0.3, 0.0, 0.0], rpy),
                 taken: 0.1,
                 step: 0.05,
+                jump: Pose::identity(),
             }],
             observed: Vec::new(),
         };
@@ -230,7 +257,7 @@ mod tests {
         let turn = clearance_geometry::math::pose_from_xyz_rpy([0.0; 3], [0.0, 0.0, 0.1]);
         let obstacle_motion = ObstacleMotion {
             frame: String::new(),
-            motions: vec![FrameMotion { way: turn, taken: 0.1, step: 0.1 }],
+            motions: vec![FrameMotion { way: turn, taken: 0.1, step: 0.1, jump: turn }],
             observed: Vec::new(),
         };
         let way = obstacle_motion.displacement(&Point::new(2.0, 0.0, 0.0), 0.1);
@@ -262,6 +289,7 @@ mod tests {
                 way: pose_rf(end) * before.inverse(),
                 taken,
                 step,
+                jump: Pose::identity(),
             });
             let (motions, observed) = (moved.into_iter().collect(), vec![track.observation()]);
             let of = ObstacleMotion { frame: String::new(), motions, observed };

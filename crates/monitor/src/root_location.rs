@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
+use clearance_geometry::math::Pose;
 use clearance_robot::quoted;
 use clearance_scene::{AnchorFrames, PathLink, RootPoseLoss, TrackedFrame, TransformTree};
 
@@ -78,8 +79,14 @@ impl RootLocationWatch {
             let track = self.tracks.entry(name.to_owned()).or_insert_with(known);
             track.note(stamp, pose_pf);
             let (before, taken, step) = track.before()?;
-            let way = pose_rf * tracked.path.pose_with(name, before).inverse();
-            Some(FrameMotion { way, taken, step })
+            let way_since =
+                |before: &Pose, after: Pose| after * tracked.path.pose_with(name, before).inverse();
+            let way = way_since(before, pose_rf);
+            let jump = track.largest_step().map(|[before, after]| {
+                let after = tracked.path.pose_with(name, after);
+                way_since(before, after)
+            });
+            Some(FrameMotion { way, taken, step, jump: jump.unwrap_or_default() })
         });
         moved.collect()
     }

@@ -488,6 +488,30 @@ fn a_localiser_that_comes_slowly_hides_no_drive() {
     }
 }
 
+/// The root stands, and is 2 m farther in the next transform: the obstacle that it jumped over is 1 m away before and after.
+#[test]
+fn a_root_that_jumps_is_not_proven_to_be_free_on_the_way() {
+    let motions = |jump: f64| {
+        let mut room = Room::new();
+        room.monitor.set_settings(MonitorSettings { stale_after: 9.0, ..MonitorSettings::default() });
+        let mut motions = Vec::new();
+        for step in 0..20 {
+            let seconds = 0.02 * f64::from(step);
+            room.send(if step < 10 { 0.0 } else { jump }, seconds);
+            room.follow();
+            motions.push(room.evaluated(seconds).motion_since_previous);
+        }
+        motions
+    };
+    let of_jump = motions(14.0);
+    assert!(
+        of_jump[9..].iter().any(|motion| motion.reason().is_some_and(|why| why.contains("root moves"))),
+        "{of_jump:?}"
+    );
+    assert!(of_jump[10] != MotionSincePrevious::ProvenFree);
+    assert!(motions(0.0)[1..].iter().all(|motion| *motion == MotionSincePrevious::ProvenFree));
+}
+
 /// Between two states, the obstacles move by what `tf` shows of the root.
 #[test]
 fn the_motion_of_the_root_is_a_margin_between_states() {
