@@ -149,33 +149,34 @@ impl RelativeMotion<'_> {
             return rate.is_finite().then_some(rate);
         }
         // seen from each body, the other one moves: the smaller of both rates is enough
-        let bodies = [(self.pair.a, direction), (self.pair.b, -direction)];
-        let robot_bodies = bodies.into_iter().filter(|(body, _)| carrier(self.checker, *body).is_some());
-        let of_others = robot_bodies.map(|(body, towards)| self.advance(body, &towards, within) / within);
+        let bodies = [(self.pair.a, self.pair.b, direction), (self.pair.b, self.pair.a, -direction)];
+        let robot_bodies = bodies.into_iter().filter(|(body, ..)| carrier(self.checker, *body).is_some());
+        let of_others = robot_bodies.map(|(body, other, towards)| {
+            let reached = self.distance_after([body, other], &towards, within);
+            (self.pair.distance - reached) / within
+        });
         let of_others = of_others.filter(|rate| rate.is_finite()).reduce(f64::lesser);
         Some(of_others.map_or(rate, |of_others| rate.greater(of_others)))
     }
 
-    /// How far (m) a body advances in a direction in the time `within` (s), beyond where its foremost point is now: it is in
-    /// capsules, whose ends move at a constant velocity.
-    fn advance(&self, body: BodyId, towards: &Vector, within: f64) -> f64 {
+    /// Estimate of the distance (m) of a body from the other one after the time `within` (s): the least of points on the axes of
+    /// its capsules, which move at constant velocities. A point may come near in the direction of the nearest points
+    /// only, and no faster than it moves.
+    fn distance_after(&self, [body, other]: [BodyId; 2], towards: &Vector, within: f64) -> f64 {
         let sign = if body == self.pair.a { 1.0 } else { -1.0 };
-        // rate at which a point of this body moves in the direction, relative to the other body
-        let rate = |point: &Point| {
-            let moved = self.moved(self.pair.a, point) - self.moved(self.pair.b, point);
-            sign * towards.dot(&moved) / self.poses.1.after
-        };
-        let capsules = self.checker.bounding_capsules(body, self.poses.0);
-        let ends =
-            capsules.iter().flat_map(|capsule| capsule.ends.map(|end| (Point::from(end), capsule.radius)));
-        let (mut front, mut reached) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
-        for (end, radius) in ends {
-            let place = towards.dot(&end.coords);
-            front = front.greater(place + radius);
-            // the ball around this end turns in place
-            reached = reached.greater(place + within * rate(&end) + radius);
-        }
-        reached - front
+        let [own, others] = [body, other].map(|body| self.checker.bounding_capsules(body, self.poses.0));
+        let points: Vec<(Point, f64)> = own.iter().flat_map(points_on_axis).collect();
+        let front = points.iter().map(|(p, radius)| towards.dot(&p.coords) + radius);
+        let front = front.fold(f64::NEG_INFINITY, f64::greater);
+        let distances = points.iter().map(|(point, radius)| {
+            let moved = (self.moved(self.pair.a, point) - self.moved(self.pair.b, point)) * sign;
+            let motion = moved * (within / self.poses.1.after);
+            let behind = front - towards.dot(&point.coords) - radius;
+            let along = self.pair.distance + behind - towards.dot(&motion);
+            let gaps = others.iter().map(|capsule| distance_to(capsule, point) - radius - motion.norm());
+            along.greater(gaps.fold(f64::INFINITY, f64::lesser))
+        });
+        distances.fold(f64::INFINITY, f64::lesser)
     }
 
     /// Displacement of a point of a body.
@@ -229,6 +230,23 @@ fn largest_rate_towards(around: &Reach, moving: &Reach, [now, then]: [&Pose; 2],
     };
     let turning = (then.rotation * now.rotation.inverse()).angle() / after;
     Some(towards(moving.ends[0]).greater(towards(moving.ends[1])) + turning * moving.radius)
+}
+
+/// Points on the axis of a capsule, with its radius.
+fn points_on_axis(capsule: &Reach) -> impl Iterator<Item = (Point, f64)> {
+    const PARTS: u8 = 8;
+    let [start, end] = capsule.ends;
+    let radius = capsule.radius;
+    (0..=PARTS).map(move |k| (Point::from(start + (end - start) * (f64::from(k) / f64::from(PARTS))), radius))
+}
+
+/// Distance (m) of a point from a capsule; negative inside it.
+fn distance_to(capsule: &Reach, point: &Point) -> f64 {
+    let [start, end] = capsule.ends;
+    let axis = end - start;
+    let length = axis.norm_squared();
+    let share = if length > 0.0 { (point.coords - start).dot(&axis) / length } else { 0.0 };
+    (point.coords - start - axis * share.clamp(0.0, 1.0)).norm() - capsule.radius
 }
 
 /// Displacement of a link's point between two poses.

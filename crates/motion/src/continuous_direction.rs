@@ -1,4 +1,4 @@
-//! Direction of rotation of continuous joints.
+//! Direction of rotation of continuous joints, and of planar joints.
 //!
 //! Positions that differ by full turns are the same pose, but different paths. `joint_trajectory_controller` moves from its current state
 //! to the first point in the shortest direction: it subtracts full turns from the current position (`wraparound_joint`), and so does
@@ -6,7 +6,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use clearance_robot::{Configuration, ConfigurationError, JointId, JointKind, RobotModel};
+use clearance_robot::{Configuration, ConfigurationError, JointId, RobotModel};
 
 /// Deviation (rad) from half a turn within which both directions count as equally short: the joint then follows its given positions.
 const HALF_TURN_TOLERANCE: f64 = 1e-9;
@@ -69,10 +69,10 @@ pub fn shortest_turns(
     Ok((points, held))
 }
 
-/// Continuous joints with a position of their own.
+/// Continuous joints with a position of their own, and planar joints, with the index of their angle.
 fn continuous(robot: &RobotModel) -> impl Iterator<Item = (JointId, usize)> {
-    let is_continuous = |id: &JointId| matches!(robot.joint(*id).kind, JointKind::Continuous(_));
-    robot.joint_ids().filter(is_continuous).filter_map(|id| Some((id, robot.first_position(id)?)))
+    let angle = |id| Some((id, robot.first_position(id)? + robot.joint(id).kind.unlimited_angle()?));
+    robot.joint_ids().filter_map(angle)
 }
 
 /// Number of full turns to subtract from an angle for the shortest direction.
@@ -87,6 +87,7 @@ pub(super) mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::{MotionSegment, Trajectory};
     use clearance_robot::MeshFiles;
 
     /// A continuous joint, a revolute one, and a joint of kind `kind` that mimics the first.
@@ -125,6 +126,27 @@ pub(super) mod tests {
             [3.0, -3.0 + TAU, 3.0].iter().zip(&points).all(|(q, p)| (q - p.positions()[0]).abs() < 1e-12)
         );
         assert_eq!([0, 1, 2].map(|i| points[i].positions()[1]), [3.0, -3.0, 3.0]);
+    }
+
+    #[test]
+    fn a_planar_joint_turns_the_short_way_too() {
+        let urdf = "<robot name='r'><link name='world'/><link name='base'/><joint name='drive' type='planar'>
+            <parent link='world'/><child link='base'/><axis xyz='0 0 1'/></joint></robot>";
+        let robot = RobotModel::from_urdf(urdf, &MeshFiles::default()).unwrap();
+        let points = [[9.0, -9.0, 2.8], [-9.0, 9.0, -2.8]].map(|q| robot.configuration(&q).unwrap());
+        let (points, held) = shortest_turns(&robot, points.to_vec()).unwrap();
+        assert!((points[0].positions()[2] - (2.8 - TAU)).abs() < 1e-12 && held.is_empty());
+        assert_eq!(
+            (&points[0].positions()[..2], points[1].positions()),
+            (&[9.0, -9.0][..], &[-9.0, 9.0, -2.8][..])
+        );
+        let given = [[0.0, 0.0, 2.8], [0.0, 0.0, -2.8]].map(|q| robot.configuration(&q).unwrap());
+        let given =
+            Trajectory::of_segments(vec![MotionSegment::straight(&robot, &given[0], &given[1])]).unwrap();
+        assert!(
+            given.long_turn_note(&robot).unwrap().contains("'drive/theta' turns by more than half a turn")
+        );
+        assert_eq!(given.continuous_turns(&robot)[0].joint, "drive/theta");
     }
 
     #[test]

@@ -2,18 +2,18 @@
 
 use std::f64::consts::PI;
 
-use clearance_robot::{Configuration, JointKind, RobotModel};
+use clearance_robot::{Configuration, Mimic, RobotModel};
 
 use super::{MotionSegment, Trajectory};
 
 /// Deviation (rad) from half a turn within which a controller, which measures the start itself, may select the other direction.
 const HALF_TURN_DOUBT: f64 = 1e-3;
 
-/// A continuous joint that rotates in a motion, with its positions (rad) at the start and the end; the proof covers all positions in
+/// A continuous joint, or the angle of a planar joint, that rotates in a motion, with its positions (rad) at the start and the end; the proof covers all positions in
 /// between.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContinuousTurn {
-    /// Name of the joint.
+    /// Name of the joint, or of the angle's position.
     pub joint: String,
     /// Position (rad) at the start.
     pub from: f64,
@@ -41,13 +41,20 @@ impl Turning<'_> {
     }
 }
 
-/// All continuous joints, mimic joints included.
+/// All continuous joints, mimic joints included, and the angles of planar joints.
 fn turning(robot: &RobotModel) -> impl Iterator<Item = Turning<'_>> {
     let joints = robot.joint_ids().map(|id| (id, robot.joint(id)));
-    let continuous = joints.filter(|(_, joint)| matches!(joint.kind, JointKind::Continuous(_)));
-    continuous.filter_map(|(id, joint)| {
-        let (leader, multiplier, offset) =
-            joint.mimic.map_or((id, 1.0, 0.0), |mimic| (mimic.joint, mimic.multiplier, mimic.offset));
+    joints.filter_map(|(id, joint)| {
+        let angle = joint.kind.unlimited_angle()?;
+        let Some(Mimic { joint: leader, multiplier, offset }) = joint.mimic else {
+            let index = robot.first_position(id)? + angle;
+            return Some(Turning {
+                name: &robot.position_names()[index],
+                index,
+                multiplier: 1.0,
+                offset: 0.0,
+            });
+        };
         Some(Turning { name: &joint.name, index: robot.first_position(leader)?, multiplier, offset })
     })
 }

@@ -73,13 +73,13 @@ impl TrajectoryStart {
                 .sum();
             let sign = if *kind == JointKind::Floating && dot < 0.0 { -1.0 } else { 1.0 };
             // on the shortest path full turns do not matter, unless they change the pose of a mimic joint
-            let turns = matches!(kind, JointKind::Continuous(_))
-                && direction == ContinuousDirection::Shortest
-                && robot.moved_by_whole_turns(joint).is_none();
+            let angle = kind.unlimited_angle().filter(|_| {
+                direction == ContinuousDirection::Shortest && robot.moved_by_whole_turns(joint).is_none()
+            });
             for (at, i) in positions.zip(0..) {
                 let first = if i < 3 { firsts[at] } else { sign * firsts[at] };
                 let off = first - starts[at];
-                let off = if turns { off - TAU * (off / TAU).round() } else { off };
+                let off = if angle == Some(i) { off - TAU * (off / TAU).round() } else { off };
                 if self.given[at] && off.abs() > START_TOLERANCE {
                     let name = robot.position_names()[at].clone();
                     return Err(StartMismatch { name, start: starts[at], first: firsts[at] });

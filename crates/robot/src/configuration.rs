@@ -86,10 +86,8 @@ impl RobotModel {
         let mut turns = vec![false; self.position_names.len()];
         for id in self.joint_ids().filter(|id| self.moved_by_whole_turns(*id).is_none()) {
             let Some(first) = self.first_position(id) else { continue };
-            match self.joint(id).kind {
-                JointKind::Continuous(_) => turns[first] = true,
-                JointKind::Planar(_) => turns[first + 2] = true,
-                _ => {}
+            if let Some(angle) = self.joint(id).kind.unlimited_angle() {
+                turns[first + angle] = true;
             }
         }
         turns

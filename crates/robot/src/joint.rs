@@ -84,6 +84,16 @@ impl JointKind {
         matches!(self, Self::Revolute(_) | Self::Continuous(_))
     }
 
+    /// Which of its positions is an angle without limits: a full turn of it changes no pose.
+    #[must_use]
+    pub fn unlimited_angle(&self) -> Option<usize> {
+        match self {
+            Self::Continuous(_) => Some(0),
+            Self::Planar(_) => Some(2),
+            _ => None,
+        }
+    }
+
     /// Number of degrees of freedom; a floating joint's seven positions have six.
     #[must_use]
     pub fn degrees_of_freedom(&self) -> usize {

@@ -8,8 +8,8 @@ use clearance_robot::{Configuration, JointId, LinkId, LinkPoses, RobotModel};
 use clearance_scene::AttachedId;
 use clearance_scene::BodyId;
 use clearance_scene::{
-    Applied, MultiDofJoint, ObjectChange, Operation, Scene, SceneContext, SceneRejection, SceneUpdate,
-    TransformTree,
+    Applied, AttachedChange, MultiDofJoint, ObjectChange, Operation, Scene, SceneContext, SceneRejection,
+    SceneUpdate, TransformTree,
 };
 use ros2_interfaces_jazzy_serde::moveit_msgs::msg::{Constraints, RobotState};
 use ros2_interfaces_jazzy_serde::moveit_msgs::srv::{GetStateValidityRequest, GetStateValidityResponse};
@@ -234,6 +234,14 @@ fn placed_joints(robot: &RobotModel, given: &MultiDOFJointState) -> Result<Vec<(
     Ok(placed)
 }
 
+/// An object that is added more than once: the second one would replace the first.
+fn attached_twice(attached: &[AttachedChange]) -> Option<&str> {
+    let mut added = HashSet::new();
+    let objects = attached.iter().map(|change| &change.object);
+    let mut adds = objects.filter(|object| object.operation == Operation::Add);
+    adds.find(|object| !added.insert(&object.id)).map(|object| object.id.as_str())
+}
+
 /// The scene with the attached objects of the request; `None` if that changes nothing. As in `MoveIt`, a detached
 /// object is removed, not put into the world.
 fn with_request(
@@ -246,6 +254,12 @@ fn with_request(
     let mut read = robot_state_change(state);
     if let Some(rejection) = read.rejections.first() {
         return Err(named(rejection));
+    }
+    if let Some(id) = attached_twice(&read.change.attached) {
+        let id = id.escape_debug();
+        return Err(format!(
+            "robot_state.attached_collision_objects: object '{id}' is added twice, and only one could be checked"
+        ));
     }
     let ActiveScene { revision, parameters, .. } = context.scene;
     let robot = revision.checker.robot();
