@@ -26,7 +26,8 @@ use super::distance_bounds::DistanceBounds;
 use super::motion_since_previous::{GapReason, MotionSincePrevious, NoMotion, Passage};
 use super::obstacle_motion::ObstacleMotion;
 use super::obstacle_shift::{KnownMotion, ObstacleShift, Surroundings};
-use super::{CheckedState, LeftOut, MonitorSettings, Time};
+use super::passed_over::PassedOver;
+use super::{CheckedState, JointStateInput, LeftOut, MonitorSettings, Time};
 
 /// Motion (m) within an interval below which it may stay undecided.
 const TOLERANCE: f64 = 1e-5;
@@ -48,6 +49,8 @@ pub(super) struct BetweenStates {
     turns: Vec<bool>,
     /// Its own workspace, so that its motions do not overwrite the data that speeds up the stream of states.
     workspace: Option<Workspace>,
+    /// Joint states since the previous one that were not evaluated.
+    passed_over: PassedOver,
     /// Result of the last check, until it is published.
     latest: Option<MotionSincePrevious>,
 }
@@ -105,7 +108,7 @@ pub(super) struct CurrentState<'c> {
 impl Default for BetweenStates {
     fn default() -> Self {
         let (previous, missing, turns) = (None, NoMotion::FirstState, Vec::new());
-        Self { previous, missing, turns, workspace: None, latest: None }
+        Self { previous, missing, turns, workspace: None, passed_over: PassedOver::default(), latest: None }
     }
 }
 
@@ -114,6 +117,13 @@ impl BetweenStates {
     pub fn note_clock_set_back(&mut self) {
         if self.previous.take().is_some() {
             self.missing = NoMotion::ClockSetBack;
+        }
+    }
+
+    /// A joint state is not evaluated; `index_of` gives the index of the position with a name.
+    pub fn note_passed_over(&mut self, input: &JointStateInput, index_of: impl Fn(&str) -> Option<usize>) {
+        if self.previous.is_some() {
+            self.passed_over.add(input, index_of);
         }
     }
 
@@ -161,6 +171,7 @@ impl BetweenStates {
         fixed: Option<LeftOut>,
     ) {
         let is_decided = state.report.undecided.is_empty() && fixed != Some(LeftOut::Pairs);
+        self.passed_over.clear();
         self.missing = NoMotion::FirstState;
         self.previous = settings.check_between_states.then(|| {
             // a state that is evaluated again keeps its times
@@ -203,6 +214,34 @@ impl BetweenStates {
     }
 
     fn decide(&mut self, motion: &Motion, current: &CurrentState) -> MotionSincePrevious {
+        let found = self.decide_on_line(motion, current);
+        if found != MotionSincePrevious::ProvenFree || self.is_line_enough(motion, current) {
+            return found;
+        }
+        let stamps = [
+            self.previous.as_ref().map_or(current.time.stamp, |previous| previous.time.stamp),
+            current.time.stamp,
+        ];
+        let gap = Some(Passage { pair: None, t: [0.0, 1.0], stamps });
+        MotionSincePrevious::NotProven { why: GapReason::PassedOver, gap }
+    }
+
+    /// Whether a proof about the straight line covers the joint states that were not evaluated: they lie within its tube, or are so near
+    /// that the distances at both ends prove the way through them.
+    fn is_line_enough(&self, motion: &Motion, current: &CurrentState) -> bool {
+        let (from, to) = (motion.from.as_slice(), current.configuration.positions());
+        if self.passed_over.are_within(from, to, &motion.tube, &self.turns) {
+            return true;
+        }
+        let Some(previous) = &self.previous else { return true };
+        let travel = self.passed_over.travel(current.checker, from, to, &self.turns);
+        let reach = MotionReach { travel, ..motion.reach(current) };
+        let shift = obstacle_shift(previous, current, motion, &reach).largest(current.checker);
+        PairKind::ALL.iter().all(|kind| is_proven_by_distances(*kind, previous, current, &reach, shift))
+    }
+
+    /// The same for the straight line.
+    fn decide_on_line(&mut self, motion: &Motion, current: &CurrentState) -> MotionSincePrevious {
         let Some(previous) = &self.previous else { return MotionSincePrevious::default() };
         let stamps = [previous.time.stamp, current.time.stamp];
         let unproven = |why: GapReason, pair, t| MotionSincePrevious::NotProven {

@@ -77,6 +77,14 @@ impl JointStateMerger {
         Self { slots, turns: robot.whole_turns(), mimic_joints }
     }
 
+    /// Index of the position with this name in a joint state.
+    pub fn position_index(&self, name: &str) -> Option<usize> {
+        match self.slots.get(name) {
+            Some(&Slot::Position(index)) => Some(index),
+            _ => None,
+        }
+    }
+
     /// Merges messages, given in the order of reception. For each joint, the last message with its name counts, unless
     /// its position comes from `tf`. Also returns the messages in use.
     pub fn read(

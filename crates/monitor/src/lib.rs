@@ -63,6 +63,7 @@ mod motion_since_previous;
 mod now;
 mod obstacle_motion;
 mod obstacle_shift;
+mod passed_over;
 mod received_states;
 mod root_location;
 mod root_speed;

@@ -209,7 +209,12 @@ impl Monitor {
             return false;
         }
         self.check_budget.note(now.steady);
-        self.received_states.receive(input, now);
+        if let Some(passed_over) = self.received_states.receive(input, now)
+            && let Some(evaluator) = &self.evaluator
+        {
+            let index_of = |name: &str| evaluator.joint_state_merger.position_index(name);
+            self.between_states.note_passed_over(&passed_over, index_of);
+        }
         self.set_back = None;
         true
     }
@@ -325,6 +330,7 @@ impl Monitor {
     fn evaluate(&mut self, now: Now) {
         self.outdated = false;
         self.check_result = self.decide(now).unwrap_or_else(CheckResult::unknown);
+        self.received_states.note_read();
         match &self.evaluator {
             Some(StateEvaluator { revision, .. }) => {
                 let CheckResult { status, checked_state, .. } = &self.check_result;

@@ -76,6 +76,8 @@ pub enum GapReason {
         /// Name of the obstacle.
         name: String,
     },
+    /// A joint state in between was not evaluated, because a newer one had come, and it lies beside the checked motion.
+    PassedOver,
     /// The status is UNKNOWN.
     UnknownStatus,
 }
@@ -166,6 +168,9 @@ impl fmt::Display for GapReason {
             Self::ObstacleMoves { name } => {
                 write!(f, "obstacle {} is near and may have moved", quoted(name))
             }
+            Self::PassedOver => f.write_str(
+                "a joint state in between, which was not evaluated because newer ones had come, lies beside the checked line",
+            ),
             Self::UnknownStatus => f.write_str("the status is UNKNOWN"),
         }
     }

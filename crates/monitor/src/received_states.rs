@@ -31,6 +31,8 @@ pub(super) struct ReceivedState {
     pub behind: Option<f64>,
     /// Newest evaluated stamp of its stream.
     evaluated: Option<Time>,
+    /// Whether an evaluation has read it.
+    is_read: bool,
     /// By name: velocity of the joint (rad/s, m/s), from the message or from the previous message of the stream; NaN if
     /// unknown.
     pub rates: Vec<f64>,
@@ -56,7 +58,8 @@ impl ReceivedState {
 pub(super) struct ReceivedStates(Vec<ReceivedState>);
 
 impl ReceivedStates {
-    pub fn receive(&mut self, mut input: JointStateInput, now: Now) {
+    /// Stores a joint state. Returns the one that it replaces, if no evaluation has read that.
+    pub fn receive(&mut self, mut input: JointStateInput, now: Now) -> Option<JointStateInput> {
         input.names.truncate(MOST_JOINTS);
         input.positions.truncate(MOST_JOINTS);
         input.velocities.truncate(MOST_JOINTS);
@@ -68,13 +71,21 @@ impl ReceivedStates {
             self.0.iter().position(|h| h.input.source == input.source && h.input.names == input.names);
         let before = before.map(|place| self.0.remove(place));
         let rates = rates(&input, stamp, before.as_ref());
-        let evaluated = before.and_then(|before| before.evaluated);
+        let evaluated = before.as_ref().and_then(|before| before.evaluated);
         let newest = evaluated.filter(|_| input.stamp != Time::ZERO);
         let behind = newest.map(|newest| newest.seconds_since(stamp)).filter(|&behind| behind > 0.0);
-        self.0.push(ReceivedState { input, stamp, at: now.steady, behind, evaluated, rates });
+        self.0.push(ReceivedState { input, stamp, at: now.steady, behind, evaluated, is_read: false, rates });
         let mut text: usize = self.0.iter().map(ReceivedState::text).sum();
         while self.0.len() > MOST_MESSAGES || (text > MOST_TEXT && self.0.len() > 1) {
             text -= self.0.remove(0).text();
+        }
+        before.filter(|before| !before.is_read).map(|before| before.input)
+    }
+
+    /// Marks all joint states as read by an evaluation.
+    pub fn note_read(&mut self) {
+        for received in &mut self.0 {
+            received.is_read = true;
         }
     }
 

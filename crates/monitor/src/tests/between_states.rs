@@ -549,3 +549,45 @@ fn many_streams() {
         assert_eq!(counts.missed, 0, "{counts:?}");
     }
 }
+
+/// Joint states that come faster than they are evaluated: `passed_over` are received between two that are evaluated.
+fn motion_past(passed_over: &[[f64; 2]], ends: [f64; 2], noise: f64) -> Evaluation {
+    let mut monitor = sweeper(MonitorSettings { joint_noise: noise, ..settings() });
+    send(&mut monitor, 0.0, ends[0]);
+    for (number, [turn, lift]) in (1..).zip(passed_over) {
+        let seconds = 1e-4 * f64::from(number);
+        assert!(monitor.receive(turned(seconds, *turn, *lift), at(seconds)));
+    }
+    send(&mut monitor, 0.02, ends[1])
+}
+
+#[test]
+fn joint_states_that_are_not_evaluated_are_part_of_the_motion() {
+    let proven = |passed_over: &[[f64; 2]], ends, noise| {
+        let evaluation = motion_past(passed_over, ends, noise);
+        assert_eq!(code(&evaluation), "FREE");
+        let is_proven = evaluation.motion_since_previous == MotionSincePrevious::ProvenFree;
+        assert_eq!(is_proven, evaluation.history.since_heartbeat.all_free);
+        assert!(
+            is_proven || why(&evaluation).contains("lies beside the checked line"),
+            "{}",
+            why(&evaluation)
+        );
+        is_proven
+    };
+    let rest = [-0.5, -0.5];
+    assert!(proven(&[], rest, 0.0));
+    // into the wall and back, also after a whole turn
+    assert!(!proven(&[[0.0, 0.0]], rest, 0.0));
+    assert!(!proven(&[[-0.4, 0.0], [std::f64::consts::TAU, 0.0], [-0.4, 0.0]], rest, 0.0));
+    // so near that the distances suffice
+    assert!(proven(&[[-0.499, 0.0], [-0.501, 0.0]], rest, 0.0));
+    // on the line, or within its tube: it passes close to the wall, where the distances do not suffice
+    let near = [-0.5, -0.02];
+    assert!(proven(&[[-0.3, 0.0], [-0.1, 0.0]], near, 0.0));
+    assert!(!proven(&[[-0.3, 0.001]], near, 0.0));
+    assert!(proven(&[[-0.3, 0.001]], near, 0.002));
+    assert!(!proven(&[[-0.3, f64::NAN]], near, 0.002));
+    let many: Vec<[f64; 2]> = (0..100).map(|_| [-0.5, 0.0]).collect();
+    assert!(!proven(&many, rest, 0.0), "more than are kept");
+}
