@@ -164,7 +164,9 @@ impl AcmArgs {
             self.deadline.and_then(|s| Instant::now().checked_add(Duration::try_from_secs_f64(s).ok()?));
         let builder = MatrixBuilder::new(robot, settings).map_err(Failure::input)?;
         let disabled: Vec<[LinkId; 2]> = match (&self.audit, robot.srdf()) {
-            (Some(_), Some(srdf)) => srdf.disabled_pairs.iter().map(|pair| [pair.a, pair.b]).collect(),
+            (Some(_), Some(srdf)) => {
+                srdf.unchecked_pairs(robot.link_ids()).into_iter().map(|(a, b, _)| [a, b]).collect()
+            }
             _ => Vec::new(),
         };
         let wanted = |a: LinkId, b: LinkId| {

@@ -46,7 +46,11 @@ impl AcmOutput<'_> {
             let undecided: Vec<&DecidedPair> =
                 pairs.iter().filter(|pair| !pair.decision.is_final() && !pair.touches_mostly()).collect();
             if !undecided.is_empty() {
-                lines.push("undecided; a larger --deadline or --max-boxes may decide them:".to_owned());
+                lines.push(
+                    "undecided; a larger --deadline or --max-boxes may decide them, unless a planar joint, or a continuous joint whose \
+                     mimic joint does not come back after a turn, moves them:"
+                        .to_owned(),
+                );
                 lines.extend(undecided.iter().map(|pair| pair_line(pair)));
             }
         }

@@ -68,7 +68,7 @@ fn geometry_finding(robot: &RobotModel, args: &RobotArgs) -> Option<Finding> {
     let hausdorff =
         HausdorffOptions { deadline: deadline_in(GEOMETRY_DEADLINE), ..HausdorffOptions::default() };
     let options = LintOptions { hausdorff, ..LintOptions::default() };
-    let visuals = match visual_geometry(urdf, args) {
+    let visuals = match visual_geometry(urdf, &args.mesh_files()) {
         Ok(visuals) => visuals,
         Err(failure) => {
             let text = on_one_line(&format!("visual geometry: {failure}")).into_owned();

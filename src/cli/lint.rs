@@ -7,7 +7,7 @@ use clap::Args;
 use clearance::lint::{
     HausdorffOptions, LargestDistance, LintOptions, LintReport, Severity, html_report, lint,
 };
-use clearance::robot::{RobotModel, RobotText, VisualGeometry};
+use clearance::robot::{MeshFiles, MeshLog, RobotModel, RobotText, VisualGeometry};
 use clearance_files::input_files::{self, DESCRIPTION_LIMIT};
 use clearance_files::readable_text::on_one_line;
 
@@ -70,8 +70,10 @@ pub fn run(args: &LintArgs) -> Result<ExitStatus, Failure> {
         ..RobotArgs::default()
     };
     // a link without collision geometry is a finding; the warning about it would repeat that
-    let robot = robot_args.load_quietly(&robot_args.mesh_files())?;
-    let visuals = visual_geometry(&args.urdf, &robot_args)?;
+    let meshes = MeshLog::default();
+    let robot = robot_args.load_quietly(&robot_args.mesh_files().with_log(meshes.clone()))?;
+    let visuals = visual_geometry(&args.urdf, &robot_args.mesh_files().with_log(meshes.clone()))?;
+    output_files::check_beside_meshes(&meshes, &[args.html.as_deref()])?;
     for warning in &visuals.warnings {
         log::warn!("{warning}");
     }
@@ -108,10 +110,10 @@ pub fn deadline_in(seconds: f64) -> Option<Instant> {
 }
 
 /// The visual geometry of a robot whose collision geometry is loaded.
-pub fn visual_geometry(urdf: &Path, robot: &RobotArgs) -> Result<VisualGeometry, Failure> {
+pub fn visual_geometry(urdf: &Path, files: &MeshFiles) -> Result<VisualGeometry, Failure> {
     let text = input_files::read_text(urdf, DESCRIPTION_LIMIT).map_err(Failure::input)?;
     let text = RobotText { urdf: &text, urdf_name: urdf.to_str(), ..RobotText::default() };
-    VisualGeometry::from_text(&text, &robot.mesh_files())
+    VisualGeometry::from_text(&text, files)
         .map_err(|error| Failure::Faults(error.faults.iter().map(ToString::to_string).collect()))
 }
 

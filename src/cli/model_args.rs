@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use clap::Args;
 use clearance::checker::CollisionChecker;
-use clearance::robot::{LinkId, MeshFiles, RobotModel, check_package_path};
+use clearance::robot::{LinkId, MeshFiles, MeshLog, RobotModel, check_package_path};
 use clearance::scene::{AllowedCollisionMatrix, MeshModel, Settings, VolumeSelection};
 use clearance::scene::{Scene, SceneLoader, World, WorldFileKind};
 use clearance_files::input_files::{self, WORLD_LIMIT};
@@ -97,7 +97,12 @@ pub enum UnknownSpace {
 impl RobotArgs {
     /// Loads the robot; warnings are logged.
     pub fn load(&self) -> Result<RobotModel, Failure> {
-        let robot = self.load_quietly(&self.mesh_files())?;
+        self.load_logged(&MeshLog::default())
+    }
+
+    /// The same; records the files of its meshes.
+    pub fn load_logged(&self, meshes: &MeshLog) -> Result<RobotModel, Failure> {
+        let robot = self.load_quietly(&self.mesh_files().with_log(meshes.clone()))?;
         for warning in robot.warnings() {
             log::warn!("{warning}");
         }

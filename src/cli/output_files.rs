@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use clearance::robot::MeshLog;
 use clearance_files::input_files;
 
 use super::failure::Failure;
@@ -26,6 +27,18 @@ pub fn check(inputs: &[Option<&Path>], outputs: &[Option<&Path>]) -> Result<(), 
         }
     }
     Ok(())
+}
+
+/// Checks that none of the files that are written is a mesh that was read.
+pub fn check_beside_meshes(meshes: &MeshLog, outputs: &[Option<&Path>]) -> Result<(), Failure> {
+    let read: Vec<PathBuf> = meshes.take().into_iter().map(|mesh| real(&mesh.file)).collect();
+    match outputs.iter().flatten().find(|file| read.contains(&real(file))) {
+        Some(file) => Err(Failure::Input(format!(
+            "{}: it is a mesh of the robot: write to another file",
+            file.display()
+        ))),
+        None => Ok(()),
+    }
 }
 
 /// The path without links; of a file that is not there, its name in its folder.

@@ -7,7 +7,7 @@ use clap::Args;
 use clearance::covers::{
     self, CoverSize, LinkCover, MeasuredCover, MeasuredLink, SearchLimit, ShapeKind, SphereCover,
 };
-use clearance::robot::{LinkId, RobotModel};
+use clearance::robot::{LinkId, MeshLog, RobotModel};
 use clearance_files::input_files::{self, DESCRIPTION_LIMIT};
 use clearance_files::readable_text::on_one_line;
 use serde::Serialize;
@@ -144,11 +144,11 @@ pub fn run(args: &SpheresArgs) -> Result<ExitStatus, Failure> {
     args.size.excess.map(|m| positive("--excess", m)).transpose()?;
     let deadline = args.deadline.map(|s| positive("--deadline", s)).transpose()?;
     let inputs = [&args.robot.urdf, &args.robot.srdf, &args.size.counts_of, &args.size.measure];
-    output_files::check(
-        &inputs.map(Option::as_deref),
-        &[&args.curobo, &args.xrdf, &args.sphere_urdf].map(Option::as_deref),
-    )?;
-    let robot = args.robot.load()?;
+    let outputs = [&args.curobo, &args.xrdf, &args.sphere_urdf].map(Option::as_deref);
+    output_files::check(&inputs.map(Option::as_deref), &outputs)?;
+    let meshes = MeshLog::default();
+    let robot = args.robot.load_logged(&meshes)?;
+    output_files::check_beside_meshes(&meshes, &outputs)?;
     if let Some(file) = args.size.measure.as_ref().filter(|_| args.shape == ShapeArg::Spheres) {
         return measure(args, &robot, file);
     }

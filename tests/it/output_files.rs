@@ -83,6 +83,65 @@ fn outputs_are_no_inputs_and_differ() {
     assert!(!folder.path("x").exists());
 }
 
+/// A tetrahedron, as collision geometry and as visual geometry of another link.
+#[test]
+fn a_mesh_of_the_robot_is_no_output() {
+    let folder = folder();
+    let mesh = "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n";
+    folder.write("seen.stl", mesh);
+    folder.write("hit.stl", mesh);
+    let of =
+        |kind: &str, file: &str| format!("<{kind}><geometry><mesh filename='{file}'/></geometry></{kind}>");
+    folder.write(
+        "m.urdf",
+        &format!(
+            "<robot name='m'><link name='a'>{}{}</link></robot>",
+            of("collision", "hit.stl"),
+            of("visual", "seen.stl")
+        ),
+    );
+    for arguments in [
+        &["spheres", "--urdf", "m.urdf", "--count", "1", "--curobo", "hit.stl"][..],
+        &["spheres", "--urdf", "m.urdf", "--count", "1", "--sphere-urdf", "./hit.stl"],
+        &["lint", "--urdf", "m.urdf", "--html", "seen.stl"],
+        &["lint", "--urdf", "m.urdf", "--html", "hit.stl"],
+    ] {
+        assert_fails(&folder.run(arguments), 2, "it is a mesh of the robot: write to another file");
+    }
+    for file in ["seen.stl", "hit.stl"] {
+        assert_eq!(std::fs::read_to_string(folder.path(file)).unwrap(), mesh);
+    }
+}
+
+/// `<disable_default_collisions>` hides every pair of a link.
+#[test]
+fn an_audit_includes_pairs_that_are_hidden_by_default() {
+    let folder = folder();
+    let link = |name: &str, x: f64| {
+        format!(
+            "<link name='{name}'><collision><origin xyz='{x} 0 0'/><geometry><sphere radius='0.1'/></geometry></collision></link>"
+        )
+    };
+    let joint = |name: &str, parent: &str, child: &str| {
+        format!(
+            "<joint name='{name}' type='revolute'><parent link='{parent}'/><child link='{child}'/><axis xyz='0 0 1'/>\
+             <limit lower='-3' upper='3' effort='1' velocity='1'/></joint>"
+        )
+    };
+    let links = [link("a", 1.0), link("b", 0.0), link("c", 1.0)].concat();
+    folder.write(
+        "h.urdf",
+        &format!("<robot name='h'>{links}{}{}</robot>", joint("ab", "a", "b"), joint("bc", "b", "c")),
+    );
+    folder.write("h.srdf", "<robot name='h'><disable_default_collisions link='c'/></robot>");
+    let output = folder.run(&["acm", "--urdf", "h.urdf", "--audit", "h.srdf", "--list"]);
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(
+        text.contains("1 can collide and are hidden") && text.contains("disable_default_collisions"),
+        "{text}"
+    );
+}
+
 #[cfg(unix)]
 #[test]
 fn no_file_beside_an_output_is_touched() {

@@ -1,6 +1,6 @@
 //! Pairs that an SRDF disables, compared with the decisions about them.
 
-use clearance_robot::RobotModel;
+use clearance_robot::{LinkId, RobotModel};
 
 use crate::decision::{DecidedPair, Decision};
 
@@ -44,17 +44,16 @@ pub struct AuditedPair<'d> {
     pub pair: &'d DecidedPair,
 }
 
-/// The disabled pairs of the robot's SRDF whose links have geometry, in the order of the links.
+/// The pairs that the robot's SRDF disables, by an entry or by default, whose links have geometry, in the order of the links.
 #[must_use]
 pub fn audit<'d>(robot: &'d RobotModel, decided: &'d [DecidedPair]) -> Vec<AuditedPair<'d>> {
-    let disabled = robot.srdf().map_or(&[][..], |srdf| &srdf.disabled_pairs);
-    let of_entry = |entry: &'d clearance_robot::DisabledPair| {
-        let [a, b] = [entry.a, entry.b].map(|link| robot.described_name(link));
+    let disabled = robot.srdf().map_or_else(Vec::new, |srdf| srdf.unchecked_pairs(robot.link_ids()));
+    let of_entry = |(a, b, reason): (LinkId, LinkId, &'d str)| {
+        let [a, b] = [a, b].map(|link| robot.described_name(link));
         let pair = decided.iter().find(|pair| pair.is_of(a, b))?;
-        let reason = entry.reason.as_str();
         Some(AuditedPair { reason, finding: finding(reason, pair), pair })
     };
-    disabled.iter().filter_map(of_entry).collect()
+    disabled.into_iter().filter_map(of_entry).collect()
 }
 
 /// Links that never move relative to each other hide no collision, whatever the reason says.

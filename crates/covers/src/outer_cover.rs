@@ -32,6 +32,9 @@ const FINE: f64 = 4.0;
 /// Largest number of searches for one excess.
 const MOST_ATTEMPTS: usize = 10;
 
+/// A cover with less than this part of the allowed excess may need much fewer balls.
+const MUCH_ROOM: f64 = 0.6;
+
 /// Part of the time that is left for a search; the rest is for its proof.
 const SEARCH_TIME: f64 = 0.6;
 
@@ -101,7 +104,7 @@ impl<'s> OuterCover<'s> {
     pub fn of_count(&self, count: usize, known: Option<Vec<BoundedBall>>) -> ProvenCover {
         let limit = self.limit.part(SEARCH_TIME);
         let found = self.best_of_count(count, None, &limit);
-        let found = self.finish(found);
+        let found = self.finish(found).map(|found| self.or_single(found));
         let is_cut = limit.is_over() || self.limit.is_over();
         let balls = match (found, known) {
             (Some(found), Some(known)) if is_cut && largest_excess(&known) < largest_excess(&found) => known,
@@ -109,6 +112,18 @@ impl<'s> OuterCover<'s> {
             (None, known) => known.unwrap_or_else(|| around(self.solid, self.limit)),
         };
         ProvenCover { balls, is_cut }
+    }
+
+    /// The cover, or one ball that has less excess.
+    fn or_single(&self, found: Vec<BoundedBall>) -> Vec<BoundedBall> {
+        if found.len() == 1 {
+            return found;
+        }
+        let single = self.finish(self.best_of_count(1, None, self.limit));
+        match single {
+            Some(single) if largest_excess(&single) <= largest_excess(&found) => single,
+            _ => found,
+        }
     }
 
     /// Few balls that contain the solid with an excess of at most `excess` (m); `None` if none are found. If the limit ends the search, `known`
@@ -135,13 +150,16 @@ impl<'s> OuterCover<'s> {
             aim *= (0.98 * excess / reached).greater(0.6).lesser(0.97);
         }
         let mut cover = cover?;
-        // the refinement may have left room for one ball less
+        // the refinement may have left room for one ball less, or for much fewer
+        let mut tries_many = largest_excess(&cover) < MUCH_ROOM * excess;
         for _ in 0..MOST_ATTEMPTS {
             if cover.len() < 2 || largest_excess(&cover) > 0.94 * excess {
                 break;
             }
-            match self.finish(self.best_of_count(cover.len() - 1, Some(excess), self.limit)) {
+            let count = if tries_many { cover.len() / 2 } else { cover.len() - 1 };
+            match self.finish(self.best_of_count(count, Some(excess), self.limit)) {
                 Some(fewer) if largest_excess(&fewer) <= excess => cover = fewer,
+                _ if tries_many => tries_many = false,
                 _ => break,
             }
         }
@@ -249,7 +267,29 @@ impl<'s> OuterCover<'s> {
                 best = closed;
             }
         }
-        Some(best)
+        Some(self.or_grown(best, &containment, &balls, margin))
+    }
+
+    /// The cover, or a better one by larger balls: a ball that alone closes many gaps runs away, and reaches out far.
+    fn or_grown(
+        &self,
+        mut best: Vec<BoundedBall>,
+        containment: &Containment,
+        balls: &[Ball],
+        margin: f64,
+    ) -> Vec<BoundedBall> {
+        let aim = self.refinement(0.0).largest_excess(balls);
+        let mut growth = margin;
+        while aim + 4.0 * growth < largest_excess(&best) && !self.limit.is_over() {
+            let grown: Vec<Ball> =
+                balls.iter().map(|ball| Ball { radius: ball.radius + growth, ..*ball }).collect();
+            let Some(closed) = self.closed(containment, &grown, margin) else { break };
+            if largest_excess(&closed) < largest_excess(&best) {
+                best = closed;
+            }
+            growth *= 2.0;
+        }
+        best
     }
 
     fn closed(&self, containment: &Containment, balls: &[Ball], tolerance: f64) -> Option<Vec<BoundedBall>> {

@@ -332,6 +332,33 @@ fn a_stopped_search_keeps_what_is_proven() {
     assert!(inner.is_cut() && inner.count() == 0 && inner.links[0].error[1] >= 0.05);
 }
 
+/// A ball that closes gaps alone grows far beyond the others: the cover must not be worse than that of fewer balls.
+#[test]
+fn more_spheres_reach_out_no_farther() {
+    let shapes = [
+        r#"<collision><geometry><sphere radius="0.09"/></geometry></collision>"#,
+        r#"<collision><geometry><cylinder radius="0.05" length="0.3"/></geometry></collision>
+           <collision><origin xyz="0 0.1 0.2"/><geometry><sphere radius="0.07"/></geometry></collision>"#,
+    ];
+    let excess = |shape: &str, size: CoverSize| {
+        let urdf = format!(r#"<robot name="r"><link name="a">{shape}</link></robot>"#);
+        let robot = RobotModel::from_urdf(&urdf, &MeshFiles::default()).unwrap();
+        let cover = sphere_cover(&robot, &size, &SearchLimit::default(), &|_| ()).unwrap();
+        (cover.count(), cover.largest_error())
+    };
+    for shape in shapes {
+        let mut least = f64::INFINITY;
+        for count in [1, 3, 12, 40] {
+            let (_, found) = excess(shape, CoverSize::PerLink(count));
+            assert!(found < 1.05 * least + 1e-4, "{count}: {found} m, after {least} m");
+            least = least.min(found);
+        }
+        assert!(least < 0.015, "{least}");
+        let (count, found) = excess(shape, CoverSize::Excess(0.02));
+        assert!(found <= 0.02 && count < 30, "{count} {found}");
+    }
+}
+
 /// Points of a shape's surface and inside of it.
 fn points_of(shape: &CoverShape) -> Vec<Point> {
     let mut random = fastrand::Rng::with_seed(8);

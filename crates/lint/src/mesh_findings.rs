@@ -47,7 +47,8 @@ pub(crate) fn mesh_findings(
             continue;
         };
         if found.degenerate_triangles.is_some_and(|defect| defect.count == found.triangles) {
-            let message = "no triangle has an area, so nothing is checked: export the mesh again";
+            let message =
+                "no triangle has an area, so that only lines and points are left: export the mesh again";
             findings.push(finding(Severity::Error, Check::DegenerateTriangles, None, message.to_owned()));
             continue;
         }

@@ -23,6 +23,28 @@ pub struct Srdf {
     pub passive_joints: Vec<JointId>,
 }
 
+/// Reason of a pair that no entry names, and that is not checked because of one of its links.
+const BY_DEFAULT: &str = "disable_default_collisions";
+
+impl Srdf {
+    /// All pairs of these links that are not checked, also because of a `<disable_default_collisions>`: each once, with the reason.
+    #[must_use]
+    pub fn unchecked_pairs(&self, links: impl Iterator<Item = LinkId>) -> Vec<(LinkId, LinkId, &str)> {
+        let named: Vec<_> =
+            self.disabled_pairs.iter().map(|pair| (pair.a, pair.b, pair.reason.as_str())).collect();
+        let is_named = |a, b| {
+            named.iter().any(|(x, y, _)| [(*x, *y), (*y, *x)].contains(&(a, b)))
+                || self.enabled_pairs.iter().any(|pair| [(a, b), (b, a)].contains(pair))
+        };
+        let by_default = |link: &LinkId| self.unchecked_by_default.contains(link);
+        let links: Vec<LinkId> = links.collect();
+        let pairs = links.iter().flat_map(|a| links.iter().map(move |b| (*a, *b))).filter(|(a, b)| a < b);
+        let unnamed = pairs.filter(|(a, b)| (by_default(a) || by_default(b)) && !is_named(*a, *b));
+        let unnamed: Vec<_> = unnamed.map(|(a, b)| (a, b, BY_DEFAULT)).collect();
+        named.into_iter().chain(unnamed).collect()
+    }
+}
+
 /// Two links that are never checked against each other, with the reason given in the SRDF.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DisabledPair {

@@ -22,7 +22,7 @@ use crate::scene::active_scene::{ActiveScene, CurrentScene};
 use crate::scene::cloud_inbox::CloudMessage;
 use crate::scene::loader_command::LoaderCommand;
 use crate::scene::loader_scene::LoaderScene;
-use crate::scene::scene_checker::{checker_of, solid_meshes, warnings_of};
+use crate::scene::scene_checker::{checker_of, solid_meshes, volumes_without_effect, warnings_of};
 use crate::scene::scene_command::SceneCommand;
 use crate::scene::scene_update_context::SceneUpdateContext;
 use crate::scene::shared_state::SharedState;
@@ -446,6 +446,7 @@ impl Loader {
         self.logged_meshes.log(&meshes);
         let mut warnings = self.scene.warnings();
         warnings.extend(scene.names_without_effect(robot).into_iter().chain(warnings_of(&checker, &meshes)));
+        warnings.extend(volumes_without_effect(robot, parameters));
         let revision = Arc::new(Revision {
             checker,
             model,

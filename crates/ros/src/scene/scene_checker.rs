@@ -1,9 +1,9 @@
 //! Builds the checker of a robot in a scene from the settings in the scene and in the parameters.
 
 use clearance_checker::{CollisionChecker, SolidMeshRemark, solid_mesh_remarks};
-use clearance_robot::RobotModel;
+use clearance_robot::{RobotModel, quoted_list};
 use clearance_scene::Scene;
-use clearance_scene::{MeshModel, Settings, VolumeSelectionError};
+use clearance_scene::{MeshModel, Settings, VolumeSelection, VolumeSelectionError};
 use std::sync::Arc;
 
 use crate::parameters::parameter_set::Parameters;
@@ -17,8 +17,9 @@ pub fn checker_of(
     known: Option<&CollisionChecker>,
 ) -> Result<CollisionChecker, String> {
     let (padding, pad_self) = (parameters.padding, parameters.pad_self);
-    let volumes =
-        parameters.volumes.parse().map_err(|error: VolumeSelectionError| format!("volumes: {error}"))?;
+    let mut volumes = volumes_of(parameters)?;
+    // no result depends on the volumes: links that the robot does not have change nothing
+    volumes.links.retain(|link, _| robot.link_by_name(link).is_some());
     let settings =
         Settings { padding, pad_self, mesh_model, volumes, ..Settings::default() }.with_scene(scene);
     let matrix = scene.matrix.as_ref();
@@ -27,6 +28,17 @@ pub fn checker_of(
         None => CollisionChecker::with_matrix(Arc::clone(robot), &scene.world, settings, matrix),
     };
     built.map_err(|error| error.to_string())
+}
+
+fn volumes_of(parameters: &Parameters) -> Result<VolumeSelection, String> {
+    parameters.volumes.parse().map_err(|error: VolumeSelectionError| format!("volumes: {error}"))
+}
+
+/// Warning about volumes of links that the robot does not have.
+pub fn volumes_without_effect(robot: &RobotModel, parameters: &Parameters) -> Option<String> {
+    let links = volumes_of(parameters).ok()?.links;
+    let unknown: Vec<String> = links.into_keys().filter(|link| robot.link_by_name(link).is_none()).collect();
+    (!unknown.is_empty()).then(|| format!("volumes: the robot has no link {}", quoted_list(&unknown)))
 }
 
 /// Warnings about the checks: defects of meshes that should be solid, and an empty set of pairs.
