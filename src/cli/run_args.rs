@@ -3,6 +3,7 @@
 use clap::Args;
 use clearance::checker::CollisionChecker;
 use clearance::proximity::Work;
+use clearance::scene::Settings;
 use serde::Serialize;
 
 use super::failure::Failure;
@@ -59,7 +60,19 @@ impl PairArgs {
         let loaded = world.load(&robot, &model.robot.mesh_files())?;
         let mut settings = model.settings();
         (settings.check_self, settings.check_world) = (!self.no_self, !self.no_world);
+        warn_of_padding(&settings, loaded.world.is_empty());
         model_args::checker(robot, &loaded, settings)
+    }
+}
+
+/// Warns of paddings that change nothing.
+fn warn_of_padding(settings: &Settings, is_world_empty: bool) {
+    let is_padded = settings.padding > 0.0;
+    if settings.pad_self && !is_padded {
+        log::warn!("--pad-self has no effect without --padding");
+    }
+    if is_padded && !settings.pad_self && is_world_empty {
+        log::warn!("--padding has no effect: there is no world, and --pad-self is not given");
     }
 }
 
