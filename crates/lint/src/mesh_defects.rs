@@ -37,7 +37,7 @@ pub struct MeshDefects {
     pub open_edges: Option<Defect>,
     /// Edges that two faces run through in the same direction.
     pub mixed_orientation: Option<Defect>,
-    /// Components of connected faces that are wound inward, if the largest component is among them. The mesh is closed, or nearly so.
+    /// Components of connected faces that are wound inward, and are no cavity of a larger one. The mesh is closed, or nearly so.
     pub inverted: Option<Defect>,
     /// Faces that repeat another one, with the same winding.
     pub duplicate_faces: Option<Defect>,
@@ -132,30 +132,58 @@ impl MeshDefects {
         }
     }
 
-    /// Counts components. A mesh of one winding is inverted if its largest component is wound inward: if it encloses a negative volume,
-    /// after its holes are closed by cones with their apex at the mean of its vertices.
+    /// Counts components. One is inverted if it encloses a negative volume, after its holes are closed by cones with their apex at the
+    /// mean of the vertices, and its box is not in that of a larger one that encloses a positive volume: then, it may be a cavity.
     fn find_components(&mut self, welded: &WeldedMesh, faces: &[usize]) {
         let mut parts =
             DisjointSets::of_faces(welded.positions.len(), faces.iter().map(|face| &welded.faces[*face]));
-        let mut volumes: HashMap<u32, (f64, usize)> = HashMap::new();
+        let mut components: HashMap<u32, Component> = HashMap::new();
         let origin = mean(&welded.positions);
         for &face in faces {
             let Triangle { a, b, c } = welded.triangle(face);
+            let bounds = [a.inf(&b.inf(&c)), a.sup(&b.sup(&c))];
             let volume = (a - origin).dot(&(b - origin).cross(&(c - origin))) / 6.0;
-            let entry = volumes.entry(parts.smallest(welded.faces[face][0])).or_insert((0.0, face));
-            entry.0 += volume;
+            let component = components.entry(parts.smallest(welded.faces[face][0])).or_insert(Component {
+                volume: 0.0,
+                face,
+                bounds,
+            });
+            component.volume += volume;
+            component.bounds = joined(component.bounds, bounds);
         }
-        self.components = volumes.len();
-        let largest = volumes.values().max_by(|s, t| s.0.abs().total_cmp(&t.0.abs()).then(t.1.cmp(&s.1)));
-        if let Some((volume, face)) = largest
-            && *volume < 0.0
-            && self.mixed_orientation.is_none()
-            && self.is_nearly_closed(faces.len())
-            && -volume > LEAST_VOLUME * box_volume(&welded.positions)
-        {
-            let count = volumes.values().filter(|(volume, _)| *volume < 0.0).count();
-            self.inverted = Some(Defect { count, point: centroid(&welded.triangle(*face)) });
+        self.components = components.len();
+        if self.mixed_orientation.is_some() || !self.is_nearly_closed(faces.len()) {
+            return;
         }
+        let least = LEAST_VOLUME * box_volume(&welded.positions);
+        let solids: Vec<&Component> =
+            components.values().filter(|component| component.volume > 0.0).collect();
+        let is_inverted = |component: &&Component| {
+            -component.volume > least && !solids.iter().any(|solid| solid.may_have_cavity(component))
+        };
+        let inverted: Vec<&Component> = components.values().filter(is_inverted).collect();
+        let largest = inverted.iter().min_by(|s, t| s.volume.total_cmp(&t.volume).then(s.face.cmp(&t.face)));
+        self.inverted = largest
+            .map(|largest| Defect { count: inverted.len(), point: centroid(&welded.triangle(largest.face)) });
+    }
+}
+
+/// Faces that share vertices.
+struct Component {
+    /// Volume (m³) that it encloses; negative if it is wound inward.
+    volume: f64,
+    /// Its first face.
+    face: usize,
+    /// Corners of its box.
+    bounds: [Point; 2],
+}
+
+impl Component {
+    /// Whether another component, which is wound inward, may be a cavity of this one.
+    fn may_have_cavity(&self, other: &Self) -> bool {
+        let [low, high] = self.bounds;
+        let is_within = (0..3).all(|i| low[i] <= other.bounds[0][i] && other.bounds[1][i] <= high[i]);
+        self.volume > -other.volume && is_within
     }
 }
 

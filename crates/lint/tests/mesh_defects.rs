@@ -42,6 +42,23 @@ fn inward_faces_are_found() {
     assert_eq!(MeshDefects { inverted: None, ..found }, clean());
 }
 
+/// Two tetrahedra: the second is beside the first one, or a cavity of it, and smaller, of equal size or larger.
+#[test]
+fn a_part_that_is_wound_inward_is_found_unless_it_is_a_cavity() {
+    let inward = FACES.map(|[a, b, c]| [a + 4, c + 4, b + 4]);
+    for (size, shift, count) in
+        [(0.5, 3.0, Some(1)), (1.0, 3.0, Some(1)), (2.0, 3.0, Some(1)), (0.2, 0.1, None)]
+    {
+        let second = corners(0.0)
+            .into_iter()
+            .map(|p| Point::from(p.coords * size) + Point::new(shift, 0.1, 0.1).coords);
+        let vertices: Vec<Point> = corners(0.0).into_iter().chain(second).collect();
+        let found = defects(vertices, &[&FACES[..], &inward].concat());
+        assert_eq!(found.inverted.map(|inverted| inverted.count), count, "size {size}");
+        assert_eq!(found.components, 2);
+    }
+}
+
 #[test]
 fn a_face_of_the_other_winding_is_found() {
     let mut faces = FACES;
