@@ -74,14 +74,15 @@ pub(super) struct StateTime {
     pub stamp: Time,
     /// Time of its evaluation (steady clock).
     pub at: Duration,
-    /// Oldest stamp of the positions from `tf`, if there are any.
-    pub transforms: Option<Time>,
+    /// Oldest and newest stamp of the positions from `tf`, if there are any.
+    pub transforms: Option<[Time; 2]>,
 }
 
 impl StateTime {
     /// Time (s) between the stamp and that of positions from `tf`.
     pub fn spread_of_transforms(&self) -> f64 {
-        self.transforms.map_or(0.0, |stamp| stamp.seconds_since(self.stamp).abs())
+        let apart = |stamp: Time| stamp.seconds_since(self.stamp).abs();
+        self.transforms.map_or(0.0, |[oldest, newest]| apart(oldest).greater(apart(newest)))
     }
 }
 
@@ -478,7 +479,8 @@ fn search(segment: &MotionSegment, current: &CurrentState, workspace: &mut Works
 fn longest_interval(previous: &PreviousState, current: &CurrentState) -> f64 {
     let ends = previous.state.measured.iter().zip(current.measured);
     let of_transforms = match (previous.time.transforms, current.time.transforms) {
-        (Some(before), Some(now)) => now.seconds_since(before).abs(),
+        // which joint has which stamp is not known
+        (Some([before, _]), Some([_, now])) => now.seconds_since(before).abs(),
         // the time between the evaluations, where a position has come from `tf` at one end only
         _ => current.time.at.saturating_sub(previous.time.at).as_secs_f64(),
     };

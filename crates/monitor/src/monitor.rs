@@ -391,7 +391,11 @@ impl Monitor {
             time: StateTime {
                 stamp: stamp.unwrap_or_default(),
                 at: now.steady,
-                transforms: self.transform_joints.stamp(),
+                transforms: self
+                    .transform_joints
+                    .stamp()
+                    .zip(self.transform_joints.newest_stamp())
+                    .map(Into::into),
             },
             between_states: &mut self.between_states,
             fixed: self.left_out,
