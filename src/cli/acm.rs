@@ -9,6 +9,7 @@ use clearance::collision_matrix::{
     AllowedPairs, DecidedPair, MatrixBuilder, MatrixDocument, MatrixOptions, SrdfEntry, add_disabled_pairs,
     audit,
 };
+use clearance::robot::quoted;
 use clearance::robot::{LinkId, RobotModel};
 use clearance::scene::Settings;
 use clearance_files::input_files::{self, DESCRIPTION_LIMIT, STATES_LIMIT};
@@ -220,7 +221,13 @@ impl AcmArgs {
         add_disabled_pairs(Some(&text), robot.name(), &[])
             .map_err(|why| Failure::Input(format!("{}: {why}", path.display())))?;
         // the entries of the original count, not those of --srdf
-        Ok(Some(OriginalSrdf { text, model: self.load_with_srdf(path)? }))
+        let model = self.load_with_srdf(path)?;
+        let of = model.srdf().map_or("", |srdf| &srdf.robot_name);
+        if of != robot.name() {
+            let [of, own] = [of, robot.name()].map(quoted);
+            log::warn!("{}: it is the SRDF of robot {of}, and entries of {own} are added", path.display());
+        }
+        Ok(Some(OriginalSrdf { text, model }))
     }
 
     /// Writes the SRDF; returns the new entries.
