@@ -43,7 +43,9 @@ impl SharedTopic {
             .filter(|before| before.publisher == publisher)
             .map(|before| received.saturating_duration_since(before.end));
         if let Some(turn) = returned_after {
-            self.shared_until = received.checked_add(SHORTEST_MEMORY.max(turn * REMEMBERED_TURNS));
+            // the turn of a fast publisher does not shorten the memory of a slow one
+            let until = received.checked_add(SHORTEST_MEMORY.max(turn * REMEMBERED_TURNS));
+            self.shared_until = self.shared_until.max(until);
         }
         returned_after.is_some() || received.saturating_duration_since(last.end) < RESTART
     }
