@@ -112,8 +112,10 @@ impl LookAheadEvaluator {
         if let Some(name) = tracked_obstacles.of_a_later_clock() {
             return unknown(&format!("the last state of obstacle {} has a later stamp", quoted(name)));
         }
-        if let Some(pair) = self.touched_since_poses(checker, input, velocities) {
-            return Ok(LookAhead { free_for: 0.0, first: Some(pair) });
+        match self.since_poses(checker, input, velocities) {
+            Ok(LookAhead { free_for, first }) if free_for <= 0.0 => return Ok(LookAhead { free_for, first }),
+            Ok(_) => {}
+            Err(why) => return unknown(&why),
         }
         let mut obstacle_limits = tracked_obstacles.limits_beyond_motion(&settings.obstacle_limits);
         let accelerating = tracked_obstacles.longest_age(|limit| limit.acceleration > 0.0, settings);
@@ -140,32 +142,36 @@ impl LookAheadEvaluator {
 }
 
 impl LookAheadEvaluator {
-    /// A pair with a moving obstacle that may have touched since the last known pose of the obstacle: where it moves on from
-    /// there is not known.
-    fn touched_since_poses(
+    /// No time is left if a moving obstacle may have touched since its last known pose: where it moves on from there is not
+    /// known. A contact of others in that time is none: the robot was elsewhere before than at its present velocity.
+    fn since_poses(
         &mut self,
         checker: &CollisionChecker,
         input: &LookAheadInput,
         velocities: &[f64],
-    ) -> Option<(BodyId, BodyId)> {
-        let (time, moving_obstacles) = input.tracked_obstacles.motions_since_poses()?;
+    ) -> Result<LookAhead, String> {
+        let free = Ok(LookAhead { free_for: f64::INFINITY, first: None });
+        let Some((time, moving_obstacles)) = input.tracked_obstacles.motions_since_poses() else {
+            return free;
+        };
         let positions = input.configuration.positions().iter();
         let before: Vec<f64> = positions.zip(velocities).map(|(q, v)| q - v * time).collect();
         let state = LookAheadState {
-            q: &checker.robot().configuration(&before).ok()?,
+            q: &checker.robot().configuration(&before).map_err(|error| error.to_string())?,
             velocities,
             accelerations: &vec![0.0; velocities.len()],
             moving_obstacles: &moving_obstacles,
             obstacle_limits: None,
             obstacle_latency: 0.0,
         };
-        let found = checker.look_ahead(state, time, &mut self.workspace).ok()?;
-        let is_of_obstacle = |(a, b): &(BodyId, BodyId)| {
-            let is_moving = |name: &str| moving_obstacles.iter().any(|moving| moving.name == name);
-            let bodies = [*a, *b].into_iter().filter(|body| matches!(body, BodyId::Obstacle(_)));
-            bodies.into_iter().any(|body| is_moving(checker.body_name(body)))
+        let found =
+            checker.look_ahead(state, time, &mut self.workspace).map_err(|error| error.to_string())?;
+        let is_moving = |body: BodyId| {
+            matches!(body, BodyId::Obstacle(_))
+                && moving_obstacles.iter().any(|moving| moving.name == checker.body_name(body))
         };
-        found.first.filter(is_of_obstacle)
+        let is_of_others = found.first.is_some_and(|(a, b)| !is_moving(a) && !is_moving(b));
+        if found.free_for >= time || is_of_others { free } else { Ok(LookAhead { free_for: 0.0, ..found }) }
     }
 }
 
