@@ -46,6 +46,9 @@ impl<'s> InnerCover<'s> {
 
     /// At most `count` balls inside; points deep inside are in one of them. Empty if nothing is inside.
     pub fn of_count(&self, count: usize) -> Vec<Ball> {
+        if let Some(own) = self.own_spheres(count) {
+            return own;
+        }
         let deepest = self.candidates.iter().map(|ball| ball.radius).fold(0.0, Extremes::greater);
         let (mut low, mut high) = (1e-3 * deepest, deepest);
         let mut best: Vec<Ball> = self.deepest().into_iter().collect();
@@ -65,6 +68,18 @@ impl<'s> InnerCover<'s> {
     /// Few balls inside, such that points deeper than `depth` (m) are in one of them. Proven unless [`MOST_ADDED`] balls do not
     /// suffice or the limit ends the search.
     pub fn of_depth(&self, depth: f64) -> Vec<Ball> {
+        let found = self.search_depth(depth);
+        self.own_spheres(found.len()).unwrap_or(found)
+    }
+
+    /// The spheres that the solid consists of, if there are at most `count`.
+    fn own_spheres(&self, count: usize) -> Option<Vec<Ball>> {
+        let spheres = self.solid.spheres().filter(|spheres| spheres.len() <= count)?;
+        let inside = |ball: Ball| Ball { radius: ball.radius - ROUNDING, ..ball };
+        Some(spheres.into_iter().map(inside).filter(|ball| ball.radius > 0.0).collect())
+    }
+
+    fn search_depth(&self, depth: f64) -> Vec<Ball> {
         let mut points = inner_points(&self.grid, 0.95 * depth);
         let mut balls = self.search(&points, None).unwrap_or_else(|| self.deepest().into_iter().collect());
         if self.candidates.is_empty() {

@@ -6,7 +6,7 @@ use clearance_geometry::math::{Extremes, Point, Pose, Vector};
 use clearance_geometry::{MeshError, Primitive, Shape, Triangle, TriangleMesh};
 use clearance_robot::{Collision, Link};
 
-use crate::ball::ROUNDING;
+use crate::ball::{Ball, ROUNDING};
 use crate::primitive_mesh::inscribed_mesh;
 use crate::triangle_tree::TriangleTree;
 
@@ -144,6 +144,17 @@ impl LinkSolid {
     /// Largest distance (m) of a point of a curved primitive from the mesh that replaces it.
     pub fn chord_error(&self) -> f64 {
         self.chord_error
+    }
+
+    /// The spheres that the solid consists of; `None` if a part is of another shape.
+    pub fn spheres(&self) -> Option<Vec<Ball>> {
+        let sphere = |part: &Part| match part.primitive {
+            Some((Primitive::Sphere { radius }, pose_sl)) => {
+                Some(Ball { centre: pose_sl.inverse() * Point::origin(), radius })
+            }
+            _ => None,
+        };
+        self.parts.iter().map(sphere).collect()
     }
 
     /// True if a part of the solid has an inside.

@@ -83,6 +83,17 @@ impl<'s> OuterCover<'s> {
         self.solid.extent()
     }
 
+    /// The spheres that the solid consists of, if there are at most `count`: a cover without excess.
+    fn own_spheres(&self, count: usize) -> Option<Vec<BoundedBall>> {
+        let spheres = self.solid.spheres().filter(|spheres| spheres.len() <= count)?;
+        let growth = 4.0 * ROUNDING;
+        let bounded = |Ball { centre, radius }| {
+            let bounds = DistanceBounds { lower: 0.0, upper: growth + ROUNDING, witness: centre };
+            (Ball { centre, radius: radius + growth }, bounds)
+        };
+        Some(spheres.into_iter().map(bounded).collect())
+    }
+
     /// Number of balls that a quick search needs for an excess (m).
     pub fn quick_count(&self, excess: f64) -> usize {
         self.search(excess, None, 0, self.limit).map_or(usize::MAX / 4096, |balls| balls.len())
@@ -90,6 +101,10 @@ impl<'s> OuterCover<'s> {
 
     /// A cover by a quick search; `None` if none is found and proven before the limit.
     pub fn quick(&self, aim: Aim) -> Option<Vec<BoundedBall>> {
+        let most = if let Aim::Count(count) = aim { count } else { usize::MAX };
+        if let Some(own) = self.own_spheres(most) {
+            return Some(own);
+        }
         let balls = match aim {
             Aim::Count(1) => self.around(),
             Aim::Count(count) => self.bisect(count, None, (QUICK, 0), self.limit),
@@ -102,6 +117,9 @@ impl<'s> OuterCover<'s> {
 
     /// At most `count` balls that contain the solid, with little excess. If the limit ends the search, `known` or a better cover.
     pub fn of_count(&self, count: usize, known: Option<Vec<BoundedBall>>) -> ProvenCover {
+        if let Some(balls) = self.own_spheres(count) {
+            return ProvenCover { balls, is_cut: false };
+        }
         let limit = self.limit.part(SEARCH_TIME);
         let found = self.best_of_count(count, None, &limit);
         let found = self.finish(found).map(|found| self.or_single(found));
@@ -129,7 +147,12 @@ impl<'s> OuterCover<'s> {
     /// Few balls that contain the solid with an excess of at most `excess` (m); `None` if none are found. If the limit ends the search, `known`
     /// or a better cover.
     pub fn of_excess(&self, excess: f64, known: Option<Vec<BoundedBall>>) -> Option<ProvenCover> {
-        let found = self.search_excess(excess);
+        let mut found = self.search_excess(excess);
+        if let Some(own) = self.own_spheres(found.as_ref().map_or(usize::MAX, Vec::len))
+            && largest_excess(&own) <= excess
+        {
+            found = Some(own);
+        }
         if !self.limit.is_over() {
             return found.map(|balls| ProvenCover { balls, is_cut: false });
         }

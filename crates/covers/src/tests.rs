@@ -181,6 +181,39 @@ fn a_cylinder_needs_no_more_balls_than_a_chain() {
 }
 
 #[test]
+fn spheres_are_their_own_cover() {
+    let sphere = |[radius, x]: [f64; 2]| {
+        format!(
+            r#"<collision><origin xyz="{x} 0 0.3" rpy="0.1 0.2 0.3"/><geometry><sphere radius="{radius}"/></geometry></collision>"#
+        )
+    };
+    let link = [[0.09, 0.0], [0.02, 0.08], [0.03, -0.1]].map(sphere).concat();
+    let urdf = &format!(r#"<robot name="r"><link name="a">{link}</link></robot>"#);
+    let text = RobotText { urdf, ..RobotText::default() };
+    let robot = RobotModel::from_text(&text, &MeshFiles::default()).unwrap();
+    let link = robot.link(robot.link_by_name("a").unwrap());
+    let (solid, limit) = (LinkSolid::of_link(link).unwrap().unwrap(), SearchLimit::default());
+    let outer = OuterCover::new(&solid, &limit).unwrap();
+    for cover in [outer.of_count(3, None), outer.of_count(9, None), outer.of_excess(1e-3, None).unwrap()] {
+        assert_eq!(cover.balls.len(), 3);
+        assert!(largest_excess(&cover.balls) < 1e-8);
+        assert_contains("spheres", &solid, &cover.balls);
+        assert_bounds("spheres", &solid, &cover.balls);
+    }
+    let few = outer.of_count(2, None).balls;
+    assert!(few.len() <= 2 && largest_excess(&few) > 1e-3);
+    assert_contains("spheres", &solid, &few);
+    assert!(outer.of_excess(0.1, None).unwrap().balls.len() < 3);
+    let inner = InnerCover::new(&solid, &limit).unwrap();
+    for balls in [inner.of_count(3), inner.of_depth(1e-3)] {
+        assert_eq!(balls.len(), 3);
+        let inside = |ball: &Ball| -solid.signed_distance(&ball.centre) >= ball.radius;
+        assert!(balls.iter().all(inside));
+    }
+    assert!(inner.of_depth(0.03).len() < 3);
+}
+
+#[test]
 fn inner_balls_are_inside() {
     for (name, solid) in solids() {
         let limit = SearchLimit::default();

@@ -7,7 +7,8 @@ use clearance_geometry::math::Pose;
 use clearance_robot::{LinkId, quoted};
 
 use super::{
-    AttachedChange, AttachedObject, GapExtent, ObjectChange, Operation, Scene, SceneContext, SceneRejection,
+    AttachedChange, AttachedObject, GapSubject, ObjectChange, Operation, Scene, SceneContext, SceneGap,
+    SceneRejection,
 };
 
 impl Scene {
@@ -17,8 +18,10 @@ impl Scene {
         context: &SceneContext,
         warnings: &mut Vec<String>,
     ) -> Result<(), SceneRejection> {
-        let applied = self.attach_or_detach(change, context, warnings).map_err(SceneRejection::of_attached);
-        if change.extent() == GapExtent::Pose { applied.map_err(SceneRejection::of_pose) } else { applied }
+        let applied = self.attach_or_detach(change, context, warnings);
+        // an update that detaches all objects has a gap without a name: none of them is detached
+        let gap = || SceneGap::new(GapSubject::Attached, &change.object.id, change.extent());
+        applied.map_err(|rejection| if rejection.gap.is_some() { rejection.leaving(gap()) } else { rejection })
     }
 
     fn attach_or_detach(

@@ -84,20 +84,27 @@ impl ObjectChange {
 }
 
 impl AttachedChange {
-    /// The world still has the shapes of an object that is attached or detached by its name alone.
+    /// Extent of the gap that this change leaves if it is rejected. The world still has the shapes of an object that is attached by
+    /// its name alone.
     pub(super) fn extent(&self) -> GapExtent {
-        if self.object.shapes.is_empty() { GapExtent::Pose } else { GapExtent::Shapes }
+        match self.object.operation {
+            Operation::Remove => GapExtent::Held,
+            _ if self.object.shapes.is_empty() => GapExtent::Pose,
+            _ => GapExtent::Shapes,
+        }
     }
 
     fn remaining_gap(&self, gap: SceneGap, is_rejected: bool) -> Option<SceneGap> {
         let ObjectChange { id, operation, shapes, .. } = &self.object;
         let is_of_objects = matches!(gap.subject, GapSubject::Object | GapSubject::Attached);
         let is_all = id.is_empty() && *operation == Operation::Remove && self.link.is_empty();
-        if !is_of_objects || (gap.name != *id && !is_all) {
+        let names_it = !id.is_empty() && gap.name == *id;
+        if !is_of_objects || !(names_it || is_all) {
             return Some(gap);
         }
         let is_held = gap.subject == GapSubject::Attached;
         match operation {
+            Operation::Remove if gap.extent == GapExtent::Held => Some(gap).filter(|_| is_rejected),
             // an object that was to be attached must be in the world from now on
             Operation::Remove if is_held && (is_all || is_rejected || gap.extent == GapExtent::Shapes) => {
                 Some(SceneGap { subject: GapSubject::Object, ..gap })
@@ -220,6 +227,29 @@ mod tests {
         // an object that was never attached, and is detached, must be in the world
         let left = attached(Remove, false).remaining_gap(gap(GapSubject::Attached, GapExtent::Pose), true);
         assert_eq!(left, Some(gap(GapSubject::Object, GapExtent::Pose)));
+    }
+
+    #[test]
+    fn what_a_link_should_have_released_is_a_gap_until_it_does() {
+        let held = gap(GapSubject::Attached, GapExtent::Held);
+        let detach = |id: &str, link: &str| {
+            let object = ObjectChange::named(id, Operation::Remove);
+            let change = AttachedChange { link: link.to_owned(), object, touch_links: vec![] };
+            SceneUpdate::Attached(Box::new(change))
+        };
+        assert_eq!(detach("a", "").announced_gaps(), std::slice::from_ref(&held));
+        for (id, link) in [("a", ""), ("a", "tip"), ("", "")] {
+            assert_eq!(detach(id, link).remaining_gap(held.clone(), false), None, "{id} {link}");
+            assert_eq!(detach(id, link).remaining_gap(held.clone(), true), Some(held.clone()), "{id} {link}");
+        }
+        // objects of one link, and another object
+        for (id, link) in [("", "tip"), ("b", "")] {
+            assert_eq!(detach(id, link).remaining_gap(held.clone(), false), Some(held.clone()), "{id} {link}");
+        }
+        let all = SceneGap { name: String::new(), ..held };
+        assert_eq!(detach("", "").remaining_gap(all.clone(), false), None);
+        assert_eq!(detach("", "tip").remaining_gap(all.clone(), false), Some(all.clone()));
+        assert_eq!(detach("a", "").remaining_gap(all.clone(), false), Some(all));
     }
 
     #[test]

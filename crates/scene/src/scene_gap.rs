@@ -28,11 +28,13 @@ pub enum GapSubject {
     LinkScale,
 }
 
-/// GapExtent of the difference from the announced content.
+/// Extent of the difference from the announced content.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum GapExtent {
     /// Its shapes are in the scene, but its pose or its link is not as announced.
     Pose,
+    /// It is in the scene with its shapes, but still attached to a link that was to release it.
+    Held,
     /// Shapes may be missing.
     Shapes,
 }

@@ -76,7 +76,10 @@ impl MissingObjects {
 }
 
 fn is_about(rejection: &SceneRejection, gap: &SceneGap) -> bool {
-    let is_same = |other: &SceneGap| (other.subject, &other.name) == (gap.subject, &gap.name);
+    let is_same = |other: &SceneGap| {
+        let is_of_all = other.subject == GapSubject::Attached && other.name.is_empty();
+        other.subject == gap.subject && (other.name == gap.name || is_of_all)
+    };
     rejection.gap.as_ref().is_some_and(is_same) || rejection.object.as_deref() == Some(&gap.name)
 }
 
@@ -121,6 +124,25 @@ mod tests {
         assert_eq!(faults(&missing), ["topic: object 'held': no link"]);
         missing.on_message("topic", Some(&attach("held")), &[]);
         assert!(faults(&missing).is_empty());
+    }
+
+    #[test]
+    fn a_rejected_detachment_is_a_fault_until_all_are_detached() {
+        let detach = |id: &str| {
+            let object = ObjectChange::named(id, Operation::Remove);
+            let (link, touch_links) = (String::new(), Vec::new());
+            SceneUpdate::Attached(Box::new(AttachedChange { link, object, touch_links }))
+        };
+        let rejection = |id: &str| {
+            let gap = SceneGap::new(GapSubject::Attached, id, clearance_scene::GapExtent::Held);
+            SceneRejection { gap: Some(gap), ..SceneRejection::of("a", "another link holds it") }
+        };
+        let mut missing = MissingObjects::default();
+        missing.on_message("topic", Some(&detach("a")), &[rejection("a")]);
+        missing.on_message("topic", Some(&detach("")), &[rejection("")]);
+        assert_eq!(missing.len(), 2);
+        missing.on_message("topic", Some(&detach("")), &[]);
+        assert_eq!(missing.len(), 0);
     }
 
     #[test]
