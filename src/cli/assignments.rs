@@ -39,6 +39,9 @@ fn hint(word: &str, words: &[&str]) -> String {
             None if word.parse::<f64>().is_ok() => {
                 ": name the joint of every number, and write decimals with a point".to_owned()
             }
+            None if words.len() > 1 => {
+                ": a joint whose name has a blank is given with --states FILE".to_owned()
+            }
             None => String::new(),
         };
     };

@@ -40,7 +40,7 @@ pub struct CheckArgs {
     #[command(flatten)]
     contacts: ContactArgs,
 
-    /// Largest distance in metres that is reported [default: no limit]
+    /// With --query distance and pair-distances: largest distance in metres that is reported [default: no limit]
     #[arg(
         long,
         value_name = "M",
@@ -74,6 +74,10 @@ pub enum Query {
 pub fn run(args: &CheckArgs) -> Result<ExitStatus, Failure> {
     if args.limit.is_nan() || args.limit < 0.0 {
         return Err(Failure::Input("--limit must be zero or more metres".to_owned()));
+    }
+    if args.limit < f64::INFINITY && matches!(args.query(), Query::Free | Query::Pairs) {
+        let why = "--limit needs distances: give --query distance or pair-distances";
+        return Err(Failure::Input(why.to_owned()));
     }
     if args.contacts.contacts.is_some() && args.query() != Query::Pairs {
         let why = "--contacts needs all colliding pairs: leave --query out, or give --query pairs";

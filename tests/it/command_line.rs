@@ -134,6 +134,7 @@ fn bad_input_is_named() {
     assert_bad_input(&check(&TWO_LINK, &["--state", "joint1"]), &["joint1", "JOINT=NUMBER"]);
     assert_bad_input(&check(&TWO_LINK, &["--state", "joint1=1 joint1=2"]), &["joint1", "twice"]);
     assert_bad_input(&check(&TWO_LINK, &["--state", "elbow=1"]), &["elbow", "joint1"]);
+    assert_bad_input(&check(&TWO_LINK, &["--state", "joint 1=1"]), &["'joint'", "--states FILE"]);
     assert_bad_input(&check(&TWO_LINK, &["--state", "", "--limit", "-1"]), &["--limit"]);
     assert_bad_input(&check(&TWO_LINK, &["--state", "", "--padding", "-1"]), &["padding"]);
     assert_bad_input(&check(&TWO_LINK, &["--state", "", "--world", "none.yaml"]), &["none.yaml"]);
@@ -262,11 +263,14 @@ world:
 /// What touches is within any limit, and what overflows is refused.
 #[test]
 fn limits_of_zero_and_endless_joints() {
-    let touching = ["--state", "joint2=3.141592653589793", "--limit", "0", "--format", "json", "--query"];
-    for query in ["free", "pairs", "distance", "pair-distances"] {
-        let output = check(&TWO_LINK, &[&touching[..], &[query]].concat());
+    let touching = ["--state", "joint2=3.141592653589793", "--limit", "0", "--format", "json"];
+    for query in ["distance", "pair-distances"] {
+        let output = check(&TWO_LINK, &[&touching[..], &["--query", query]].concat());
         assert_eq!(json(&output)["results"][0]["free"], false, "{query}");
         assert_eq!(output.status.code(), Some(1));
+    }
+    for query in [&[][..], &["--query", "free"], &["--query", "pairs"], &["--contacts", "2"]] {
+        assert_bad_input(&check(&TWO_LINK, &[&touching[..], query].concat()), &["--limit", "--query distance"]);
     }
     assert_bad_input(&check(&TWO_LINK, &["--state", "joint1=1e300"]), &["joint1", "1e300"]);
     assert_bad_input(&check(&TWO_LINK, &["--state", "", "--threads", "100000"]), &["--threads"]);

@@ -147,9 +147,12 @@ fn new_file_beside(target: &Path) -> io::Result<(PathBuf, File)> {
 /// Checks that a file may be written there: nothing exists, or a regular file.
 ///
 /// # Errors
-/// When something else stands there, such as a folder or a FIFO.
+/// When something else stands there, such as a folder or a FIFO, and for `-`, which users give for standard output.
 pub fn check_target(path: &Path) -> Result<(), InputFileError> {
     let fault = |reason| InputFileError { file: path.to_owned(), reason };
+    if path.as_os_str() == "-" {
+        return Err(fault("is not standard output here; give a file (./- for one of that name)".to_owned()));
+    }
     path.metadata().map_or(Ok(()), |metadata| only_regular(&metadata, OUTPUT_HINT).map_err(fault))
 }
 

@@ -52,6 +52,7 @@ fn files_are_written_in_place_of_the_old_ones() {
         assert_eq!(std::fs::read_to_string(&file).unwrap(), text);
     }
     let nowhere = folder.path().join("none").join("f");
+    assert!(write(Path::new("-"), b"x").unwrap_err().reason.contains("standard output"));
     assert!(write(&nowhere, b"x").unwrap_err().reason.starts_with("cannot be written: "));
 }
 
