@@ -345,6 +345,7 @@ fn nothing_touches_before_the_look_ahead_says() {
             moving_obstacles: &[],
             obstacle_limits: None,
             obstacle_latency: 0.0,
+            only_moving_obstacles: false,
         };
         checker.look_ahead(state, horizon, &mut checker.workspace()).unwrap()
     };
@@ -390,6 +391,7 @@ fn obstacles_that_move_come_within_the_look_ahead() {
             moving_obstacles: &[],
             obstacle_limits: Some(&limits),
             obstacle_latency: latency,
+            only_moving_obstacles: false,
         };
         checker.look_ahead(state, 10.0, &mut checker.workspace()).unwrap()
     };

@@ -9,6 +9,7 @@
 //! touch in between: a distance that is `d0` at the start and `d1` at the end is at least `(d0 + d1 - travel) / 2` on
 //! the way. Only other motions are searched, with a limit on the number of evaluations.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -26,7 +27,9 @@ use super::distance_bounds::DistanceBounds;
 use super::motion_since_previous::{GapReason, MotionSincePrevious, NoMotion, Passage};
 use super::obstacle_motion::ObstacleMotion;
 use super::obstacle_shift::{KnownMotion, ObstacleShift, Surroundings};
-use super::passed_over::PassedOver;
+use super::passed_over::{PartialState, PassedOver, TolerantLine};
+use super::pose_trail::LargestDisplacement;
+use super::transform_stamps::TransformStamps;
 use super::{CheckedState, JointStateInput, LeftOut, MonitorSettings, Time};
 
 /// Motion (m) within an interval below which it may stay undecided.
@@ -68,22 +71,16 @@ struct PreviousState {
 }
 
 /// Times of a state.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub(super) struct StateTime {
     /// Stamp of the state.
     pub stamp: Time,
     /// Time of its evaluation (steady clock).
     pub at: Duration,
-    /// Oldest and newest stamp of the positions from `tf`, if there are any.
-    pub transforms: Option<[Time; 2]>,
-}
-
-impl StateTime {
-    /// Time (s) between the stamp and that of positions from `tf`.
-    pub fn spread_of_transforms(&self) -> f64 {
-        let apart = |stamp: Time| stamp.seconds_since(self.stamp).abs();
-        self.transforms.map_or(0.0, |[oldest, newest]| apart(oldest).greater(apart(newest)))
-    }
+    /// Stamps of the transforms that positions are from.
+    pub transforms: TransformStamps,
+    /// Longest time (s) between the stamp and those of the transforms.
+    pub spread_of_transforms: f64,
 }
 
 /// The state at the end of a motion.
@@ -91,13 +88,15 @@ pub(super) struct CurrentState<'c> {
     pub checker: &'c CollisionChecker,
     pub configuration: &'c Configuration,
     pub poses: &'c LinkPoses,
-    pub time: StateTime,
+    pub time: &'c StateTime,
     /// By position: the stamp of its message; `None` for positions from `tf`.
     pub measured: &'c [Option<Time>],
     pub report: &'c CollisionReport,
     pub bounds: DistanceBounds,
     /// Motion of the obstacles and the root.
     pub known_motion: KnownMotion<'c>,
+    /// Displacements of tracked obstacles since the previous state, by name.
+    pub obstacle_displacements: &'c BTreeMap<String, LargestDisplacement>,
     /// Difference (s) between the times of measurement of the joints.
     pub spread: f64,
     pub settings: &'c MonitorSettings,
@@ -125,6 +124,13 @@ impl BetweenStates {
     pub fn note_passed_over(&mut self, input: &JointStateInput, index_of: impl Fn(&str) -> Option<usize>) {
         if self.previous.is_some() {
             self.passed_over.add(input, index_of);
+        }
+    }
+
+    /// Positions from `tf` were received, in this order; `None` if they are not known.
+    pub fn note_transforms(&mut self, states: Option<Vec<PartialState>>) {
+        if self.previous.is_some() {
+            self.passed_over.add_transforms(states);
         }
     }
 
@@ -162,7 +168,7 @@ impl BetweenStates {
         left_out
     }
 
-    /// Makes this state the start of the next motion.
+    /// Makes this state the start of the next motion. Returns whether it is a new one, not the last one evaluated again.
     pub fn keep(
         &mut self,
         state: &Arc<CheckedState>,
@@ -170,19 +176,21 @@ impl BetweenStates {
         bounds: DistanceBounds,
         settings: &MonitorSettings,
         fixed: Option<LeftOut>,
-    ) {
+    ) -> bool {
         let is_decided = state.report.undecided.is_empty() && fixed != Some(LeftOut::Pairs);
-        self.passed_over.clear();
         self.missing = NoMotion::FirstState;
+        self.passed_over.clear();
+        // a state that is evaluated again keeps its times
+        let same = self.previous.take().filter(|previous| {
+            let is_same_time = previous.time.stamp == time.stamp && previous.time.transforms == time.transforms;
+            is_same(&previous.state, state) && is_same_time
+        });
+        let is_new = same.is_none();
         self.previous = settings.check_between_states.then(|| {
-            // a state that is evaluated again keeps its times
-            let same = self.previous.as_ref().filter(|previous| {
-                let stamps = |time: &StateTime| (time.stamp, time.transforms);
-                is_same(&previous.state, state) && stamps(&previous.time) == stamps(&time)
-            });
             let time = same.map_or(time, |previous| previous.time);
             PreviousState { state: Arc::clone(state), time, bounds, is_of_current_world: true, is_decided }
         });
+        is_new
     }
 
     /// The motion from the previous state, or why there is none.
@@ -230,12 +238,13 @@ impl BetweenStates {
     /// Whether a proof about the straight line covers the joint states that were not evaluated: they lie within its tube, or are so near
     /// that the distances at both ends prove the way through them.
     fn is_line_enough(&self, motion: &Motion, current: &CurrentState) -> bool {
-        let (from, to) = (motion.from.as_slice(), current.configuration.positions());
-        if self.passed_over.are_within(from, to, &motion.tube, &self.turns) {
+        let to = current.configuration.positions();
+        let line = TolerantLine { from: &motion.from, to, tube: &motion.tube, turns: &self.turns };
+        if self.passed_over.are_within(line) {
             return true;
         }
         let Some(previous) = &self.previous else { return true };
-        let travel = self.passed_over.travel(current.checker, from, to, &self.turns);
+        let travel = self.passed_over.travel(current.checker, line);
         let reach = MotionReach { travel, ..motion.reach(current) };
         let shift = obstacle_shift(previous, current, motion, &reach).largest(current.checker);
         PairKind::ALL.iter().all(|kind| is_proven_by_distances(*kind, previous, current, &reach, shift))
@@ -417,7 +426,7 @@ fn obstacle_shift(
     };
     let mut frames = before.frames.iter().chain(current.known_motion.frames);
     // where the root stands, no radius matters
-    let radius = if frames.all(ObstacleMotion::is_none) {
+    let radius = if frames.all(ObstacleMotion::rests) {
         0.0
     } else {
         current.checker.extent(current.poses) + reach.travel + reach.tube
@@ -428,6 +437,7 @@ fn obstacle_shift(
         settings: current.settings,
         radius,
         duration: motion.duration.greater(current.spread),
+        obstacle_displacements: current.obstacle_displacements,
     };
     ObstacleShift::between([before, current.known_motion], &surroundings)
 }
@@ -478,12 +488,10 @@ fn search(segment: &MotionSegment, current: &CurrentState, workspace: &mut Works
 /// The longest time (s) between two measurements of a joint, also of those whose positions come from `tf`.
 fn longest_interval(previous: &PreviousState, current: &CurrentState) -> f64 {
     let ends = previous.state.measured.iter().zip(current.measured);
-    let of_transforms = match (previous.time.transforms, current.time.transforms) {
-        // which joint has which stamp is not known
-        (Some([before, _]), Some([_, now])) => now.seconds_since(before).abs(),
-        // the time between the evaluations, where a position has come from `tf` at one end only
-        _ => current.time.at.saturating_sub(previous.time.at).as_secs_f64(),
-    };
+    // the time between the evaluations, where a position has come from `tf` at one end only
+    let between = || current.time.at.saturating_sub(previous.time.at).as_secs_f64();
+    let of_transforms =
+        current.time.transforms.longest_interval(&previous.time.transforms).unwrap_or_else(between);
     let intervals = ends.map(|ends| match ends {
         (Some(before), Some(now)) => now.seconds_since(*before).abs(),
         _ => of_transforms,

@@ -12,7 +12,7 @@ use super::contact_history::ContactHistory;
 use super::motion_since_previous::{MotionSincePrevious, Passage};
 use super::obstacle_motion::ObstacleMotion;
 use super::state_contacts::ContactsOfPair;
-use super::{Now, Reason, Separation, Status, Time, TrackedObstacles, WorldSource};
+use super::{Now, PlacedAt, Reason, Separation, Status, Time, TrackedObstacles, WorldSource};
 
 /// A checker with its version numbers.
 #[derive(Debug)]
@@ -98,6 +98,8 @@ pub struct CheckedState {
     pub rates: Option<Vec<f64>>,
     /// By position: the stamp of the joint state that contains it; `None` for positions from `tf`.
     pub measured: Vec<Option<Time>>,
+    /// The times of positions from `tf`.
+    pub placed_at: Vec<PlacedAt>,
     /// Longest time (s) between the stamp and the measurement of a position.
     pub spread: f64,
     /// Motions of the obstacle frames relative to the robot's root, one for each tracked frame.

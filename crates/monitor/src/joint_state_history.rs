@@ -21,6 +21,8 @@ pub struct JointStateHistory {
     /// Weak reference: a replaced robot model is not kept in memory for the history.
     robot: Weak<RobotModel>,
     positions: Vec<PositionHistory>,
+    /// The clock at the last evaluation.
+    clock: Option<Time>,
 }
 
 /// History of one position.
@@ -34,8 +36,12 @@ struct PositionHistory {
 }
 
 impl JointStateHistory {
-    /// Stores the configuration of an evaluation.
-    pub fn note(&mut self, evaluation: &Evaluation) {
+    /// Stores the configuration of an evaluation that was made at a time of the clock. A clock that is set back begins another history.
+    pub fn note(&mut self, evaluation: &Evaluation, ros: Option<Time>) {
+        if self.clock.zip(ros).is_some_and(|(before, ros)| before.seconds_since(ros) > STEP) {
+            *self = Self::default();
+        }
+        self.clock = ros;
         let Evaluation {
             stamp: Some(stamp), robot_state: Some(robot_state), revision: Some(revision), ..
         } = evaluation
@@ -44,11 +50,13 @@ impl JointStateHistory {
         };
         let robot = revision.checker.robot();
         if self.robot.as_ptr() != Arc::as_ptr(robot) {
-            *self = Self { robot: Arc::downgrade(robot), positions: PositionHistory::of(robot) };
+            *self = Self { robot: Arc::downgrade(robot), positions: PositionHistory::of(robot), clock: ros };
         }
-        let values = robot_state.configuration.positions().iter().zip(&robot_state.measured);
-        for (history, (position, measured)) in self.positions.iter_mut().zip(values) {
-            history.note(measured.unwrap_or(*stamp), *position);
+        let placed_at = |index: &usize| robot_state.placed_at.iter().find(|at| at.positions.contains(index));
+        let values = robot_state.configuration.positions().iter().zip(&robot_state.measured).enumerate();
+        for (history, (index, (position, measured))) in self.positions.iter_mut().zip(values) {
+            let stamp_of = measured.or_else(|| Some(placed_at(&index)?.stamp));
+            history.note(stamp_of.unwrap_or(*stamp), *position);
         }
     }
 
@@ -173,9 +181,9 @@ mod tests {
             #[expect(clippy::cast_precision_loss, reason = "few")]
             let position = 1e-3 * milliseconds as f64;
             if i % 40 == 0 {
-                joint_state_history.note(&received(&mut monitor, milliseconds, &[("slide", position)]));
+                joint_state_history.note(&received(&mut monitor, milliseconds, &[("slide", position)]), None);
             }
-            joint_state_history.note(&received(&mut monitor, milliseconds, &[("turn", position)]));
+            joint_state_history.note(&received(&mut monitor, milliseconds, &[("turn", position)]), None);
         }
         let (_, told) = joint_state_history.at(time(605)).unwrap();
         let apart = told.positions().iter().map(|position| (position - 0.605).abs());
@@ -189,7 +197,7 @@ mod tests {
         assert!(joint_state_history.at(time(0)).is_none());
         // past half a turn, where an encoder wraps around
         for (milliseconds, positions) in [(0, [3.0, 0.0]), (100, [3.2 - TAU, 1.0]), (200, [3.4 - TAU, 1.0])] {
-            joint_state_history.note(&evaluated(&revision, milliseconds, positions));
+            joint_state_history.note(&evaluated(&revision, milliseconds, positions), None);
         }
         for (milliseconds, expected) in [
             (-500, [3.0, 0.0]),
@@ -211,7 +219,7 @@ mod tests {
     fn it_has_an_end_and_begins_anew_when_the_clock_is_set_back() {
         let (revision, mut joint_state_history) = (revision(), JointStateHistory::default());
         for milliseconds in 0..10_000 {
-            joint_state_history.note(&evaluated(&revision, milliseconds, [0.0, 0.0]));
+            joint_state_history.note(&evaluated(&revision, milliseconds, [0.0, 0.0]), None);
         }
         let counts = |joint_state_history: &JointStateHistory| {
             joint_state_history.positions.iter().map(|history| history.values.len()).collect::<Vec<_>>()
@@ -222,11 +230,11 @@ mod tests {
             counts(&joint_state_history)
         );
         let before = counts(&joint_state_history);
-        joint_state_history.note(&evaluated(&revision, 9_900, [0.0, 1.0]));
+        joint_state_history.note(&evaluated(&revision, 9_900, [0.0, 1.0]), None);
         assert_eq!(counts(&joint_state_history), before, "who lags behind");
-        joint_state_history.note(&evaluated(&revision, 0, [0.0, 1.0]));
+        joint_state_history.note(&evaluated(&revision, 0, [0.0, 1.0]), None);
         assert_eq!(counts(&joint_state_history), [1, 1]);
-        joint_state_history.note(&evaluated(&self::revision(), 100, [0.0, 1.0]));
+        joint_state_history.note(&evaluated(&self::revision(), 100, [0.0, 1.0]), None);
         assert_eq!(counts(&joint_state_history), [1, 1], "another robot");
     }
 }

@@ -77,6 +77,11 @@ impl JointStateMerger {
         Self { slots, turns: robot.whole_turns(), mimic_joints }
     }
 
+    /// By position: whether full turns make no difference.
+    pub fn turns(&self) -> &[bool] {
+        &self.turns
+    }
+
     /// Index of the position with this name in a joint state.
     pub fn position_index(&self, name: &str) -> Option<usize> {
         match self.slots.get(name) {

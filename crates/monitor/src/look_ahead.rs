@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use clearance_checker::{CollisionChecker, CollisionReport, LookAhead, LookAheadState, Workspace};
 use clearance_geometry::math::Extremes;
+use clearance_motion::{MovingObstacle, ObstacleLimits, SpeedLimit};
 use clearance_robot::{Configuration, JointKind, LinkPoses, RobotModel, quoted, quoted_list};
-use clearance_scene::BodyId;
 
 use super::obstacle_motion::ObstacleMotion;
+use super::past_states::{Leg, PastStates};
 use super::root_speed::{JointRanges, RootSpeed};
 use super::tracked_obstacle::TrackedObstacles;
 use super::{LeftOut, MonitorSettings, Time};
@@ -37,6 +38,8 @@ pub(super) struct LookAheadInput<'i> {
     pub obstacle_motions: &'i [ObstacleMotion],
     /// Obstacles that move by themselves.
     pub tracked_obstacles: &'i TrackedObstacles,
+    /// Configurations up to this one.
+    pub past_states: &'i PastStates,
     /// Stamp of the state.
     pub stamp: Time,
     /// Time (s) for which the obstacles have not been moved to follow `tf`.
@@ -112,7 +115,7 @@ impl LookAheadEvaluator {
         if let Some(name) = tracked_obstacles.of_a_later_clock() {
             return unknown(&format!("the last state of obstacle {} has a later stamp", quoted(name)));
         }
-        match self.since_poses(checker, input, velocities) {
+        match self.since_poses(checker, input, settings) {
             Ok(LookAhead { free_for, first }) if free_for <= 0.0 => return Ok(LookAhead { free_for, first }),
             Ok(_) => {}
             Err(why) => return unknown(&why),
@@ -135,6 +138,7 @@ impl LookAheadEvaluator {
             moving_obstacles: &moving_obstacles,
             obstacle_limits: obstacle_limits.as_ref(),
             obstacle_latency,
+            only_moving_obstacles: false,
         };
         let found = checker.look_ahead(state, horizon, &mut self.workspace);
         found.or_else(|error| unknown(&error.to_string()))
@@ -143,35 +147,53 @@ impl LookAheadEvaluator {
 
 impl LookAheadEvaluator {
     /// No time is left if a moving obstacle may have touched since its last known pose: where it moves on from there is not
-    /// known. A contact of others in that time is none: the robot was elsewhere before than at its present velocity.
+    /// known. The robot was where its states say.
     fn since_poses(
         &mut self,
         checker: &CollisionChecker,
         input: &LookAheadInput,
-        velocities: &[f64],
+        settings: &MonitorSettings,
     ) -> Result<LookAhead, String> {
-        let free = Ok(LookAhead { free_for: f64::INFINITY, first: None });
-        let Some((time, moving_obstacles)) = input.tracked_obstacles.motions_since_poses() else {
-            return free;
-        };
-        let positions = input.configuration.positions().iter();
-        let before: Vec<f64> = positions.zip(velocities).map(|(q, v)| q - v * time).collect();
+        for (age, obstacles) in input.tracked_obstacles.by_age() {
+            let limit = |obstacle: &MovingObstacle| settings.obstacle_limits.of(&obstacle.name);
+            let beyond = obstacles.iter().map(|obstacle| {
+                (obstacle.name.clone(), SpeedLimit { speed: 0.0, ..limit(obstacle) })
+            });
+            let limits = ObstacleLimits { by_name: beyond.collect(), ..ObstacleLimits::default() };
+            let limits = Some(Arc::new(limits)).filter(|limits| !limits.is_zero());
+            for leg in input.past_states.legs(age) {
+                let since_pose = leg.before.map(|before| age - before);
+                let moving: Vec<_> = obstacles.iter().map(|obstacle| obstacle.part(since_pose)).collect();
+                let found = self.on_leg(checker, &leg, &moving, limits.as_ref(), since_pose[0])?;
+                if found.free_for < leg.duration() {
+                    return Ok(LookAhead { free_for: 0.0, ..found });
+                }
+            }
+        }
+        Ok(LookAhead { free_for: f64::INFINITY, first: None })
+    }
+
+    /// Time without contact of moving obstacles on a leg that the robot has passed.
+    fn on_leg(
+        &mut self,
+        checker: &CollisionChecker,
+        leg: &Leg,
+        moving_obstacles: &[MovingObstacle],
+        obstacle_limits: Option<&Arc<ObstacleLimits>>,
+        obstacle_latency: f64,
+    ) -> Result<LookAhead, String> {
+        let ([from, to], duration) = (&leg.ends, leg.duration());
+        let velocities: Vec<f64> = from.iter().zip(to).map(|(from, to)| (to - from) / duration).collect();
         let state = LookAheadState {
-            q: &checker.robot().configuration(&before).map_err(|error| error.to_string())?,
-            velocities,
+            q: &checker.robot().configuration(from).map_err(|error| error.to_string())?,
+            velocities: &velocities,
             accelerations: &vec![0.0; velocities.len()],
-            moving_obstacles: &moving_obstacles,
-            obstacle_limits: None,
-            obstacle_latency: 0.0,
+            moving_obstacles,
+            obstacle_limits,
+            obstacle_latency,
+            only_moving_obstacles: true,
         };
-        let found =
-            checker.look_ahead(state, time, &mut self.workspace).map_err(|error| error.to_string())?;
-        let is_moving = |body: BodyId| {
-            matches!(body, BodyId::Obstacle(_))
-                && moving_obstacles.iter().any(|moving| moving.name == checker.body_name(body))
-        };
-        let is_of_others = found.first.is_some_and(|(a, b)| !is_moving(a) && !is_moving(b));
-        if found.free_for >= time || is_of_others { free } else { Ok(LookAhead { free_for: 0.0, ..found }) }
+        checker.look_ahead(state, duration, &mut self.workspace).map_err(|error| error.to_string())
     }
 }
 

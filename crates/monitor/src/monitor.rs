@@ -15,6 +15,8 @@ use super::contact_watch::ContactWatch;
 use super::contribution::Contributions;
 use super::joint_state_merger::JointStateMerger;
 use super::look_ahead::LookAheadEvaluator;
+use super::obstacle_trails::ObstacleTrails;
+use super::past_states::PastStates;
 use super::received_states::{ReceivedState, ReceivedStates};
 use super::root_location::RootLocationWatch;
 use super::speed::SpeedGovernor;
@@ -65,7 +67,11 @@ pub struct Monitor {
     set_back: Option<f64>,
     /// Positions of joints from `tf`.
     transform_joints: TransformJoints,
+    /// Number of the last transform that was read.
+    last_transform: u64,
     root_location: RootLocationWatch,
+    obstacle_trails: ObstacleTrails,
+    past_states: PastStates,
     check_result: CheckResult,
     speed_governor: SpeedGovernor,
     /// Whether the model or a setting changed since the last check.
@@ -101,7 +107,10 @@ impl Monitor {
             contributions: Contributions::default(),
             set_back: None,
             transform_joints: TransformJoints::default(),
+            last_transform: 0,
             root_location: RootLocationWatch::default(),
+            obstacle_trails: ObstacleTrails::default(),
+            past_states: PastStates::default(),
             check_result: CheckResult::unknown(Reason::NoModel { fault: None }),
             speed_governor: SpeedGovernor::default(),
             outdated: true,
@@ -128,9 +137,12 @@ impl Monitor {
             self.speed_governor.discard_poses();
             self.contact_watch = ContactWatch::default();
             self.between_states = BetweenStates::default();
+            self.past_states = PastStates::default();
             self.transform_joints = TransformJoints::default();
             self.root_location = RootLocationWatch::default();
+            self.obstacle_trails = ObstacleTrails::default();
         }
+        self.obstacle_trails.note(self.evaluator.as_ref().map(|before| &*before.revision), &revision);
         if revision.anchor_frames.is_empty() {
             self.root_location = RootLocationWatch::default();
         }
@@ -183,14 +195,28 @@ impl Monitor {
 
     /// Updates the data from `tf`; later evaluations use it.
     pub fn note_transforms(&mut self, tree: &TransformTree) {
+        let last = std::mem::replace(&mut self.last_transform, tree.stored()).min(tree.stored());
         let Some(evaluator) = &self.evaluator else { return };
-        self.root_location.look(&evaluator.revision.anchor_frames, tree);
-        let mut transform_joints =
-            TransformJoints::look_up(evaluator.revision.checker.robot(), &self.settings, tree);
+        self.root_location.look(&evaluator.revision.anchor_frames, tree, last);
+        let robot = evaluator.revision.checker.robot();
+        let mut transform_joints = TransformJoints::look_up(robot, &self.settings, tree);
         transform_joints.inherit(&self.transform_joints);
         if transform_joints != self.transform_joints {
+            let positions = transform_joints.positions_since(robot, tree, last);
             self.transform_joints = transform_joints;
+            self.note_passed_over();
+            self.between_states.note_transforms(positions);
             self.outdated = true;
+        }
+    }
+
+    /// The last joint state is not evaluated, if it was not before: something else comes.
+    fn note_passed_over(&mut self) {
+        if let Some(unread) = self.received_states.take_unread()
+            && let Some(evaluator) = &self.evaluator
+        {
+            let index_of = |name: &str| evaluator.joint_state_merger.position_index(name);
+            self.between_states.note_passed_over(unread, index_of);
         }
     }
 
@@ -209,12 +235,8 @@ impl Monitor {
             return false;
         }
         self.check_budget.note(now.steady);
-        if let Some(passed_over) = self.received_states.receive(input, now)
-            && let Some(evaluator) = &self.evaluator
-        {
-            let index_of = |name: &str| evaluator.joint_state_merger.position_index(name);
-            self.between_states.note_passed_over(&passed_over, index_of);
-        }
+        self.note_passed_over();
+        self.received_states.receive(input, now);
         self.set_back = None;
         true
     }
@@ -330,11 +352,10 @@ impl Monitor {
     fn evaluate(&mut self, now: Now) {
         self.outdated = false;
         self.check_result = self.decide(now).unwrap_or_else(CheckResult::unknown);
-        self.received_states.note_read();
         match &self.evaluator {
             Some(StateEvaluator { revision, .. }) => {
                 let CheckResult { status, checked_state, .. } = &self.check_result;
-                let stamp = self.contributions.newest_stamp().max(self.transform_joints.newest_stamp());
+                let stamp = self.contributions.newest_stamp().max(self.transform_joints.newest_stamp(now));
                 self.speed_governor.update(
                     &revision.checker,
                     status,
@@ -380,28 +401,33 @@ impl Monitor {
         merged.warnings.extend(self.root_location.warning());
         // a stale state is not checked
         self.contributions.freshness(now, &self.settings, robot.position_names())?;
-        let stamp = self.contributions.stamp().or(self.transform_joints.stamp());
+        let stamp = self.contributions.stamp().or(self.transform_joints.pose_stamp(now)).unwrap_or_default();
+        let transforms = self.transform_joints.stamps();
         let check_result = evaluator.evaluate(EvaluationInput {
+            placed_at: self.transform_joints.placed_at(robot, now),
             merged,
             obstacle_motions: self.root_location.obstacle_motions(),
+            obstacle_displacements: self.obstacle_trails.displacements(),
             obstacle_lag: self.root_location.lag(now),
             unwatched_frame: self.root_location.unwatched_frame(),
             settings: &self.settings,
             check_budget: &self.check_budget,
             time: StateTime {
-                stamp: stamp.unwrap_or_default(),
+                stamp,
                 at: now.steady,
-                transforms: self
-                    .transform_joints
-                    .stamp()
-                    .zip(self.transform_joints.newest_stamp())
-                    .map(Into::into),
+                spread_of_transforms: transforms.spread(stamp, now.ros),
+                transforms,
             },
             between_states: &mut self.between_states,
+            past_states: &mut self.past_states,
             fixed: self.left_out,
             stopwatch: self.stopwatch,
         });
         self.received_states.note_evaluated();
+        if check_result.starts_motion {
+            self.root_location.start_trail();
+            self.obstacle_trails.start();
+        }
         Ok(check_result)
     }
 

@@ -6,6 +6,7 @@ use clearance_geometry::math::{Extremes, Point, Pose, Vector};
 use clearance_scene::{LEAST_MOTION, is_elsewhere};
 
 use super::Time;
+use super::pose_trail::{LargestDisplacement, PoseTrail};
 
 /// Shortest time (s) over which a motion is measured, since `tf` changes in steps.
 const WINDOW: f64 = 0.1;
@@ -15,11 +16,13 @@ const WINDOW: f64 = 0.1;
 pub(super) struct FramePoses {
     /// Poses by stamp. If there are several, the first is at least one window older than the last, or the oldest known.
     places: VecDeque<(Time, Pose)>,
+    trail: PoseTrail,
 }
 
 impl FramePoses {
     /// Records a pose from `tf`. A transform with the same stamp contains no motion.
     pub fn note(&mut self, stamp: Time, pose_pf: Pose) {
+        self.trail.note(pose_pf);
         match self.places.back_mut() {
             Some((last, place)) if *last == stamp => return *place = pose_pf,
             Some((last, _)) if *last > stamp => self.places.clear(),
@@ -41,15 +44,26 @@ impl FramePoses {
         Observed { time, step: steps.fold(0.0, f64::greater), last }
     }
 
-    /// The successive poses between which the frame moved farthest.
-    pub fn largest_step(&self) -> Option<[&Pose; 2]> {
-        let size = |[before, after]: &[&Pose; 2]| {
-            let moved = before.inverse() * **after;
-            moved.translation.vector.norm() + moved.rotation.angle()
-        };
-        let poses = self.places.iter().map(|(_, pose)| pose);
-        let steps = poses.clone().zip(poses.skip(1)).map(|(before, after)| [before, after]);
-        steps.max_by(|a, b| size(a).total_cmp(&size(b)))
+    /// Records where the frame was before its first pose was read.
+    pub fn note_before(&mut self, pose_pf: Pose) {
+        if self.trail.is_empty() {
+            self.trail.note(pose_pf);
+        }
+    }
+
+    /// Poses since the last motion of the joints began.
+    pub fn trail(&self) -> &PoseTrail {
+        &self.trail
+    }
+
+    /// Some poses of the frame were not read.
+    pub fn note_lost(&mut self) {
+        self.trail.note_lost();
+    }
+
+    /// A motion of the joints begins.
+    pub fn start_trail(&mut self) {
+        self.trail.start();
     }
 
     /// The earlier pose, how long ago (s) that was, and the longest time (s) between two successive poses since; `None` if
@@ -80,8 +94,6 @@ pub(super) struct FrameMotion {
     pub taken: f64,
     /// Longest time (s) between two transforms.
     pub step: f64,
-    /// Largest motion between two transforms: a root that is located anew jumps.
-    pub jump: Pose,
 }
 
 /// Motion of all obstacles in a frame, relative to the root. Two are equal if the frames move in the same way.
@@ -93,6 +105,8 @@ pub struct ObstacleMotion {
     pub(super) motions: Vec<FrameMotion>,
     /// Observations of all transforms between the frame and the root that may move.
     pub(super) observed: Vec<Observed>,
+    /// Displacements since the last motion of the joints began, by each of these transforms.
+    pub(super) since_state: Vec<LargestDisplacement>,
 }
 
 impl PartialEq for ObstacleMotion {
@@ -160,10 +174,21 @@ impl ObstacleMotion {
     }
 
     /// As [`Self::largest_displacement`], but at least for the longest time between two transforms: they move frames in
-    /// steps, and a whole step may fall into a short time. So may the largest one.
+    /// steps, and a whole step may fall into a short time.
     #[must_use]
     pub fn largest_step(&self, radius: f64, time: f64) -> f64 {
-        self.motions.iter().map(|motion| motion.most_in_steps(radius, time)).sum()
+        self.motions.iter().map(|motion| motion.most(radius, time.greater(motion.step))).sum()
+    }
+
+    /// Upper bound (m) on the displacement of a point at this distance (m) from the root since the last motion of the joints
+    /// began: a root that is located anew jumps, and may come back.
+    pub(super) fn displacement_since_state(&self, radius: f64) -> f64 {
+        self.since_state.iter().map(|displacement| displacement.of_radius(radius)).sum()
+    }
+
+    /// Whether the frame was at rest since then, and is.
+    pub(super) fn rests(&self) -> bool {
+        self.is_none() && self.since_state.iter().all(|since| *since == LargestDisplacement::default())
     }
 }
 
@@ -172,13 +197,6 @@ impl FrameMotion {
     /// this time (s).
     fn most(&self, radius: f64, time: f64) -> f64 {
         largest_displacement(&self.way, radius) * (time / self.taken)
-    }
-
-    /// The same for a frame that moves in steps, of which the largest one exceeds the others by any amount.
-    fn most_in_steps(&self, radius: f64, time: f64) -> f64 {
-        let jump = largest_displacement(&self.jump, radius);
-        let excess = if jump.is_finite() { jump - self.most(radius, self.step) } else { 0.0 };
-        self.most(radius, time.greater(self.step)) + excess.greater(0.0)
     }
 }
 
@@ -202,10 +220,10 @@ mod tests {
             way: track.places[track.places.len() - 1].1 * before.inverse(),
             taken,
             step,
-            jump: Pose::identity(),
         });
         let observed = vec![track.observation()];
-        ObstacleMotion { frame: "map".to_owned(), motions: moved.into_iter().collect(), observed }
+        let motions = moved.into_iter().collect();
+        ObstacleMotion { frame: "map".to_owned(), motions, observed, since_state: Vec::new() }
     }
 
     /// The track is sampled every 5 ms; the pose changes every 20 or 200 ms.
@@ -240,9 +258,9 @@ mod tests {
                 way: clearance_geometry::math::pose_from_xyz_rpy([0.3, 0.0, 0.0], rpy),
                 taken: 0.1,
                 step: 0.05,
-                jump: Pose::identity(),
             }],
             observed: Vec::new(),
+            since_state: Vec::new(),
         };
         let shift = step([0.0; 3]);
         for radius in [1.0, f64::INFINITY] {
@@ -257,8 +275,9 @@ mod tests {
         let turn = clearance_geometry::math::pose_from_xyz_rpy([0.0; 3], [0.0, 0.0, 0.1]);
         let obstacle_motion = ObstacleMotion {
             frame: String::new(),
-            motions: vec![FrameMotion { way: turn, taken: 0.1, step: 0.1, jump: turn }],
+            motions: vec![FrameMotion { way: turn, taken: 0.1, step: 0.1 }],
             observed: Vec::new(),
+            since_state: Vec::new(),
         };
         let way = obstacle_motion.displacement(&Point::new(2.0, 0.0, 0.0), 0.1);
         assert!(
@@ -289,10 +308,9 @@ mod tests {
                 way: pose_rf(end) * before.inverse(),
                 taken,
                 step,
-                jump: Pose::identity(),
             });
             let (motions, observed) = (moved.into_iter().collect(), vec![track.observation()]);
-            let of = ObstacleMotion { frame: String::new(), motions, observed };
+            let of = ObstacleMotion { frame: String::new(), motions, observed, since_state: Vec::new() };
             for radius in [0.0, 0.7, 2.0] {
                 let found = of.largest_speed(radius, limits).unwrap();
                 let [speed, turning] = [0, 1].map(|i| (velocities[i] + end * accelerations[i]).abs());

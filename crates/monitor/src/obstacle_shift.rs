@@ -15,7 +15,8 @@ use clearance_scene::BodyId;
 
 use super::motion_since_previous::GapReason;
 use super::obstacle_motion::ObstacleMotion;
-use super::tracked_obstacle::{TrackedObstacle, TrackedObstacles};
+use super::pose_trail::LargestDisplacement;
+use super::tracked_obstacle::{TrackedObstacle, TrackedObstacles, obstacle_extent};
 use super::{MonitorSettings, Time};
 
 /// Motion of obstacles and the root as it is known at one end of a motion.
@@ -52,6 +53,8 @@ pub(super) struct Surroundings<'s> {
     pub radius: f64,
     /// Longest time (s) between two measurements during the motion.
     pub duration: f64,
+    /// Displacements of tracked obstacles since the motion began, by name.
+    pub obstacle_displacements: &'s BTreeMap<String, LargestDisplacement>,
 }
 
 /// Upper bounds (m) on the displacement of obstacles from where the world has them.
@@ -74,9 +77,13 @@ impl ObstacleShift {
             // the root has moved since a state of an obstacle, too
             let age_of_tracked =
                 tracked.all().iter().map(TrackedObstacle::longest_age).fold(0.0, f64::greater);
-            for moved in frames.iter().filter(|moved| !moved.is_none()) {
+            for moved in frames.iter().filter(|moved| !moved.rests()) {
                 let age = (moved.difference(stamp) + lag).greater(age_of_tracked);
-                let most = moved.largest_step(surroundings.radius, surroundings.duration + age);
+                let radius = surroundings.radius;
+                let of_trail = moved.displacement_since_state(radius);
+                let until_measured = if age > 0.0 { moved.largest_displacement(radius, age) } else { 0.0 };
+                let most = moved.largest_step(radius, surroundings.duration + age);
+                let most = most.greater(of_trail + until_measured);
                 if most > of_root {
                     (of_root, frame) = (most, &moved.frame);
                 }
@@ -137,6 +144,13 @@ fn own_motion(ends: [&TrackedObstacles; 2], surroundings: &Surroundings) -> Obst
         let most = obstacle.most(checker, poses, settings, age + duration);
         let known = tracked.entry(name).or_default();
         *known = known.greater(if is_here { most } else { 0.0 });
+    }
+    for (name, displacement) in surroundings.obstacle_displacements {
+        let Some(id) = checker.world().id(name) else { continue };
+        let until_pose = displacement.of_radius(obstacle_extent(checker, poses, id));
+        let since_pose = now.of(name).map_or(0.0, |now| now.most(checker, poses, settings, now.longest_age()));
+        let known = tracked.entry(name).or_default();
+        *known = known.greater(until_pose + since_pose);
     }
     own.by_name.extend(tracked.into_iter().map(|(name, most)| (name.to_owned(), in_one_second(most))));
     own

@@ -1,6 +1,6 @@
-//! Joint states that were received and never evaluated: a newer one of the same publisher came before their turn.
+//! Joint states and positions from `tf` that were received and never evaluated: others came before their turn.
 //!
-//! The robot was in them, wherever the straight line between the evaluated states lies.
+//! The robot was there, wherever the straight line between the evaluated states lies.
 
 use clearance_checker::CollisionChecker;
 use clearance_geometry::math::{Extremes, without_whole_turns};
@@ -10,19 +10,32 @@ use super::JointStateInput;
 /// Rounding (rad, m) of positions on a line.
 const ROUNDING: f64 = 1e-12;
 
-/// Largest number of joint states that are kept between two evaluations.
+/// Largest number of them that are kept between two evaluations.
 const MOST_STATES: usize = 64;
 
-/// Joint states between the previous evaluated state and the next one, in the order of reception.
+/// What came between the previous evaluated state and the next one, in the order of reception.
 #[derive(Debug, Default)]
 pub(super) struct PassedOver {
     states: Vec<PartialState>,
+    /// The last positions from `tf`, until others come or a state is evaluated.
+    latest_transforms: Option<PartialState>,
     /// Whether one could not be kept or read.
     any_unknown: bool,
 }
 
-/// Positions (rad, m) by their index; other joints are not named.
-type PartialState = Vec<(usize, f64)>;
+/// Positions (rad, m) by their index; the others are those of the states before.
+pub(super) type PartialState = Vec<(usize, f64)>;
+
+/// A motion as a straight line with tolerances.
+#[derive(Clone, Copy)]
+pub(super) struct TolerantLine<'l> {
+    pub from: &'l [f64],
+    pub to: &'l [f64],
+    /// By position: tolerance (rad, m); empty without tolerances.
+    pub tube: &'l [f64],
+    /// By position: whether full turns make no difference.
+    pub turns: &'l [bool],
+}
 
 impl PassedOver {
     /// Adds a joint state; `index_of` gives the index of the position with a name.
@@ -31,39 +44,68 @@ impl PassedOver {
         let named = names.iter().zip(positions).filter_map(|(name, q)| Some((index_of(name)?, *q)));
         let state: PartialState = named.collect();
         let is_known = names.len() == positions.len() && state.iter().all(|(_, q)| q.is_finite());
-        if is_known && self.states.len() < MOST_STATES {
-            self.states.push(state);
-        } else {
+        self.end_transforms();
+        self.push(Some(state).filter(|_| is_known));
+    }
+
+    /// Adds positions from `tf`, in the order of reception; `None` if they are not known. The last ones are part of the next state
+    /// that is evaluated, unless something else comes before.
+    pub fn add_transforms(&mut self, states: Option<Vec<PartialState>>) {
+        let Some(states) = states else {
             self.any_unknown = true;
+            return;
+        };
+        for state in states {
+            self.end_transforms();
+            self.latest_transforms = Some(state);
+        }
+    }
+
+    /// Something comes after the last positions from `tf`.
+    pub fn end_transforms(&mut self) {
+        if let Some(state) = self.latest_transforms.take() {
+            self.push(Some(state));
+        }
+    }
+
+    fn push(&mut self, state: Option<PartialState>) {
+        match state.filter(|_| self.states.len() < MOST_STATES) {
+            Some(state) => self.states.push(state),
+            None => self.any_unknown = true,
         }
     }
 
     /// There are none any more: the next motion begins.
     pub fn clear(&mut self) {
-        self.states.clear();
-        self.any_unknown = false;
+        *self = Self::default();
     }
 
-    /// Whether all of them lie on the straight line from a configuration to another one, or beside it within the tolerances
-    /// (rad, m) of `tube`, which may be empty. `turns`: by position, whether full turns make no difference.
-    pub fn are_within(&self, from: &[f64], to: &[f64], tube: &[f64], turns: &[bool]) -> bool {
-        !self.any_unknown && self.states.iter().all(|state| is_within(state, [from, to], tube, turns))
+    /// The configurations on the way, each with the positions that came last before it.
+    fn configurations(&self, line: TolerantLine) -> impl Iterator<Item = Vec<f64>> {
+        self.states.iter().scan(line.from.to_vec(), move |at, state| {
+            for &(index, q) in state {
+                at[index] = beside(q, at[index], line.turns[index]);
+            }
+            Some(at.clone())
+        })
+    }
+
+    /// Whether all of them lie on a line within its tolerances.
+    pub fn are_within(&self, line: TolerantLine) -> bool {
+        !self.any_unknown && self.configurations(line).all(|q| line.contains(&q))
     }
 
     /// Upper bound (m) on the travel of any point on the way through all of them; infinite if one is unknown.
-    pub fn travel(&self, checker: &CollisionChecker, from: &[f64], to: &[f64], turns: &[bool]) -> f64 {
+    pub fn travel(&self, checker: &CollisionChecker, line: TolerantLine) -> f64 {
         if self.any_unknown {
             return f64::INFINITY;
         }
-        let (mut at, mut travel) = (from.to_vec(), 0.0);
-        for state in &self.states {
-            let before = at.clone();
-            for &(index, q) in state {
-                at[index] = beside(q, before[index], turns[index]);
-            }
-            travel += checker.travel(&before, &at);
+        let (mut at, mut travel) = (line.from.to_vec(), 0.0);
+        for next in self.configurations(line).chain([line.to.to_vec()]) {
+            travel += checker.travel(&at, &next);
+            at = next;
         }
-        travel + checker.travel(&at, to)
+        travel
     }
 }
 
@@ -72,21 +114,23 @@ fn beside(q: f64, other: f64, turns: bool) -> f64 {
     if turns { other + without_whole_turns(q - other) } else { q }
 }
 
-/// Whether one point of the line is within the tolerances in all positions that the state names.
-fn is_within(state: &PartialState, [from, to]: [&[f64]; 2], tube: &[f64], turns: &[bool]) -> bool {
-    let mut range = [0.0, 1.0];
-    for &(index, q) in state {
-        let tolerance = tube.get(index).copied().unwrap_or(0.0) + ROUNDING;
-        let (start, way) = (from[index], to[index] - from[index]);
-        let off = beside(q, start + 0.5 * way, turns[index]) - start;
-        if way.abs() <= ROUNDING {
-            if off.abs() > tolerance {
-                return false;
+impl TolerantLine<'_> {
+    /// Whether one point of the line is near enough in all positions.
+    fn contains(&self, q: &[f64]) -> bool {
+        let mut range = [0.0, 1.0];
+        for (index, q) in q.iter().enumerate() {
+            let tolerance = self.tube.get(index).copied().unwrap_or(0.0) + ROUNDING;
+            let (start, way) = (self.from[index], self.to[index] - self.from[index]);
+            let off = beside(*q, start + 0.5 * way, self.turns[index]) - start;
+            if way.abs() <= ROUNDING {
+                if off.abs() > tolerance {
+                    return false;
+                }
+                continue;
             }
-            continue;
+            let [a, b] = [(off - tolerance) / way, (off + tolerance) / way];
+            range = [range[0].greater(a.lesser(b)), range[1].lesser(a.greater(b))];
         }
-        let [a, b] = [(off - tolerance) / way, (off + tolerance) / way];
-        range = [range[0].greater(a.lesser(b)), range[1].lesser(a.greater(b))];
+        range[0] <= range[1]
     }
-    range[0] <= range[1]
 }

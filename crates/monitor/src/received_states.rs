@@ -31,7 +31,7 @@ pub(super) struct ReceivedState {
     pub behind: Option<f64>,
     /// Newest evaluated stamp of its stream.
     evaluated: Option<Time>,
-    /// Whether an evaluation has read it.
+    /// Whether an evaluation has read it, or another message came before.
     is_read: bool,
     /// By name: velocity of the joint (rad/s, m/s), from the message or from the previous message of the stream; NaN if
     /// unknown.
@@ -58,8 +58,8 @@ impl ReceivedState {
 pub(super) struct ReceivedStates(Vec<ReceivedState>);
 
 impl ReceivedStates {
-    /// Stores a joint state. Returns the one that it replaces, if no evaluation has read that.
-    pub fn receive(&mut self, mut input: JointStateInput, now: Now) -> Option<JointStateInput> {
+    /// Stores a joint state.
+    pub fn receive(&mut self, mut input: JointStateInput, now: Now) {
         input.names.truncate(MOST_JOINTS);
         input.positions.truncate(MOST_JOINTS);
         input.velocities.truncate(MOST_JOINTS);
@@ -79,18 +79,20 @@ impl ReceivedStates {
         while self.0.len() > MOST_MESSAGES || (text > MOST_TEXT && self.0.len() > 1) {
             text -= self.0.remove(0).text();
         }
-        before.filter(|before| !before.is_read).map(|before| before.input)
     }
 
-    /// Marks all joint states as read by an evaluation.
-    pub fn note_read(&mut self) {
-        for received in &mut self.0 {
-            received.is_read = true;
-        }
+    /// The last message, once, if no evaluation has read it.
+    pub fn take_unread(&mut self) -> Option<&JointStateInput> {
+        let last = self.0.last_mut().filter(|last| !last.is_read)?;
+        last.is_read = true;
+        Some(&last.input)
     }
 
     /// Marks the last received message as evaluated.
     pub fn note_evaluated(&mut self) {
+        if let Some(last) = self.0.last_mut() {
+            last.is_read = true;
+        }
         if let Some(last) = self.0.last_mut().filter(|last| last.input.stamp != Time::ZERO) {
             last.evaluated = Some(last.stamp);
         }

@@ -4,11 +4,11 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use clearance_geometry::math::Pose;
 use clearance_robot::quoted;
 use clearance_scene::{AnchorFrames, PathLink, RootPoseLoss, TrackedFrame, TransformTree};
 
 use super::obstacle_motion::{FrameMotion, FramePoses, ObstacleMotion};
+use super::pose_trail::LargestDisplacement;
 use super::transform_ages::TransformAges;
 use super::world_source::WorldSource;
 use super::{Now, Reason};
@@ -45,8 +45,8 @@ impl RootLocationWatch {
         self.right_at = at;
     }
 
-    /// Reads the current transforms.
-    pub fn look(&mut self, anchor_frames: &AnchorFrames, tree: &TransformTree) {
+    /// Reads the transforms that were received after the one with this number.
+    pub fn look(&mut self, anchor_frames: &AnchorFrames, tree: &TransformTree, last: u64) {
         self.lost = anchor_frames.root_pose_loss(tree).map(|lost| match lost {
             RootPoseLoss::In(frame) => of_root(frame),
             RootPoseLoss::Endless => {
@@ -59,10 +59,12 @@ impl RootLocationWatch {
         self.are_elsewhere = anchor_frames.are_elsewhere(tree);
         let (seen, tracks) = (std::mem::take(&mut self.seen), std::mem::take(&mut self.tracks));
         for tracked in anchor_frames.tracked_frames(tree) {
-            let motions = self.motions(&tracked, &tracks);
-            let links = tracked.path.live_links();
-            let observed = links.filter_map(|link| Some(self.tracks.get(link.name)?.observation())).collect();
-            let obstacle_motion = ObstacleMotion { frame: tracked.frame.to_owned(), motions, observed };
+            for link in tracked.path.live_links() {
+                let known = || tracks.get(link.name).cloned().unwrap_or_default();
+                let track = self.tracks.entry(link.name.to_owned()).or_insert_with(known);
+                follow(track, &link, tree, last);
+            }
+            let obstacle_motion = self.obstacle_motion(&tracked);
             let mut ages = TransformAges::of(tracked.path.live_links().map(|link| (link.name, link.stamp)));
             if let Some(before) = seen.get(tracked.frame) {
                 ages.inherit(&before.ages);
@@ -72,23 +74,30 @@ impl RootLocationWatch {
     }
 
     /// Motion of a frame relative to the root, from the moving transforms on the path to it.
-    fn motions(&mut self, tracked: &TrackedFrame, tracks: &BTreeMap<String, FramePoses>) -> Vec<FrameMotion> {
+    fn obstacle_motion(&self, tracked: &TrackedFrame) -> ObstacleMotion {
         let pose_rf = tracked.path.pose();
-        let moved = tracked.path.live_links().filter_map(|PathLink { name, pose_pf, stamp }| {
-            let known = || tracks.get(name).cloned().unwrap_or_default();
-            let track = self.tracks.entry(name.to_owned()).or_insert_with(known);
-            track.note(stamp, pose_pf);
+        let tracks = || tracked.path.live_links().filter_map(|link| Some((link.name, self.tracks.get(link.name)?)));
+        let moved = tracks().filter_map(|(name, track)| {
             let (before, taken, step) = track.before()?;
-            let way_since =
-                |before: &Pose, after: Pose| after * tracked.path.pose_with(name, before).inverse();
-            let way = way_since(before, pose_rf);
-            let jump = track.largest_step().map(|[before, after]| {
-                let after = tracked.path.pose_with(name, after);
-                way_since(before, after)
-            });
-            Some(FrameMotion { way, taken, step, jump: jump.unwrap_or_default() })
+            let way = pose_rf * tracked.path.pose_with(name, before).inverse();
+            Some(FrameMotion { way, taken, step })
         });
-        moved.collect()
+        let since_state =
+            tracks().map(|(name, track)| track.trail().largest_displacement(|pose| tracked.path.pose_with(name, pose)));
+        ObstacleMotion {
+            frame: tracked.frame.to_owned(),
+            motions: moved.collect(),
+            observed: tracks().map(|(_, track)| track.observation()).collect(),
+            since_state: since_state.collect(),
+        }
+    }
+
+    /// A motion of the joints begins: the displacements since then count.
+    pub fn start_trail(&mut self) {
+        self.tracks.values_mut().for_each(FramePoses::start_trail);
+        for seen in self.seen.values_mut() {
+            seen.obstacle_motion.since_state.iter_mut().for_each(|since| *since = LargestDisplacement::default());
+        }
     }
 
     /// Starts the age of the transforms: they are used now.
@@ -158,6 +167,19 @@ impl RootLocationWatch {
             seen.ages.observations(now).map(of_link)
         })
     }
+}
+
+/// Adds the poses of a frame that were received after the transform with this number.
+fn follow(track: &mut FramePoses, link: &PathLink, tree: &TransformTree, last: u64) {
+    match tree.poses_since(link.name, last) {
+        Some(poses) => {
+            let received = poses.iter().position(|pose| pose.number > last).unwrap_or(poses.len());
+            poses[..received].iter().for_each(|before| track.note_before(before.pose_pf));
+            poses[received..].iter().for_each(|pose| track.note(pose.stamp, pose.pose_pf));
+        }
+        None => track.note_lost(),
+    }
+    track.note(link.stamp, link.pose_pf);
 }
 
 fn of_root(frame: &str) -> String {

@@ -1,6 +1,6 @@
 //! Evaluates one joint state with the current robot and world.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -18,9 +18,11 @@ use super::joint_state_merger::{JointStateMerger, MergedState};
 use super::look_ahead::{LookAheadEvaluator, LookAheadInput, obstacles_may_move};
 use super::obstacle_motion::ObstacleMotion;
 use super::obstacle_shift::KnownMotion;
+use super::past_states::PastStates;
+use super::pose_trail::LargestDisplacement;
 use super::speed::speeds_without_effect;
 use super::state_contacts::ContactQuery;
-use super::{CheckedState, LeftOut, MonitorSettings, Reason, Revision, Status, TrackedObstacles};
+use super::{CheckedState, LeftOut, MonitorSettings, PlacedAt, Reason, Revision, Status, TrackedObstacles};
 
 /// Time since any fixed moment. It is read before and after each check.
 pub type Stopwatch = fn() -> Duration;
@@ -39,7 +41,10 @@ pub(super) struct StateEvaluator {
 /// Input of one evaluation.
 pub(super) struct EvaluationInput<'i> {
     pub merged: MergedState,
+    pub placed_at: Vec<PlacedAt>,
     pub obstacle_motions: Vec<ObstacleMotion>,
+    /// Displacements of tracked obstacles since the last motion began, by name.
+    pub obstacle_displacements: BTreeMap<String, LargestDisplacement>,
     /// Time for which the obstacles have not been moved to follow `tf`.
     pub obstacle_lag: Duration,
     /// A frame of obstacles in which nothing shows whether the root moves.
@@ -48,6 +53,7 @@ pub(super) struct EvaluationInput<'i> {
     pub check_budget: &'i CheckBudget,
     pub time: StateTime,
     pub between_states: &'i mut BetweenStates,
+    pub past_states: &'i mut PastStates,
     /// The part to leave out, regardless of the time; `None`: the deadline decides.
     pub fixed: Option<LeftOut>,
     pub stopwatch: Stopwatch,
@@ -60,27 +66,33 @@ pub(super) struct CheckResult {
     pub checked_state: Option<Arc<CheckedState>>,
     pub left_out: LeftOut,
     pub warnings: Vec<String>,
+    /// Whether the next motion starts at this state: it is not one that was evaluated again.
+    pub starts_motion: bool,
 }
 
 impl CheckResult {
     pub fn unknown(reason: Reason) -> Self {
         let (status, left_out) = (Status::Unknown(reason), LeftOut::Nothing);
-        Self { status, checked_state: None, left_out, warnings: Vec::new() }
+        Self { status, checked_state: None, left_out, warnings: Vec::new(), starts_motion: false }
     }
 }
 
 impl StateEvaluator {
     /// Checks a complete joint state.
     pub fn evaluate(&mut self, input: EvaluationInput) -> CheckResult {
-        let EvaluationInput { merged, obstacle_motions, settings, check_budget, time, .. } = input;
+        let EvaluationInput { merged, placed_at, obstacle_motions, settings, check_budget, time, .. } = input;
         let EvaluationInput { between_states, fixed, stopwatch, obstacle_lag, unwatched_frame, .. } = input;
+        let EvaluationInput { obstacle_displacements, past_states, .. } = input;
         let MergedState { configuration, velocities, rates, are_of_joints, measured, spread, mut warnings } =
             merged;
+        if settings.look_ahead_horizon > 0.0 {
+            past_states.note(time.stamp, configuration.positions(), self.joint_state_merger.turns());
+        }
         let checker = &self.revision.checker;
         let started = stopwatch();
         let mut poses = LinkPoses::new(checker.robot());
         checker.robot().forward_kinematics(&configuration, &mut poses);
-        let of_all = spread.greater(time.spread_of_transforms());
+        let of_all = spread.greater(time.spread_of_transforms);
         let tracked_obstacles = TrackedObstacles::of_state(&self.revision, time.stamp, of_all, settings);
         let moving = MovingState {
             configuration: &configuration,
@@ -108,11 +120,12 @@ impl StateEvaluator {
             checker,
             configuration: &configuration,
             poses: &poses,
-            time,
+            time: &time,
             measured: &measured,
             report: &report,
             bounds,
             known_motion: KnownMotion::new(&obstacle_motions, &tracked_obstacles, time.stamp, obstacle_lag),
+            obstacle_displacements: &obstacle_displacements,
             spread: of_all,
             settings,
             effort: &effort,
@@ -127,6 +140,7 @@ impl StateEvaluator {
             poses: &poses,
             obstacle_motions: &obstacle_motions,
             tracked_obstacles: &tracked_obstacles,
+            past_states,
             stamp: time.stamp,
             obstacle_lag: obstacle_lag.as_secs_f64(),
             unwatched_frame,
@@ -161,6 +175,7 @@ impl StateEvaluator {
             velocities,
             rates: rates.filter(|_| are_of_joints),
             measured,
+            placed_at,
             spread: of_all,
             obstacle_motions,
             tracked_obstacles,
@@ -169,8 +184,8 @@ impl StateEvaluator {
             is_hurried: !is_exact && effort.exact_cost > 0,
             compute_time,
         });
-        between_states.keep(&checked_state, time, bounds, settings, fixed);
-        CheckResult { status, checked_state: Some(checked_state), left_out, warnings }
+        let starts_motion = between_states.keep(&checked_state, time, bounds, settings, fixed);
+        CheckResult { status, checked_state: Some(checked_state), left_out, warnings, starts_motion }
     }
 }
 

@@ -7,7 +7,7 @@ use clearance_checker::{CollisionChecker, PairDistance};
 use clearance_geometry::math::{Extremes, Point, Vector};
 use clearance_motion::{MovingObstacle, ObstacleLimits, SpeedLimit};
 use clearance_robot::LinkPoses;
-use clearance_scene::{BodyId, ObstacleTwist};
+use clearance_scene::{BodyId, ObstacleId, ObstacleTwist};
 
 use super::obstacle_motion::ObstacleMotion;
 use super::{CheckedState, MonitorSettings, Revision, Time};
@@ -85,12 +85,16 @@ impl TrackedObstacles {
         moving.map(|obstacle| obstacle.motion.part([obstacle.age, obstacle.age + time])).collect()
     }
 
-    /// Their motions in a time (s) up to the joint state: the longest time since one of their poses.
-    pub(super) fn motions_since_poses(&self) -> Option<(f64, Vec<MovingObstacle>)> {
-        let moving = || self.0.iter().filter(|obstacle| !obstacle.motion.stands());
-        let time = moving().map(|obstacle| obstacle.age).reduce(f64::greater).filter(|age| *age > 0.0)?;
-        let motions = moving().map(|obstacle| obstacle.motion.part([obstacle.age - time, obstacle.age]));
-        Some((time, motions.collect()))
+    /// Their motions in one second from their poses on, by the time (s) from the pose to the joint state, if it is positive.
+    pub(super) fn by_age(&self) -> Vec<(f64, Vec<MovingObstacle>)> {
+        let mut groups: Vec<(f64, Vec<MovingObstacle>)> = Vec::new();
+        for TrackedObstacle { motion, age, .. } in self.0.iter().filter(|obstacle| obstacle.age > 0.0) {
+            match groups.iter_mut().find(|(of_group, _)| of_group == age) {
+                Some((_, group)) => group.push(motion.clone()),
+                None => groups.push((*age, vec![motion.clone()])),
+            }
+        }
+        groups
     }
 
     /// Limits of what obstacles do beyond their known motion: these have their velocity already.
@@ -250,14 +254,18 @@ impl TrackedObstacle {
 
     /// Largest distance (m) of its points from its origin; infinite for a plane.
     fn extent(&self, checker: &CollisionChecker, poses: &LinkPoses) -> f64 {
-        let Some(id) = checker.world().id(&self.motion.name) else { return 0.0 };
-        let centre = checker.world().obstacle(id).pose_ro.translation.vector;
-        let extents = checker.bounding_capsules(BodyId::Obstacle(id), poses).into_iter().map(|capsule| {
-            let [a, b] = capsule.ends.map(|end| (end - centre).norm());
-            a.greater(b) + capsule.radius
-        });
-        extents.fold(0.0, f64::greater)
+        checker.world().id(&self.motion.name).map_or(0.0, |id| obstacle_extent(checker, poses, id))
     }
+}
+
+/// Largest distance (m) of an obstacle's points from its origin; infinite for a plane.
+pub(super) fn obstacle_extent(checker: &CollisionChecker, poses: &LinkPoses, id: ObstacleId) -> f64 {
+    let centre = checker.world().obstacle(id).pose_ro.translation.vector;
+    let extents = checker.bounding_capsules(BodyId::Obstacle(id), poses).into_iter().map(|capsule| {
+        let [a, b] = capsule.ends.map(|end| (end - centre).norm());
+        a.greater(b) + capsule.radius
+    });
+    extents.fold(0.0, f64::greater)
 }
 
 /// Whether the first body of a pair is the obstacle.

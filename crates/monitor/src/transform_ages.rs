@@ -57,6 +57,18 @@ impl TransformAges {
         self.links.iter().map(|link| link.stamp).min()
     }
 
+    /// The frames and stamps of all transforms.
+    pub fn stamps(&self) -> impl Iterator<Item = (&str, Time)> {
+        self.links.iter().map(|link| (link.frame.as_str(), link.stamp))
+    }
+
+    /// The time that the pose is of: the newest stamp that is not in the future, since a transform that changes slowly may be
+    /// stamped ahead, or repeated rarely; `None` if no transform can become stale.
+    pub fn pose_stamp(&self, ros: Time) -> Option<Time> {
+        let stamps = || self.links.iter().map(|link| link.stamp);
+        stamps().filter(|stamp| *stamp <= ros).max().or_else(|| stamps().min())
+    }
+
     /// Age (s) of the oldest transform: by its stamp, or since its first use if that is longer; negative infinity if
     /// none can become stale.
     pub fn age(&self, now: Now) -> f64 {

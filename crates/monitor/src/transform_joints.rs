@@ -1,10 +1,15 @@
 //! Joints with several positions whose positions come from `tf`: a base that drives, flies or swims.
 
+use std::collections::BTreeMap;
+use std::ops::Range;
+
 use clearance_geometry::math::{Extremes, Pose};
 use clearance_robot::{JointId, RobotModel};
-use clearance_scene::TransformTree;
+use clearance_scene::{FramePath, NumberedPose, TransformTree};
 
+use super::passed_over::PartialState;
 use super::transform_ages::TransformAges;
+use super::transform_stamps::TransformStamps;
 use super::{MonitorSettings, Now, Reason, Time};
 
 /// Largest deviation (m, rad) of a transform from the plane of a planar joint. The check ignores this deviation.
@@ -33,6 +38,15 @@ pub(super) struct PlacedPositions {
     /// Index of the first position in a configuration.
     pub first: usize,
     pub positions: Vec<f64>,
+}
+
+/// Positions from `tf` with their time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlacedAt {
+    /// Their indices in a configuration.
+    pub positions: Range<usize>,
+    /// The time that they are of.
+    pub stamp: Time,
 }
 
 /// Positions of all joints from `tf`, NaN where unknown, and the reason for the first unknown one.
@@ -84,9 +98,57 @@ impl TransformJoints {
         }
     }
 
-    /// Stamp of the newest transform, if any has one.
-    pub fn newest_stamp(&self) -> Option<Time> {
-        self.ages().filter_map(TransformAges::oldest_stamp).max()
+    /// The time that the newest position is of, if any can become stale.
+    pub fn newest_stamp(&self, now: Now) -> Option<Time> {
+        let ros = now.ros?;
+        self.ages().filter_map(|ages| ages.pose_stamp(ros)).max()
+    }
+
+    /// The time that the oldest position is of, if any can become stale.
+    pub fn pose_stamp(&self, now: Now) -> Option<Time> {
+        let ros = now.ros?;
+        self.ages().filter_map(|ages| ages.pose_stamp(ros)).min()
+    }
+
+    /// The frames and stamps of all transforms.
+    pub fn stamps(&self) -> TransformStamps {
+        let stamps = self.ages().flat_map(TransformAges::stamps);
+        stamps.map(|(frame, stamp)| (frame.to_owned(), stamp)).collect()
+    }
+
+    /// The times that positions are of.
+    pub fn placed_at(&self, robot: &RobotModel, now: Now) -> Vec<PlacedAt> {
+        let placed = self.transform_joints.iter().filter_map(|TransformJoint { joint, found }| {
+            let first = robot.first_position(*joint)?;
+            let count = robot.joint(*joint).kind.position_suffixes().len();
+            let stamp = found.as_ref()?.1.pose_stamp(now.ros?)?;
+            Some(PlacedAt { positions: first..first + count, stamp })
+        });
+        placed.collect()
+    }
+
+    /// Successive positions from the transforms that were received after the one with this number, in the order of reception; `None`
+    /// if some are not kept any more.
+    pub fn positions_since(
+        &self,
+        robot: &RobotModel,
+        tree: &TransformTree,
+        number: u64,
+    ) -> Option<Vec<PartialState>> {
+        let mut states = Vec::new();
+        for TransformJoint { joint, .. } in &self.transform_joints {
+            let [parent, child] = frames(robot, *joint);
+            let (Some(path), Some(first)) = (tree.path(parent, child), robot.first_position(*joint)) else {
+                continue;
+            };
+            for (number, pose) in poses_since(&path, tree, number)? {
+                let of_joint = robot.joint(*joint);
+                let placed = of_joint.kind.positions_at(&(of_joint.pose_pj.inverse() * pose));
+                states.extend(placed.map(|(positions, _)| (number, (first..).zip(positions).collect())));
+            }
+        }
+        states.sort_by_key(|(number, _)| *number);
+        Some(states.into_iter().map(|(_, state)| state).collect())
     }
 
     /// Whether all positions of the robot come from `tf`.
@@ -163,6 +225,23 @@ impl TransformJoint {
         }
         Ok(PlacedPositions { first, positions })
     }
+}
+
+/// Poses of a path's end in its start, with the numbers of the transforms that gave them; `None` if some are not kept any more.
+fn poses_since(path: &FramePath, tree: &TransformTree, number: u64) -> Option<Vec<(u64, Pose)>> {
+    let (mut received, mut links) = (Vec::new(), BTreeMap::new());
+    for (frame, _) in path.stamped_links() {
+        let poses = tree.poses_since(frame, number)?;
+        // a frame has its first known pose until it gets another one
+        links.extend(poses.first().map(|first| (frame, first.pose_pf)));
+        received.extend(poses.into_iter().filter(|pose| pose.number > number).map(|pose| (frame, pose)));
+    }
+    received.sort_by_key(|(_, pose)| pose.number);
+    let poses = received.into_iter().map(|(frame, NumberedPose { number, pose_pf, .. })| {
+        links.insert(frame, pose_pf);
+        (number, path.pose_by(|link| links.get(link).copied()))
+    });
+    Some(poses.collect())
 }
 
 /// Names of the parent link and child link of a joint.

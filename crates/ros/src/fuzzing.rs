@@ -183,7 +183,7 @@ impl OfflineNode {
             _ => self.respond(kind, bytes)?,
         }
         let evaluation = self.monitor.on_heartbeat(self.now());
-        self.joint_state_history.note(&evaluation);
+        self.joint_state_history.note(&evaluation, now.ros);
         let encoded = cdr::encode(&collision_state(&evaluation));
         self.evaluation = Some(evaluation);
         encoded.map(drop)

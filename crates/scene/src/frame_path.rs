@@ -71,12 +71,17 @@ impl<'t> FramePath<'t> {
     /// Pose of the frame in the reference, if a frame on the path had another pose in its parent.
     #[must_use]
     pub fn pose_with(&self, link: &str, pose_pf: &Pose) -> Pose {
+        self.pose_by(|name| (name == link).then_some(*pose_pf))
+    }
+
+    /// Pose of the frame in the reference, if the frames on the path had these poses in their parents; `None` is the latest one.
+    #[must_use]
+    pub fn pose_by(&self, pose_of: impl Fn(&str) -> Option<Pose>) -> Pose {
         let [of_reference, of_frame] = [&self.of_reference, &self.of_frame].map(|side| {
             let links = &side[..side.len() - 1];
-            links.iter().fold(Pose::identity(), |pose, ancestor| match ancestor.transform {
-                _ if ancestor.name == link => pose_pf * pose,
-                Some(known) => known.transform.pose_pf * pose,
-                None => pose,
+            links.iter().fold(Pose::identity(), |pose, ancestor| {
+                let latest = || ancestor.transform.map(|known| known.transform.pose_pf);
+                pose_of(ancestor.name).or_else(latest).map_or(pose, |pose_pf| pose_pf * pose)
             })
         });
         of_reference.inverse() * of_frame

@@ -92,6 +92,6 @@ pub use scene_update::{
 };
 pub use timestamp::Time;
 pub use transform::Transform;
-pub use transform_tree::TransformTree;
+pub use transform_tree::{NumberedPose, TransformTree};
 pub use volume_selection::{VolumeSelection, VolumeSelectionError};
 pub use world::{World, WorldError};

@@ -57,13 +57,29 @@ impl Scene {
     }
 
     /// Sets the obstacle that a sensor sees now, under the name of its topic. Messages cannot remove it.
-    pub fn set_sensed(&mut self, name: &str, obstacle: Option<Obstacle>) {
+    ///
+    /// # Errors
+    /// If something else has this name: it stays as it is.
+    pub fn set_sensed(&mut self, name: &str, obstacle: Option<Obstacle>) -> Result<(), String> {
+        let Some(obstacle) = obstacle else {
+            self.remove_sensed(name);
+            return Ok(());
+        };
+        let has_object = self.world.id(name).is_some() || self.world.attached_by_name(name).is_some();
+        if has_object && !self.is_sensed(name) {
+            let message = "the scene has an object with the name of this topic: give the object another one";
+            return Err(message.to_owned());
+        }
+        self.world.replace(obstacle).map_err(|error| error.to_string())?;
         self.anchors.remove(name);
-        // messages cannot use this name, so an obstacle with it comes from a sensor
-        if let Some(Ok(_)) = obstacle.map(|obstacle| self.world.replace(obstacle)) {
-            self.sensed.insert(name.to_owned());
-        } else {
-            self.sensed.remove(name);
+        self.sensed.insert(name.to_owned());
+        Ok(())
+    }
+
+    /// Removes the obstacle that a sensor saw; an object of this name stays.
+    pub fn remove_sensed(&mut self, name: &str) {
+        if self.sensed.remove(name) {
+            self.anchors.remove(name);
             let _ = self.world.remove(name);
         }
     }

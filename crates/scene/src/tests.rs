@@ -231,7 +231,7 @@ fn a_move_may_say_where_shapes_are() {
 fn broken_object_changes_are_rejected_by_name() {
     let mut cell = Cell::new();
     cell.object(add("a", "", at(1.0, 0.0, 0.0))).unwrap();
-    cell.scene.set_sensed("/cloud", Some(Obstacle::of_shape("/cloud", Pose::identity(), ball())));
+    cell.scene.set_sensed("/cloud", Some(Obstacle::of_shape("/cloud", Pose::identity(), ball()))).unwrap();
     let bare = |id: &str, operation| ObjectChange::named(id, operation);
     for (change, named) in [
         (bare("x", Operation::Add), "no shapes"),
@@ -388,7 +388,7 @@ fn a_whole_scene_takes_the_place_of_everything_but_what_sensors_see() {
     let mut cell = Cell::new();
     cell.object(add("a", "", Pose::identity())).unwrap();
     cell.attach(hold("hand", add("held", "hand", Pose::identity()))).unwrap();
-    cell.scene.set_sensed("/cloud", Some(Obstacle::of_shape("/cloud", Pose::identity(), ball())));
+    cell.scene.set_sensed("/cloud", Some(Obstacle::of_shape("/cloud", Pose::identity(), ball()))).unwrap();
     let (pose_fo, shape) = (at(0.0, 0.0, 1.0), Some(ball()));
     let octomap = OctomapPlacement { frame: "flange".to_owned(), pose_fo, shape, is_blank: false };
     cell.apply(&SceneUpdate::Octomap(Some(octomap.clone()))).unwrap();
@@ -412,8 +412,26 @@ fn a_whole_scene_takes_the_place_of_everything_but_what_sensors_see() {
     assert_eq!((cell.names(), cell.held().len()), (vec!["/cloud"], 0));
     assert!(cell.scene.matrix.is_none() && cell.scene.fixed_frames.is_empty());
     assert!(cell.scene.link_padding.is_empty() && cell.scene.link_scale.is_empty());
-    cell.scene.set_sensed("/cloud", None);
+    cell.scene.remove_sensed("/cloud");
     assert!(cell.scene.world.is_empty());
+}
+
+#[test]
+fn what_a_sensor_sees_takes_the_place_of_no_object() {
+    let mut cell = Cell::new();
+    cell.object(add("points", "", at(1.0, 0.0, 0.0))).unwrap();
+    cell.attach(hold("hand", add("held", "hand", Pose::identity()))).unwrap();
+    let seen = |name: &str| Some(Obstacle::of_shape(name, at(5.0, 0.0, 0.0), ball()));
+    for name in ["points", "held"] {
+        let refused = cell.scene.set_sensed(name, seen(name)).unwrap_err();
+        assert!(refused.contains("name of this topic"), "{refused}");
+        cell.scene.set_sensed(name, None).unwrap();
+        cell.scene.remove_sensed(name);
+    }
+    assert_eq!((cell.places("points"), cell.held()), (vec![[1.0, 0.0, 0.0]], vec!["held"]));
+    cell.object(remove("points")).unwrap();
+    cell.scene.set_sensed("points", seen("points")).unwrap();
+    assert_eq!(cell.places("points"), [[5.0, 0.0, 0.0]]);
 }
 
 #[test]

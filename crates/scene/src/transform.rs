@@ -21,6 +21,8 @@ pub(super) struct StoredTransform {
     pub transform: Transform,
     /// Time (s) by which its stamp was later than the clock when it was received.
     pub lead: f64,
+    /// Number of this transform in the order of reception.
+    pub number: u64,
     /// True if the frame was received more than once, with different stamps; a frame received only once need not be repeated.
     pub is_alive: bool,
 }

@@ -1,6 +1,6 @@
 //! Frames of other publishers: the latest transform of each, from `tf` and `tf_static`.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, VecDeque};
 
 use clearance_geometry::math::{Extremes, Pose};
 
@@ -18,10 +18,44 @@ const MOST_ABOVE: usize = 256;
 /// If the clock is set back by more than this (s), older transforms are accepted again.
 const SET_BACK: f64 = 1.0;
 
-/// The latest transform of every frame.
+/// Maximum number of replaced transforms that are kept for each frame.
+const MOST_REPLACED: usize = 32;
+
+/// The latest transform of every frame, and a few before it, for readers that come late.
 #[derive(Clone, Debug, Default)]
 pub struct TransformTree {
     by_frame: HashMap<String, StoredTransform>,
+    replaced: HashMap<String, ReplacedTransforms>,
+    /// Number of transforms that were stored.
+    stored: u64,
+}
+
+/// The last transforms of a frame in its parent that newer ones have replaced, oldest first.
+#[derive(Clone, Debug, Default)]
+struct ReplacedTransforms {
+    poses: VecDeque<NumberedPose>,
+    /// Number of the last one that is not kept.
+    lost: u64,
+}
+
+/// Pose of a frame in its parent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NumberedPose {
+    /// Number of the transform in the order of reception.
+    pub number: u64,
+    /// Stamp of the transform.
+    pub stamp: Time,
+    /// The pose.
+    pub pose_pf: Pose,
+}
+
+impl ReplacedTransforms {
+    fn push(&mut self, pose: NumberedPose) {
+        self.poses.push_back(pose);
+        if self.poses.len() > MOST_REPLACED {
+            self.lost = self.poses.pop_front().map_or(self.lost, |lost| lost.number);
+        }
+    }
 }
 
 impl TransformTree {
@@ -51,10 +85,54 @@ impl TransformTree {
             let parent = transform.parent.trim_start_matches('/').to_owned();
             let times = transform.stamp.zip(received);
             let lead = times.map_or(0.0, |(stamp, received)| stamp.seconds_since(received).greater(0.0));
-            let known = StoredTransform { transform: Transform { parent, ..transform }, lead, is_alive };
-            self.by_frame.insert(frame.to_owned(), known);
+            self.stored += 1;
+            let transform = Transform { parent, ..transform };
+            let new = StoredTransform { transform, lead, is_alive, number: self.stored };
+            let replaced = self.by_frame.insert(frame.to_owned(), new);
+            if let Some(replaced) = replaced.filter(|_| is_anew) {
+                self.note_replaced(frame, &replaced);
+            }
         }
         true
+    }
+
+    fn note_replaced(&mut self, frame: &str, StoredTransform { transform, number, .. }: &StoredTransform) {
+        let is_of_parent = self.by_frame[frame].transform.parent == transform.parent;
+        if !is_of_parent {
+            self.replaced.remove(frame);
+        } else if let Some(stamp) = transform.stamp {
+            let pose = NumberedPose { number: *number, stamp, pose_pf: transform.pose_pf };
+            self.replaced.entry(frame.to_owned()).or_default().push(pose);
+        }
+    }
+
+    /// Number of transforms that were stored so far.
+    #[must_use]
+    pub fn stored(&self) -> u64 {
+        self.stored
+    }
+
+    /// The poses of a frame in its parent that were received after the transform with this number, oldest first, and the one before
+    /// them, if it is kept; `None` if some are not kept any more.
+    #[must_use]
+    pub fn poses_since(&self, frame: &str, number: u64) -> Option<Vec<NumberedPose>> {
+        let replaced = self.replaced.get(frame);
+        if replaced.is_some_and(|replaced| replaced.lost > number) {
+            return None;
+        }
+        let latest = self.by_frame.get(frame).and_then(|StoredTransform { transform, number, .. }| {
+            Some(NumberedPose { number: *number, stamp: transform.stamp?, pose_pf: transform.pose_pf })
+        });
+        let poses: Vec<NumberedPose> =
+            replaced.iter().flat_map(|replaced| &replaced.poses).copied().chain(latest).collect();
+        let first = poses.iter().rposition(|pose| pose.number <= number).unwrap_or(0);
+        Some(poses[first..].to_vec())
+    }
+
+    /// The latest transforms, without those before them.
+    #[must_use]
+    pub fn latest(&self) -> Self {
+        Self { by_frame: self.by_frame.clone(), replaced: HashMap::new(), stored: self.stored }
     }
 
     /// The path from the frame `reference` to the frame `frame`; `None` if they are not connected.

@@ -163,6 +163,7 @@ impl StateControl {
             report,
             approaching_pairs: Vec::new(),
             measured: vec![None; state.positions().len()],
+            placed_at: Vec::new(),
             configuration: state,
             poses,
             look_ahead: None,

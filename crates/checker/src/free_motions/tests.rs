@@ -262,6 +262,7 @@ fn touched_after_the_look_ahead(motions: u32, random: &mut Random) -> u32 {
             moving_obstacles: &moving_obstacles,
             obstacle_limits: Some(&limits),
             obstacle_latency: text.time[0],
+            only_moving_obstacles: false,
         };
         let found = checker.look_ahead(now, horizon, &mut checker.workspace()).unwrap();
         for _ in 0..5 {

@@ -7,6 +7,7 @@ use clearance_robot::{PlacedFrame, Reach};
 use clearance_scene::BodyId;
 
 use crate::pairs::{CheckedPairs, PairBodies, PosedPair};
+use crate::world::WorldPair;
 
 /// One motion, with the pairs that are checked along it.
 #[derive(Clone, Copy)]
@@ -92,6 +93,14 @@ impl<'c> CheckedMotion<'c> {
     pub fn largest_uncertainty(&self, t: f64) -> f64 {
         let world = self.pairs.world().world();
         self.segment.uncertainty().map_or(0.0, |uncertainty| uncertainty.largest(world, t))
+    }
+
+    /// The pairs of moving obstacles.
+    pub fn pairs_of_movers(&self) -> impl Iterator<Item = usize> {
+        let (pairs, movers) = (self.pairs, self.moving_places());
+        let parts = 0..pairs.robot().parts().len();
+        let all = parts.flat_map(move |part| movers.clone().into_iter().map(move |place| WorldPair { part, place }));
+        all.map(|pair| pairs.world().number(pair)).filter(|pair| pairs.is_checked(*pair))
     }
 
     /// The places of moving obstacles, ascending.

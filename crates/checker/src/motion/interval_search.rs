@@ -54,6 +54,13 @@ impl<'p, 'a, 'w> IntervalSearch<'p, 'a, 'w> {
         }
     }
 
+    /// Searches the pairs of moving obstacles only.
+    pub fn run_for_movers(&mut self) {
+        for pair in self.prover.motion().pairs_of_movers() {
+            self.prover.search_interval(PairInterval { pair, from: 0.0, to: 1.0 });
+        }
+    }
+
     /// Search of a motion whose deviation grows with time: each interval is as long as all before it. After the first
     /// interval without a proof, nothing matters.
     fn search_widening(&mut self) {

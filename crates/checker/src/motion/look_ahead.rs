@@ -48,6 +48,8 @@ pub struct LookAheadState<'s> {
     pub obstacle_limits: Option<&'s Arc<ObstacleLimits>>,
     /// Time (s) that has passed since the obstacles had their poses.
     pub obstacle_latency: f64,
+    /// Whether only the pairs of obstacles with known motions count.
+    pub only_moving_obstacles: bool,
 }
 
 /// Time (s) before which no pair can touch, up to `horizon` (s). Floating joints must be at rest.
@@ -61,8 +63,13 @@ pub fn look_ahead(
     let segment = with_moving_obstacles(segment, state, horizon)?;
     let budget = EVALUATIONS + EVALUATIONS_PER_PAIR * pairs.count() as u64;
     let options = MotionOptions { tolerance: RESOLUTION, budget, ..MotionOptions::default() };
-    let (report, _) = MotionCheck::new(pairs, &options, workspace).prove(&segment, false);
-    Ok(match report.verdict {
+    let mut check = MotionCheck::new(pairs, &options, workspace);
+    let verdict = if state.only_moving_obstacles {
+        check.prove_for_movers(&segment)
+    } else {
+        check.prove(&segment, false).0.verdict
+    };
+    Ok(match verdict {
         MotionVerdict::Free => LookAhead { free_for: horizon, first: None },
         MotionVerdict::Contact { t, pair, .. } => LookAhead { free_for: t[0] * horizon, first: Some(pair) },
         MotionVerdict::Undecided { t, pair, .. } => LookAhead { free_for: t[0] * horizon, first: pair },

@@ -91,6 +91,19 @@ impl<'a> MotionCheck<'a> {
         (MotionReport { verdict, evaluations, work: self.workspace.scratch.work }, proofs)
     }
 
+    /// Checks only the pairs of obstacles that move along the motion.
+    pub fn prove_for_movers(&mut self, segment: &MotionSegment) -> MotionVerdict {
+        self.workspace.scratch.work = Work::default();
+        let motion = CheckedMotion { pairs: self.pairs, segment, margin: self.options.kept_margin() };
+        if !motion.is_valid() {
+            return MotionReport::not_evaluated(UndecidedReason::Mismatch).verdict;
+        }
+        let mut prover = Prover::new(motion, self.options, &mut self.workspace, false);
+        IntervalSearch::new(&mut prover).run_for_movers();
+        prover.test_ends();
+        prover.verdict()
+    }
+
     /// Converts pair numbers to indices in the list of all pairs.
     fn number_in_order(&self, proofs: &mut [Proof]) {
         if proofs.is_empty() {

@@ -20,6 +20,7 @@ mod speed;
 mod tracked_obstacles;
 mod transform_joints;
 mod unpositioned;
+mod unseen_motion;
 mod world_updates;
 
 use clearance_checker::CollisionChecker;

@@ -512,6 +512,39 @@ fn a_root_that_jumps_is_not_proven_to_be_free_on_the_way() {
     assert!(motions(0.0)[1..].iter().all(|motion| *motion == MotionSincePrevious::ProvenFree));
 }
 
+/// Heartbeats between slow joint states, and transforms that come at once, do not hide where the root was.
+#[test]
+fn a_root_that_jumps_between_slow_joint_states_is_not_proven_to_be_free() {
+    let proven = |places: &[f64], are_read: bool| {
+        let mut room = Room::new();
+        room.monitor.set_settings(MonitorSettings { stale_after: 9.0, ..MonitorSettings::default() });
+        for seconds in [0.0, 0.02] {
+            room.send(0.0, seconds);
+            room.follow();
+            room.evaluated(seconds);
+        }
+        for (number, x) in (1..).zip(places) {
+            let seconds = 0.02 + 0.02 * f64::from(number);
+            room.send(*x, seconds);
+            if are_read {
+                room.follow();
+                room.monitor.note_transforms(&room.transforms);
+                room.monitor.on_heartbeat(at(seconds));
+            }
+        }
+        room.follow();
+        room.evaluated(1.0).motion_since_previous == MotionSincePrevious::ProvenFree
+    };
+    let resting = |x: f64| std::iter::repeat_n(x, 20);
+    let jump: Vec<f64> = std::iter::once(0.0).chain(resting(14.0)).collect();
+    let back: Vec<f64> = [0.0, 14.0, 0.0].into_iter().chain(resting(0.0)).collect();
+    for are_read in [true, false] {
+        assert!(proven(&vec![0.0; 20], are_read));
+        assert!(!proven(&jump, are_read), "{are_read}");
+        assert!(!proven(&back, are_read), "{are_read}");
+    }
+}
+
 /// Between two states, the obstacles move by what `tf` shows of the root.
 #[test]
 fn the_motion_of_the_root_is_a_margin_between_states() {

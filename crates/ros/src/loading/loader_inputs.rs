@@ -63,7 +63,7 @@ impl LoaderInputs {
             update_context: SceneUpdateContext {
                 now,
                 parameters,
-                transforms: transforms.clone(),
+                transforms: transforms.latest(),
                 evaluation,
                 robots_at_stamps,
             },

@@ -254,7 +254,7 @@ impl MonitorLoop {
     ) -> (Evaluation, Instant) {
         let mut current = self.current.lock().unwrap_or_else(PoisonError::into_inner);
         *current = Some(evaluation.clone());
-        self.joint_state_history.lock().unwrap_or_else(PoisonError::into_inner).note(&evaluation);
+        self.joint_state_history.lock().unwrap_or_else(PoisonError::into_inner).note(&evaluation, now.ros);
         // the recording stores the evaluation before everything that results from it
         self.recording.note(|| {
             RecordedEvent::Evaluated(Box::new(RecordedEvaluation {

@@ -325,7 +325,7 @@ impl Replay {
         let difference =
             if is_compared { difference(&evaluation, late, self.history, messages)? } else { None };
         self.history.since_heartbeat |= evaluation.history.is_heartbeat && is_complete;
-        self.joint_state_history.note(&evaluation);
+        self.joint_state_history.note(&evaluation, now.ros);
         self.evaluation = Some(evaluation);
         Ok(difference.unwrap_or(StepResult::Same(late)))
     }

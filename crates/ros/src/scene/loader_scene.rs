@@ -311,7 +311,7 @@ impl LoaderScene {
                 self.octomap = None;
                 let _ = self.state.world.remove(OCTOMAP);
             } else {
-                self.state.set_sensed(&source.name, None);
+                self.state.remove_sensed(&source.name);
             }
             self.dropped.push(source.name);
             changed = true;

@@ -230,7 +230,7 @@ impl ValidityWorker {
         let scene = scene.ok_or("there is no robot model yet")?;
         let now = self.shared.clock.read();
         let evaluation = newest(&self.evaluation, now);
-        let transforms = self.shared.transforms.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let transforms = self.shared.transforms.lock().unwrap_or_else(PoisonError::into_inner).latest();
         state_validity(
             request,
             &ValidityContext { scene: &scene, evaluation: evaluation.as_ref(), transforms: &transforms, now },

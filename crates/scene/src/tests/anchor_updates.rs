@@ -102,7 +102,7 @@ fn clouds_stay_in_the_room_until_the_next_one() {
     drive(&mut cell, 1.0);
     let see = |cell: &mut Cell, x| {
         let cloud = Obstacle::of_shape("points".to_owned(), at(x, 0.0, 0.0), ball());
-        cell.scene.set_sensed("points", Some(cloud));
+        cell.scene.set_sensed("points", Some(cloud)).unwrap();
         let context = SceneContext::new(&cell.robot, None, &cell.transforms, Some(seconds(100.0)), 1.0);
         cell.scene.anchor("points", "hand", &context);
     };
@@ -112,7 +112,7 @@ fn clouds_stay_in_the_room_until_the_next_one() {
     see(&mut cell, 5.0);
     assert!(!drive(&mut cell, 2.0));
     assert_eq!(cell.places("points"), [[5.0, 0.0, 0.0]]);
-    cell.scene.set_sensed("points", None);
+    cell.scene.remove_sensed("points");
     assert!(!drive(&mut cell, 3.0));
     assert!(cell.scene.anchor_frames(&cell.robot).is_empty());
 }

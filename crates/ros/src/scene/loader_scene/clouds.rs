@@ -42,11 +42,15 @@ impl LoaderScene {
             let seen = check_source(message.is_shared)
                 .and_then(|()| check_stamp(stamp, message.received_at, parameters))
                 .and_then(|()| check_order(stamp, known, message.received_at))
-                .and_then(|()| self.filter_cloud(&topic, &message.cloud, robot, update_context));
+                .and_then(|()| self.filter_cloud(&topic, &message.cloud, robot, update_context))
+                .and_then(|(obstacle, report)| {
+                    let is_kept = report.blind.is_some() && parameters.blind_makes_unknown();
+                    let set = if is_kept { Ok(()) } else { self.state.set_sensed(&topic, obstacle) };
+                    set.map(|()| (report, is_kept))
+                });
             let cloud = self.clouds.entry(topic.clone()).or_default();
             match seen {
-                Ok((obstacle, report)) => {
-                    let is_kept = report.blind.is_some() && parameters.blind_makes_unknown();
+                Ok((report, is_kept)) => {
                     cloud.report = report;
                     cloud.seen = Some(Observation { stamp, at: message.received_at.steady });
                     cloud.since = Some(since);
@@ -56,7 +60,6 @@ impl LoaderScene {
                     if is_kept {
                         continue;
                     }
-                    self.state.set_sensed(&topic, obstacle);
                     let context = SceneContext::new(
                         robot,
                         None,
@@ -85,7 +88,7 @@ impl LoaderScene {
             self.clouds.keys().filter(|topic| !watched.contains(topic)).cloned().collect();
         for topic in &gone {
             self.clouds.remove(topic);
-            self.state.set_sensed(topic, None);
+            self.state.remove_sensed(topic);
         }
         !gone.is_empty()
     }

@@ -1,0 +1,130 @@
+//! Poses that something had since the last motion of the joints began.
+
+use clearance_geometry::math::{Extremes, Pose};
+use clearance_scene::is_elsewhere;
+
+/// Largest number of poses that are kept.
+const MOST_POSES: usize = 256;
+
+/// A displacement between two poses is at most this many times the largest one from the last pose.
+///
+/// Distances are known at two poses P and Q; Q is the last one. At another pose R, they are at least the mean of both, less the mean of
+/// the displacements of R from P and from Q. The former is at most that of R from Q and that of Q from P.
+const FROM_ANY: f64 = 1.5;
+
+/// Poses of a frame or an obstacle, oldest first. The first is that at the start of the motion.
+#[derive(Clone, Debug, Default)]
+pub(super) struct PoseTrail {
+    poses: Vec<Pose>,
+    /// Whether some could not be kept.
+    is_cut: bool,
+}
+
+/// Bound on the displacements between poses.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct LargestDisplacement {
+    /// Of the origin (m).
+    pub moved: f64,
+    /// Largest angle (rad); infinite where some poses are not known.
+    pub turned: f64,
+}
+
+impl PoseTrail {
+    /// Adds a pose.
+    pub fn note(&mut self, pose: Pose) {
+        if self.poses.last().is_some_and(|last| !is_elsewhere(last, &pose)) {
+            return;
+        }
+        if self.poses.len() < MOST_POSES {
+            self.poses.push(pose);
+        } else {
+            self.is_cut = true;
+        }
+    }
+
+    /// Some poses are not known.
+    pub fn note_lost(&mut self) {
+        self.is_cut = true;
+    }
+
+    /// A motion of the joints begins: earlier poses no longer matter.
+    pub fn start(&mut self) {
+        self.poses.drain(..self.poses.len().saturating_sub(1));
+        self.is_cut = false;
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.poses.is_empty()
+    }
+
+    /// Bound on the displacements from where the last pose has things; `place` gives the pose that counts.
+    ///
+    /// It is the length of the way, or a multiple of the largest displacement from the last pose if that is less: measured poses
+    /// tremble.
+    pub fn largest_displacement(&self, place: impl Fn(&Pose) -> Pose) -> LargestDisplacement {
+        if self.is_cut {
+            return LargestDisplacement { moved: f64::INFINITY, turned: f64::INFINITY };
+        }
+        let places: Vec<Pose> = self.poses.iter().map(place).collect();
+        let Some(last) = places.last() else { return LargestDisplacement::default() };
+        let between = |before: &Pose, after: &Pose| {
+            let way = after * before.inverse();
+            [way.translation.vector.norm(), way.rotation.angle()]
+        };
+        let (mut length, mut largest) = ([0.0; 2], [0.0; 2]);
+        for (before, after) in places.iter().zip(&places[1..]) {
+            let (step, from_last) = (between(before, after), between(before, last));
+            for i in 0..2 {
+                length[i] += step[i];
+                largest[i] = from_last[i].greater(largest[i]);
+            }
+        }
+        let [moved, turned] = [0, 1].map(|i| length[i].lesser(FROM_ANY * largest[i]));
+        LargestDisplacement { moved, turned }
+    }
+}
+
+impl LargestDisplacement {
+    /// Upper bound (m) on the displacement of a point at this distance (m) from the origin, which may be infinite.
+    pub fn of_radius(&self, radius: f64) -> f64 {
+        self.moved + if self.turned > 0.0 { self.turned * radius } else { 0.0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn trail(places: &[f64]) -> PoseTrail {
+        let mut trail = PoseTrail::default();
+        places.iter().for_each(|x| trail.note(Pose::translation(*x, 0.0, 0.0)));
+        trail
+    }
+
+    fn displacement(places: &[f64]) -> f64 {
+        trail(places).largest_displacement(|pose| *pose).of_radius(9.0)
+    }
+
+    #[test]
+    fn the_way_counts_and_not_its_ends() {
+        assert_eq!(displacement(&[]), 0.0);
+        assert_eq!(displacement(&[1.0]), 0.0);
+        assert!((displacement(&[0.0, 0.1, 0.2, 0.3]) - 0.3).abs() < 1e-12);
+        // there and back
+        assert!((displacement(&[0.0, 2.0, 0.0]) - 3.0).abs() < 1e-12);
+        let trembling: Vec<f64> = (0..200).map(|i| f64::from(i % 2) * 0.01).collect();
+        assert!((displacement(&trembling) - 0.015).abs() < 1e-12);
+        let many: Vec<f64> = (0..300).map(f64::from).collect();
+        assert_eq!(displacement(&many), f64::INFINITY);
+    }
+
+    #[test]
+    fn a_motion_starts_at_the_last_pose() {
+        let mut trail = trail(&[0.0, 2.0, 0.0]);
+        trail.note_lost();
+        trail.start();
+        assert_eq!(trail.largest_displacement(|pose| *pose), LargestDisplacement::default());
+        trail.note(Pose::translation(0.5, 0.0, 0.0));
+        assert_eq!(trail.largest_displacement(|pose| *pose).of_radius(f64::INFINITY), 0.5);
+    }
+}

@@ -1,0 +1,296 @@
+//! What happens between two joint states that are evaluated, and is in neither of them.
+
+use clearance_geometry::math::{Pose, Vector};
+use clearance_geometry::{Primitive, Shape};
+use clearance_motion::{ObstacleLimits, SpeedLimit};
+use clearance_scene::{Obstacle, ObstacleTwist, Transform, TransformTree};
+use std::sync::OnceLock;
+
+use super::*;
+
+/// A ball of 10 cm that slides along x and y, on a base that drives in a plane.
+const GANTRY: &str = r#"<robot name="gantry">
+  <link name="map"/><link name="base"/><link name="beam"/>
+  <link name="tool"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+  <joint name="drive" type="planar"><parent link="map"/><child link="base"/><axis xyz="0 0 1"/></joint>
+  <joint name="x" type="prismatic">
+    <parent link="base"/><child link="beam"/><axis xyz="1 0 0"/><limit lower="-9" upper="9" effort="1" velocity="1"/>
+  </joint>
+  <joint name="y" type="prismatic">
+    <parent link="beam"/><child link="tool"/><axis xyz="0 1 0"/><limit lower="-9" upper="9" effort="1" velocity="1"/>
+  </joint>
+</robot>"#;
+
+fn robot() -> Arc<RobotModel> {
+    static ROBOT: OnceLock<Arc<RobotModel>> = OnceLock::new();
+    let read = || Arc::new(RobotModel::from_urdf(GANTRY, &MeshFiles::default()).unwrap());
+    Arc::clone(ROBOT.get_or_init(read))
+}
+
+/// Balls of 20 cm with velocities along x (m/s), whose states have a time (s).
+fn among(balls: &[(&str, [f64; 2], f64, f64)], world_number: u64) -> Arc<Revision> {
+    let mut world = World::default();
+    for (name, [x, y], ..) in balls {
+        let ball = Shape::Primitive(Primitive::Sphere { radius: 0.2 });
+        world.add(Obstacle::of_shape(*name, Pose::translation(*x, *y, 0.0), ball)).unwrap();
+    }
+    let checker = CollisionChecker::new(robot(), &world, Settings::default()).unwrap();
+    let mut revision = Revision::new(checker, 1, world_number);
+    revision.obstacle_twists = balls
+        .iter()
+        .filter(|(name, ..)| *name != "post")
+        .map(|(name, _, speed, seconds)| ObstacleTwist {
+            name: (*name).to_owned(),
+            linear_o: Vector::new(*speed, 0.0, 0.0),
+            angular_o: Vector::default(),
+            stamp: time(START + seconds),
+            received: Duration::from_secs_f64(*seconds),
+        })
+        .collect();
+    Arc::new(revision)
+}
+
+const POST: (&str, [f64; 2], f64, f64) = ("post", [1.0, 0.0], 0.0, 0.0);
+const STANDING_BASE: [(&str, f64); 3] = [("drive/x", 0.0), ("drive/y", 0.0), ("drive/theta", 0.0)];
+
+fn gantry(settings: MonitorSettings, revision: Arc<Revision>) -> Monitor {
+    let mut monitor = Monitor::new(MonitorSettings { stale_after: 9.0, ..settings }, stopwatch);
+    monitor.set_checker(revision);
+    monitor
+}
+
+fn from(source: u8, seconds: f64, joints: &[(&str, f64)]) -> JointStateInput {
+    JointStateInput { source: SourceId([source; 16]), ..input(seconds, joints) }
+}
+
+fn placed(seconds: f64, [x, y]: [f64; 2]) -> JointStateInput {
+    from(1, seconds, &[&STANDING_BASE[..], &[("x", x), ("y", y)]].concat())
+}
+
+fn is_proven(evaluation: &Evaluation) -> bool {
+    assert_eq!(code(evaluation), "FREE");
+    evaluation.motion_since_previous == MotionSincePrevious::ProvenFree
+}
+
+/// The motion after messages that were received one after the other, and evaluated at the last one only.
+fn at_last(messages: &[(u8, &[(&str, f64)])]) -> bool {
+    let mut monitor = gantry(MonitorSettings::default(), among(&[POST], 1));
+    monitor.on_joint_state(placed(-1.0, [0.0, 0.0]), at(0.0));
+    let (last, before) = messages.split_last().unwrap();
+    for (number, (source, joints)) in (1..).zip(before) {
+        let seconds = 1e-3 * f64::from(number);
+        monitor.receive(from(*source, seconds, joints), at(seconds));
+    }
+    is_proven(&monitor.on_joint_state(from(last.0, 0.02, last.1), at(0.02)))
+}
+
+#[test]
+fn messages_of_several_publishers_are_passed_over_in_their_order() {
+    assert!(at_last(&[(1, &[("x", 1.0), ("y", 1.0)])]), "the straight way is free");
+    assert!(!at_last(&[(1, &[("x", 1.0), ("y", 0.0)]), (1, &[("x", 1.0), ("y", 1.0)])]));
+    assert!(!at_last(&[(1, &[("x", 1.0)]), (3, &[("y", 1.0)])]), "two publishers");
+    assert!(at_last(&[(1, &[("x", 0.1)]), (3, &[("y", 0.1)])]), "so little that the distances suffice");
+    assert!(!at_last(&[(1, &[("x", 1.0), ("y", 0.0)]), (1, &[("y", 1.0), ("x", 1.0)])]), "another order");
+    assert!(!at_last(&[(1, &[("x", 1.0), ("y", 0.0)]), (1, &[("y", 1.0)])]), "fewer names");
+}
+
+/// Transforms from map to base, through odom.
+struct Base {
+    tree: TransformTree,
+    monitor: Monitor,
+}
+
+impl Base {
+    fn new(settings: MonitorSettings) -> Self {
+        let transform_joints = vec!["drive".to_owned()];
+        let settings = MonitorSettings { transform_joints, transform_ttl: 9.0, ..settings };
+        let mut base = Self { tree: TransformTree::default(), monitor: gantry(settings, among(&[POST], 1)) };
+        base.odom(0.0);
+        base.drive(0.0, [0.0, 0.0]);
+        base
+    }
+
+    fn odom(&mut self, seconds: f64) {
+        self.insert("odom", "map", seconds, [0.0, 0.0]);
+    }
+
+    fn drive(&mut self, seconds: f64, place: [f64; 2]) {
+        self.insert("base", "odom", seconds, place);
+    }
+
+    fn insert(&mut self, frame: &str, parent: &str, seconds: f64, [x, y]: [f64; 2]) {
+        let (parent, pose_pf) = (parent.to_owned(), Pose::translation(x, y, 0.0));
+        let stamp = Some(time(START + seconds));
+        assert!(self.tree.insert(frame, Transform { parent, pose_pf, stamp }));
+    }
+
+    fn evaluated(&mut self, seconds: f64) -> Evaluation {
+        self.monitor.note_transforms(&self.tree);
+        self.monitor.on_joint_state(from(1, seconds, &[("x", 0.0), ("y", 0.0)]), at(seconds))
+    }
+
+    fn heartbeat(&mut self, seconds: f64) -> Evaluation {
+        self.monitor.note_transforms(&self.tree);
+        self.monitor.on_heartbeat(at(seconds))
+    }
+}
+
+#[test]
+fn transforms_that_come_in_a_burst_are_part_of_the_motion() {
+    let proven = |ways: &[[f64; 2]]| {
+        let mut base = Base::new(MonitorSettings::default());
+        base.evaluated(0.0);
+        for (number, place) in (1..).zip(ways) {
+            base.drive(0.01 * f64::from(number), *place);
+        }
+        is_proven(&base.evaluated(0.5))
+    };
+    assert!(proven(&[[1.0, 1.0]]));
+    assert!(!proven(&[[1.0, 0.0], [1.0, 1.0]]));
+    assert!(proven(&[[0.5, 0.5], [1.0, 1.0]]), "on the line");
+    assert!(proven(&[[0.1, 0.0], [0.1, 0.1]]), "so little that the distances suffice");
+    assert!(!proven(&[[1.0, 0.0], [0.0, 0.0]]), "there and back");
+    let many: Vec<[f64; 2]> = (0..100).map(|i| [1e-3 * f64::from(i % 2), 0.0]).collect();
+    assert!(!proven(&many), "more than are kept");
+}
+
+/// A slow transform on the way to the base does not end the time that its motion takes.
+#[test]
+fn each_transform_on_the_way_to_the_base_has_a_time_of_its_own() {
+    let settings = || MonitorSettings { between_states_acceleration: 400.0, ..MonitorSettings::default() };
+    let proven = |is_slow: bool| {
+        let mut base = Base::new(settings());
+        base.evaluated(0.0);
+        let mut proven = 0;
+        for step in 1..40 {
+            let seconds = 0.2 * f64::from(step);
+            base.drive(seconds, [1e-3 * f64::from(step), 0.0]);
+            if !is_slow {
+                base.odom(seconds);
+            }
+            proven += u32::from(is_proven(&base.evaluated(seconds)));
+        }
+        proven
+    };
+    // a tube of 400 · 0.2² / 8 = 2 m
+    assert_eq!([proven(false), proven(true)], [0, 0]);
+}
+
+#[test]
+fn positions_from_tf_are_kept_at_the_time_of_the_newest_transform_that_is_not_ahead() {
+    for odom_ahead in [0.0, 0.8] {
+        let (mut base, mut history) = (Base::new(MonitorSettings::default()), JointStateHistory::default());
+        for step in 0..50 {
+            let seconds = 0.02 * f64::from(step);
+            base.drive(seconds, [seconds, 0.0]);
+            if step % 40 == 1 {
+                base.odom(seconds + odom_ahead);
+            }
+            let evaluation = base.heartbeat(seconds);
+            let evaluation = if step == 0 { base.evaluated(seconds) } else { evaluation };
+            history.note(&evaluation, Some(time(START + seconds)));
+        }
+        let (robot, q) = history.at(time(START + 0.91)).unwrap();
+        let x = robot.position_names().iter().position(|name| name == "drive/x").unwrap();
+        assert!((q.positions()[x] - 0.91).abs() < 1e-9, "{} with odom {odom_ahead} s ahead", q.positions()[x]);
+    }
+}
+
+#[test]
+fn a_history_begins_anew_when_the_clock_is_set_back_a_little() {
+    let (mut monitor, mut history) = (gantry(MonitorSettings::default(), among(&[], 1)), JointStateHistory::default());
+    let mut note = |seconds: f64, x: f64| {
+        let evaluation = monitor.on_joint_state(placed(seconds, [x, 0.0]), at(seconds));
+        history.note(&evaluation, Some(time(START + seconds)));
+        let (robot, q) = history.at(time(START + seconds)).unwrap();
+        let index = robot.position_names().iter().position(|name| name == "x").unwrap();
+        (q.positions()[index], history.reaches(time(START + seconds - 0.05)))
+    };
+    for step in 0..100 {
+        note(0.02 * f64::from(step), 5.0);
+    }
+    assert_eq!(note(0.5, 1.0), (1.0, false));
+    assert_eq!(note(0.6, 2.0), (2.0, true));
+}
+
+/// A cart that passes through the tool between two slow joint states, and stands since.
+#[test]
+fn a_tracked_obstacle_is_not_forgotten_at_a_heartbeat() {
+    let proven = |way: &[(f64, f64)]| {
+        let cart = |x: f64, speed: f64, seconds: f64, number| among(&[("cart", [x, 0.0], speed, seconds)], number);
+        let mut monitor = gantry(MonitorSettings::default(), cart(2.0, 0.0, 0.0, 1));
+        monitor.on_joint_state(placed(0.0, [0.0, 0.0]), at(0.0));
+        for (number, (x, speed)) in (2_u32..).zip(way) {
+            let seconds = 0.05 * f64::from(number);
+            monitor.set_checker(cart(*x, *speed, seconds, u64::from(number)));
+            for heartbeat in 0..5 {
+                monitor.on_heartbeat(at(seconds + 0.01 * f64::from(heartbeat)));
+            }
+        }
+        is_proven(&monitor.on_joint_state(placed(1.0, [0.0, 0.0]), at(1.0)))
+    };
+    assert!(proven(&[(2.0, 0.0)]));
+    assert!(proven(&[(2.1, 0.0), (2.0, 0.0)]));
+    assert!(!proven(&[(-2.0, 0.0)]), "its last state says that it stands");
+    assert!(!proven(&[(2.0, -40.0), (-2.0, 0.0), (-2.0, 0.0)]));
+    assert!(!proven(&[(-2.0, 0.0), (2.0, 0.0)]), "there and back");
+}
+
+fn looking_ahead(limit: SpeedLimit) -> MonitorSettings {
+    let obstacle_limits = Arc::new(ObstacleLimits { default: limit, ..ObstacleLimits::default() });
+    let (look_ahead_horizon, look_ahead_acceleration) = (3.0, 0.0);
+    MonitorSettings { look_ahead_horizon, look_ahead_acceleration, obstacle_limits, ..settings_of_lookout() }
+}
+
+/// Time to contact of a tool that stands until one second, and then moves along x at a speed, at a later time.
+fn time_to_contact(
+    balls: &[(&str, [f64; 2], f64, f64)],
+    limit: SpeedLimit,
+    speed: f64,
+    seconds: f64,
+) -> f64 {
+    let mut monitor = gantry(looking_ahead(limit), among(balls, 1));
+    let mut last = f64::NAN;
+    for step in 0..=100 {
+        let now = seconds - 1.0 + 0.01 * f64::from(step);
+        let moving = now > 1.0 + 1e-9;
+        let x = if moving { speed * (now - 1.0) } else { 0.0 };
+        let velocities = vec![0.0, 0.0, 0.0, if moving { speed } else { 0.0 }, 0.0];
+        let evaluation =
+            monitor.on_joint_state(JointStateInput { velocities, ..placed(now, [x, 0.0]) }, at(now));
+        assert_eq!(code(&evaluation), "FREE");
+        last = evaluation.time_to_contact();
+    }
+    last
+}
+
+#[test]
+fn the_robot_was_where_its_states_say_since_the_pose_of_an_obstacle() {
+    let none = SpeedLimit::default();
+    // it moves away from a post that it never came from
+    let behind = ("slow", [-1.3, 0.0], 1e-3, 0.3);
+    assert!(time_to_contact(&[behind], none, 2.0, 1.1) > 0.0);
+    // it was hit 0.4 s after the pose, while it stood
+    let fast = ("fast", [1.3, 0.0], -2.5, 0.4);
+    assert_eq!(time_to_contact(&[fast], none, 0.0, 1.1), 0.0);
+    assert_eq!(time_to_contact(&[fast], none, -0.5, 1.1), 0.0);
+    // a post beside its way does not hide this
+    assert_eq!(time_to_contact(&[fast, ("post", [0.0, -0.4], 0.0, 0.0)], none, 0.5, 1.1), 0.0);
+    // another obstacle, whose state is old, does not move this one back
+    let leaving = ("leaving", [1.0, 0.0], 2.0, 1.1);
+    assert!(time_to_contact(&[leaving, ("old", [0.0, 9.0], 0.1, 0.2)], none, 0.0, 1.1) > 0.0);
+}
+
+#[test]
+fn an_obstacle_that_may_have_touched_since_its_pose_has_no_time_left() {
+    // it reaches the tool after 0.5 s at its velocity, and after less if it accelerates
+    let cart = |seconds| [("cart", [1.3, 0.0], -2.0, seconds)];
+    let limit = SpeedLimit { speed: 0.0, acceleration: 4.0 };
+    let left = |age: f64, limit| time_to_contact(&cart(1.1 - age), limit, 0.0, 1.1);
+    let none = SpeedLimit::default();
+    assert!(left(0.3, none) > 0.0 && left(0.3, limit) > 0.0);
+    assert!(left(0.45, none) > 0.0);
+    for age in [0.45, 0.6, 0.9, 1.0] {
+        assert_eq!(left(age, limit), 0.0, "{age}");
+    }
+}
