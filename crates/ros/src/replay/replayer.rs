@@ -175,13 +175,17 @@ impl Replay {
             }
             RecordStep::JointState { now, source, late } => {
                 self.monitor.leave_out(late.into());
-                let evaluation = self.monitor.on_joint_state(messages.joint_state(&source)?, now.into());
+                let now = Now::from(now);
+                let evaluation = self.monitor.on_joint_state(messages.joint_state(&source)?, now);
                 self.monitor.prepare();
+                self.joint_state_history.note(&evaluation, now.ros);
                 return self.compare(evaluation, late, messages);
             }
             RecordStep::Heartbeat { now, late } => {
                 self.monitor.leave_out(late.into());
-                let evaluation = self.monitor.on_heartbeat(now.into());
+                let now = Now::from(now);
+                let evaluation = self.monitor.on_heartbeat(now);
+                self.joint_state_history.note(&evaluation, now.ros);
                 return self.compare(evaluation, late, messages);
             }
             RecordStep::Started { .. } => return Err("begins twice".to_owned()),
@@ -325,7 +329,6 @@ impl Replay {
         let difference =
             if is_compared { difference(&evaluation, late, self.history, messages)? } else { None };
         self.history.since_heartbeat |= evaluation.history.is_heartbeat && is_complete;
-        self.joint_state_history.note(&evaluation, now.ros);
         self.evaluation = Some(evaluation);
         Ok(difference.unwrap_or(StepResult::Same(late)))
     }
