@@ -2,7 +2,7 @@
 //!
 //! It is an estimate, not a bound.
 use clearance_checker::{CollisionChecker, PairDistance};
-use clearance_geometry::math::{Extremes, Point, Pose, Vector};
+use clearance_geometry::math::{Extremes, Point, Pose, Vector, without_whole_turns};
 use clearance_robot::{Configuration, JointKind, LinkId, LinkPoses, Reach, RobotModel};
 use clearance_scene::BodyId;
 
@@ -62,7 +62,8 @@ fn range_of_distances(
     let later = |rates: &[f64]| -> Vec<f64> {
         positions.iter().zip(rates).map(|(q, rate)| q + reaction_time * rate).collect()
     };
-    let of_joints = rates.map_or(0.0, |rates| checker.travel(positions, &later(rates)));
+    // an unknown velocity may be any
+    let of_joints = rates.map_or(LONGEST_MOTION, |rates| checker.travel(positions, &later(rates)));
     let moving = obstacle_motions.iter().filter(|obstacle_motion| !obstacle_motion.is_none());
     let of_root = moving
         .map(|obstacle_motion| obstacle_motion.largest_displacement(checker.extent(poses), reaction_time));
@@ -77,25 +78,62 @@ pub(super) struct PosesAtOtherTime {
     pub poses: LinkPoses,
     /// Time difference (s): positive if later, negative if earlier.
     pub after: f64,
+    /// Velocities of the positions (rad/s, m/s); `None` where they are not the derivatives of the positions.
+    pub rates: Option<Vec<f64>>,
+}
+
+/// What an approach rate has to take into account.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ApproachTerms {
+    /// Time (s) in which other points than the nearest ones count; 0 for the nearest ones alone.
+    pub within: f64,
+    /// The least distance (m) of the pair in this time, if the robot moves on at its joint velocities and its root stands;
+    /// `None` if it is not known.
+    pub reached: Option<f64>,
+    /// Angle (rad) by which the obstacle may lie in another direction than the one from its pose.
+    pub turned: f64,
 }
 
 /// Link poses `STEP` later, from the rates of all positions; `None` if these are unknown or are not derivatives of the
 /// positions.
 pub(super) fn poses_after_step(robot: &RobotModel, checked_state: &CheckedState) -> Option<PosesAtOtherTime> {
-    if robot.joints().iter().any(|joint| joint.kind == JointKind::Floating) {
+    if floats(robot) {
         return None;
     }
-    let velocities = checked_state.rates.as_ref()?.iter();
+    let rates = checked_state.rates.as_ref()?;
+    let velocities = rates.iter();
     let moved: Vec<f64> =
         (checked_state.configuration.positions().iter()).zip(velocities).map(|(q, v)| q + STEP * v).collect();
     let moved: Configuration = robot.configuration(&moved).ok()?;
     let mut poses = LinkPoses::new(robot);
     robot.forward_kinematics(&moved, &mut poses);
-    Some(PosesAtOtherTime { poses, after: STEP })
+    Some(PosesAtOtherTime { poses, after: STEP, rates: Some(rates.clone()) })
+}
+
+/// The link poses of an earlier state, `after` seconds from this one.
+pub(super) fn poses_before(
+    robot: &RobotModel,
+    checked_state: &CheckedState,
+    before: &CheckedState,
+    after: f64,
+) -> PosesAtOtherTime {
+    let positions = [checked_state, before].map(|state| state.configuration.positions());
+    let turns = robot.whole_turns();
+    let rate = |i: usize| {
+        let way = positions[1][i] - positions[0][i];
+        (if turns[i] { without_whole_turns(way) } else { way }) / after
+    };
+    let rates = (!floats(robot)).then(|| (0..turns.len()).map(rate).collect());
+    PosesAtOtherTime { poses: before.poses.clone(), after, rates }
+}
+
+/// Whether the robot has a floating joint, whose velocity is not the derivative of its positions.
+fn floats(robot: &RobotModel) -> bool {
+    robot.joints().iter().any(|joint| joint.kind == JointKind::Floating)
 }
 
 /// Rate (m/s) at which the distance of a pair shrinks; negative when it grows, `None` when the bodies touch. It is that of
-/// the nearest points, unless other points come nearer in the time `within` (s).
+/// the nearest points, unless other points come nearer in the time that counts.
 ///
 /// Obstacles are at rest in the frames that they are placed in; motion of their own is not that of the robot. If there are
 /// several such frames, the fastest approach counts.
@@ -104,11 +142,11 @@ pub(super) fn approach_rate(
     pair: &PairDistance,
     checked_state: &CheckedState,
     other: &PosesAtOtherTime,
-    within: f64,
+    terms: ApproachTerms,
 ) -> Option<f64> {
     let rate = |obstacle_motion| {
         let moved = RelativeMotion { checker, pair, poses: (&checked_state.poses, other), obstacle_motion };
-        moved.rate(within)
+        moved.rate(terms)
     };
     let is_of_world = [pair.a, pair.b].iter().any(|body| matches!(body, BodyId::Obstacle(_)));
     if !is_of_world || checked_state.obstacle_motions.is_empty() {
@@ -135,8 +173,8 @@ struct RelativeMotion<'m> {
 
 impl RelativeMotion<'_> {
     /// Approach rate (m/s): the relative velocity of the nearest points along the line between them, or, if that is more,
-    /// the mean rate in the time `within` (s) at which the bodies approach along this direction. `None` if they touch.
-    fn rate(&self, within: f64) -> Option<f64> {
+    /// the mean rate in the time that counts. `None` if they touch.
+    fn rate(&self, ApproachTerms { within, reached, turned }: ApproachTerms) -> Option<f64> {
         let [a, b] = self.pair.witness_points;
         let way = b - a;
         if way.norm() < LEAST_DISTANCE || self.pair.distance <= 0.0 {
@@ -144,9 +182,14 @@ impl RelativeMotion<'_> {
         }
         let (direction, after) = (way.normalize(), self.poses.1.after);
         let moved = self.moved(self.pair.a, &a) - self.moved(self.pair.b, &b);
-        let rate = direction.dot(&moved) / after;
+        let rate = largest_component(&(moved / after), &direction, turned);
         if within <= 0.0 || !rate.is_finite() {
             return rate.is_finite().then_some(rate);
+        }
+        let root_stands = self.obstacle_motion.is_none_or(ObstacleMotion::is_none);
+        if let Some(reached) = reached.filter(|_| root_stands) {
+            let of_others = (self.pair.distance - reached) / within;
+            return Some(if of_others > 0.0 { rate.greater(of_others) } else { rate });
         }
         // seen from each body, the other one moves: the smaller of both rates is enough
         let bodies = [(self.pair.a, self.pair.b, direction), (self.pair.b, self.pair.a, -direction)];
@@ -199,6 +242,7 @@ pub(super) fn largest_approach_rate(
     pair: &PairDistance,
     checked_state: &CheckedState,
     other: &PosesAtOtherTime,
+    turned: f64,
 ) -> Option<f64> {
     let is_measured = checked_state.velocities.is_some() && other.after > 0.0;
     if !is_measured || !checked_state.obstacle_motions.iter().all(ObstacleMotion::is_none) {
@@ -212,21 +256,35 @@ pub(super) fn largest_approach_rate(
     let poses = [&checked_state.poses, &other.poses].map(|poses| poses.pose(link));
     let [around] = <[Reach; 1]>::try_from(checker.bounding_capsules(obstacle, &checked_state.poses)).ok()?;
     let moving = checker.bounding_capsules(body, &checked_state.poses);
-    let rates = moving.iter().map(|reach| largest_rate_towards(&around, reach, poses, other.after));
+    let rates = moving.iter().map(|reach| largest_rate_towards(&around, reach, (poses, other.after), turned));
     rates.reduce(|a, b| Some(a?.greater(b?)))?
 }
 
-/// The same for a moving capsule and an obstacle in a capsule. All directions from one to the other are within a cone.
-fn largest_rate_towards(around: &Reach, moving: &Reach, [now, then]: [&Pose; 2], after: f64) -> Option<f64> {
+/// Largest component of a velocity along the directions that are at most an angle (rad) apart from the given one.
+fn largest_component(velocity: &Vector, direction: &Vector, turned: f64) -> f64 {
+    if turned <= 0.0 {
+        return direction.dot(velocity);
+    }
+    velocity.norm() * (velocity.angle(direction) - turned).greater(0.0).cos()
+}
+
+/// The same for a moving capsule and an obstacle in a capsule. All directions from one to the other are within a cone, which is wider
+/// by an angle (rad) where the obstacle may have moved.
+fn largest_rate_towards(
+    around: &Reach,
+    moving: &Reach,
+    ([now, then], after): ([&Pose; 2], f64),
+    turned: f64,
+) -> Option<f64> {
     let middle = |reach: &Reach| (reach.ends[0] + reach.ends[1]) * 0.5;
     let size = |reach: &Reach| (reach.ends[1] - reach.ends[0]).norm() * 0.5 + reach.radius;
     let way = middle(around) - middle(moving);
     let share = (size(around) + size(moving)) / way.norm();
     // also without a number there is no cone
-    let half_angle = if share < 1.0 { share.asin() } else { return None };
+    let half_angle = if share < 1.0 { share.asin() + turned } else { return None };
     let towards = |end: Vector| {
         let velocity = displacement(&Point::from(end), now, then) / after;
-        velocity.norm() * (velocity.angle(&way) - half_angle).greater(0.0).cos()
+        largest_component(&velocity, &way, half_angle)
     };
     let turning = (then.rotation * now.rotation.inverse()).angle() / after;
     Some(towards(moving.ends[0]).greater(towards(moving.ends[1])) + turning * moving.radius)

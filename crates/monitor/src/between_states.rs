@@ -182,7 +182,8 @@ impl BetweenStates {
         self.passed_over.clear();
         // a state that is evaluated again keeps its times
         let same = self.previous.take().filter(|previous| {
-            let is_same_time = previous.time.stamp == time.stamp && previous.time.transforms == time.transforms;
+            let is_same_time =
+                previous.time.stamp == time.stamp && previous.time.transforms == time.transforms;
             is_same(&previous.state, state) && is_same_time
         });
         let is_new = same.is_none();

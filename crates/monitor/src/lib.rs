@@ -67,6 +67,7 @@ mod obstacle_trails;
 mod passed_over;
 mod past_states;
 mod pose_trail;
+mod predicted_distances;
 mod received_states;
 mod root_location;
 mod root_speed;

@@ -156,9 +156,9 @@ impl LookAheadEvaluator {
     ) -> Result<LookAhead, String> {
         for (age, obstacles) in input.tracked_obstacles.by_age() {
             let limit = |obstacle: &MovingObstacle| settings.obstacle_limits.of(&obstacle.name);
-            let beyond = obstacles.iter().map(|obstacle| {
-                (obstacle.name.clone(), SpeedLimit { speed: 0.0, ..limit(obstacle) })
-            });
+            let beyond = obstacles
+                .iter()
+                .map(|obstacle| (obstacle.name.clone(), SpeedLimit { speed: 0.0, ..limit(obstacle) }));
             let limits = ObstacleLimits { by_name: beyond.collect(), ..ObstacleLimits::default() };
             let limits = Some(Arc::new(limits)).filter(|limits| !limits.is_zero());
             for leg in input.past_states.legs(age) {

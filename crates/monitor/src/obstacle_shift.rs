@@ -148,7 +148,8 @@ fn own_motion(ends: [&TrackedObstacles; 2], surroundings: &Surroundings) -> Obst
     for (name, displacement) in surroundings.obstacle_displacements {
         let Some(id) = checker.world().id(name) else { continue };
         let until_pose = displacement.of_radius(obstacle_extent(checker, poses, id));
-        let since_pose = now.of(name).map_or(0.0, |now| now.most(checker, poses, settings, now.longest_age()));
+        let since_pose =
+            now.of(name).map_or(0.0, |now| now.most(checker, poses, settings, now.longest_age()));
         let known = tracked.entry(name).or_default();
         *known = known.greater(until_pose + since_pose);
     }

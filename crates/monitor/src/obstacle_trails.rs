@@ -15,9 +15,8 @@ impl ObstacleTrails {
     pub fn note(&mut self, before: Option<&Revision>, revision: &Revision) {
         self.0.retain(|name, _| revision.obstacle_twists.iter().any(|twist| twist.name == *name));
         for twist in &revision.obstacle_twists {
-            let pose_in = |revision: &Revision| {
-                Some(revision.checker.world().obstacle_by_name(&twist.name)?.pose_ro)
-            };
+            let pose_in =
+                |revision: &Revision| Some(revision.checker.world().obstacle_by_name(&twist.name)?.pose_ro);
             let trail = self.0.entry(twist.name.clone()).or_default();
             if trail.is_empty()
                 && let Some(pose) = before.and_then(pose_in)
@@ -37,7 +36,8 @@ impl ObstacleTrails {
 
     /// Bounds on the displacements of the obstacles since then.
     pub fn displacements(&self) -> BTreeMap<String, LargestDisplacement> {
-        let moved = self.0.iter().map(|(name, trail)| (name.clone(), trail.largest_displacement(|pose| *pose)));
+        let moved =
+            self.0.iter().map(|(name, trail)| (name.clone(), trail.largest_displacement(|pose| *pose)));
         moved.filter(|(_, displacement)| *displacement != LargestDisplacement::default()).collect()
     }
 }

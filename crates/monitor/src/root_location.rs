@@ -76,14 +76,16 @@ impl RootLocationWatch {
     /// Motion of a frame relative to the root, from the moving transforms on the path to it.
     fn obstacle_motion(&self, tracked: &TrackedFrame) -> ObstacleMotion {
         let pose_rf = tracked.path.pose();
-        let tracks = || tracked.path.live_links().filter_map(|link| Some((link.name, self.tracks.get(link.name)?)));
+        let tracks =
+            || tracked.path.live_links().filter_map(|link| Some((link.name, self.tracks.get(link.name)?)));
         let moved = tracks().filter_map(|(name, track)| {
             let (before, taken, step) = track.before()?;
             let way = pose_rf * tracked.path.pose_with(name, before).inverse();
             Some(FrameMotion { way, taken, step })
         });
-        let since_state =
-            tracks().map(|(name, track)| track.trail().largest_displacement(|pose| tracked.path.pose_with(name, pose)));
+        let since_state = tracks().map(|(name, track)| {
+            track.trail().largest_displacement(|pose| tracked.path.pose_with(name, pose))
+        });
         ObstacleMotion {
             frame: tracked.frame.to_owned(),
             motions: moved.collect(),
@@ -96,7 +98,10 @@ impl RootLocationWatch {
     pub fn start_trail(&mut self) {
         self.tracks.values_mut().for_each(FramePoses::start_trail);
         for seen in self.seen.values_mut() {
-            seen.obstacle_motion.since_state.iter_mut().for_each(|since| *since = LargestDisplacement::default());
+            seen.obstacle_motion
+                .since_state
+                .iter_mut()
+                .for_each(|since| *since = LargestDisplacement::default());
         }
     }
 

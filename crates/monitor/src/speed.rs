@@ -14,16 +14,19 @@
 //! [`SeparationRules`](crate::SeparationRules) instead, unless the obstacle rests or the part of the robot
 //! cannot move.
 
-use clearance_checker::{CollisionChecker, PairDistance};
+use clearance_checker::{CollisionChecker, PairDistance, Workspace};
 use clearance_geometry::math::Extremes;
-use clearance_robot::quoted_list;
+use clearance_robot::{RobotModel, quoted_list};
 use clearance_scene::BodyId;
 use std::collections::VecDeque;
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use super::approach_rate::{
-    PosesAtOtherTime, approach_rate, carrier, largest_approach_rate, poses_after_step,
+    ApproachTerms, PosesAtOtherTime, approach_rate, carrier, largest_approach_rate, poses_after_step,
+    poses_before,
 };
+use super::predicted_distances::PredictedDistances;
 use super::separation_settings::SeparationSettings;
 use super::speed_settings::{SpeedDistances, SpeedSettings};
 use super::tracked_obstacle::TrackedObstacle;
@@ -38,6 +41,8 @@ pub(super) struct SpeedGovernor {
     separation: Option<Separation>,
     /// The last state and its stamp.
     last: Option<(Time, Arc<CheckedState>)>,
+    /// Its own workspace, so that it does not overwrite the data that speeds up the stream of states.
+    workspace: Option<Workspace>,
 }
 
 impl SpeedGovernor {
@@ -95,7 +100,7 @@ impl SpeedGovernor {
 
     /// The requests of all near pairs of a state that is FREE.
     fn requests(
-        &self,
+        &mut self,
         checker: &CollisionChecker,
         checked_state: &CheckedState,
         stamp: Option<Time>,
@@ -103,19 +108,25 @@ impl SpeedGovernor {
     ) -> Requests {
         let pairs = checked_state.report.pair_distances.iter().chain(&checked_state.approaching_pairs);
         let rules = pairs.map(|pair| (pair, rule_of(pair, checker, checked_state, settings)));
-        let mut near = rules.filter(|(pair, rule)| rule.concerns(pair, checked_state)).peekable();
+        let near: Vec<_> = rules.filter(|(pair, rule)| rule.concerns(pair, checked_state)).collect();
         // without a near pair, no poses at another time are needed
-        let other = near
-            .peek()
-            .and_then(|_| poses_after_step(checker.robot(), checked_state).or_else(|| self.before(stamp)));
+        let robot = checker.robot();
+        let other = near.first().and_then(|_| {
+            poses_after_step(robot, checked_state).or_else(|| self.before(robot, checked_state, stamp))
+        });
+        let predicted = self.predicted(checker, checked_state, other.as_ref(), &near, settings);
         let mut requests = Requests::none(&settings.speed);
         for (pair, rule) in near {
-            let rate = |within| approach_rate(checker, pair, checked_state, other.as_ref()?, within);
+            let turned = turned(pair, checker, checked_state, settings);
+            let rate = |within, reached| {
+                let terms = ApproachTerms { within, reached, turned };
+                approach_rate(checker, pair, checked_state, other.as_ref()?, terms)
+            };
             match rule {
                 Rule::Nothing => {}
                 Rule::Distances { distances, obstacle_motion } => {
                     let reaction_time = settings.speed.reaction_time;
-                    let rate = rate(reaction_time);
+                    let rate = rate(reaction_time, predicted.of(pair));
                     let share = |rate| distances.share(pair.distance, rate, reaction_time, obstacle_motion);
                     // a pair beyond that distance requests no reduction even if its rate is unknown
                     let matters = pair.distance <= distances.reach() + obstacle_motion;
@@ -123,9 +134,9 @@ impl SpeedGovernor {
                 }
                 Rule::Separation(separation) => {
                     let other = other.as_ref();
-                    let largest =
-                        other.and_then(|other| largest_approach_rate(checker, pair, checked_state, other));
-                    requests.add_separation(pair, [rate(0.0), largest], &separation);
+                    let largest = other
+                        .and_then(|other| largest_approach_rate(checker, pair, checked_state, other, turned));
+                    requests.add_separation(pair, [rate(0.0, None), largest], &separation);
                 }
             }
         }
@@ -133,10 +144,32 @@ impl SpeedGovernor {
     }
 
     /// The link poses of the last state, if it is older than this one.
-    fn before(&self, stamp: Option<Time>) -> Option<PosesAtOtherTime> {
-        let (last, checked_state) = self.last.as_ref()?;
+    fn before(
+        &self,
+        robot: &RobotModel,
+        checked_state: &CheckedState,
+        stamp: Option<Time>,
+    ) -> Option<PosesAtOtherTime> {
+        let (last, before) = self.last.as_ref()?;
         let after = last.seconds_since(stamp?);
-        (after < 0.0).then(|| PosesAtOtherTime { poses: checked_state.poses.clone(), after })
+        (after < 0.0).then(|| poses_before(robot, checked_state, before, after))
+    }
+
+    /// The least distances in the reaction time, for pairs whose share is by distances.
+    fn predicted(
+        &mut self,
+        checker: &CollisionChecker,
+        checked_state: &CheckedState,
+        other: Option<&PosesAtOtherTime>,
+        near: &[(&PairDistance, Rule)],
+        settings: &MonitorSettings,
+    ) -> PredictedDistances {
+        let by_distances = near.iter().filter(|(_, rule)| matches!(rule, Rule::Distances { .. }));
+        let pairs: Vec<&PairDistance> = by_distances.map(|(pair, _)| *pair).collect();
+        let Some(other) = other.filter(|_| !pairs.is_empty()) else { return PredictedDistances::default() };
+        let workspace = self.workspace.get_or_insert_with(|| checker.workspace());
+        let time = settings.speed.reaction_time;
+        PredictedDistances::within(checker, checked_state, other, &pairs, time, workspace)
     }
 
     /// Updates the share with the requested one.
@@ -253,6 +286,21 @@ fn rule_of(
             Rule::Separation(SeparationSettings { margin, ..separation })
         }
     }
+}
+
+/// Angle (rad) by which the obstacle of a pair may lie in another direction than the one from its pose: it has moved since, and may
+/// have passed.
+fn turned(
+    pair: &PairDistance,
+    checker: &CollisionChecker,
+    checked_state: &CheckedState,
+    settings: &MonitorSettings,
+) -> f64 {
+    let obstacle = [pair.a, pair.b].into_iter().find(|body| matches!(body, BodyId::Obstacle(_)));
+    let tracked = obstacle.and_then(|body| checked_state.tracked_obstacles.of(checker.body_name(body)));
+    let Some(tracked) = tracked else { return 0.0 };
+    let moved = tracked.displacement_since_pose(pair, checker, checked_state, settings);
+    if moved < pair.distance { (moved / pair.distance).asin() } else { PI }
 }
 
 /// Warning about speeds of obstacles that the world does not have.

@@ -27,7 +27,8 @@ impl TransformStamps {
         if self.0.is_empty() || !are_same {
             return None;
         }
-        let intervals = self.0.iter().zip(&before.0).map(|((_, now), (_, then))| now.seconds_since(*then).abs());
+        let intervals =
+            self.0.iter().zip(&before.0).map(|((_, now), (_, then))| now.seconds_since(*then).abs());
         Some(intervals.fold(0.0, f64::greater))
     }
 }

@@ -99,7 +99,8 @@ impl<'c> CheckedMotion<'c> {
     pub fn pairs_of_movers(&self) -> impl Iterator<Item = usize> {
         let (pairs, movers) = (self.pairs, self.moving_places());
         let parts = 0..pairs.robot().parts().len();
-        let all = parts.flat_map(move |part| movers.clone().into_iter().map(move |place| WorldPair { part, place }));
+        let all = parts
+            .flat_map(move |part| movers.clone().into_iter().map(move |place| WorldPair { part, place }));
         all.map(|pair| pairs.world().number(pair)).filter(|pair| pairs.is_checked(*pair))
     }
 

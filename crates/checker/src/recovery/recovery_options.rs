@@ -2,13 +2,13 @@
 
 use std::time::Instant;
 
-use clearance_robot::{JointId, JointKind, RobotModel};
+use clearance_robot::{Joint, JointId, JointKind, RobotModel};
 
 /// Limits of a search for a free state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RecoveryOptions {
-    /// The joints that may move; `None` for all. Floating joints never move, planar ones only if they are listed. A joint that mimics
-    /// another one moves with it, within the limits of both.
+    /// The joints that may move; `None` for all. Floating joints and passive joints of the SRDF never move, planar ones only if they are
+    /// listed. A joint that mimics another one moves with it, within the limits of both.
     pub joints: Option<Vec<JointId>>,
     /// Joints that stay where they are, even if they are among `joints`.
     pub locked: Vec<JointId>,
@@ -63,8 +63,12 @@ impl RecoveryOptions {
             Some(joints) => joints.iter().for_each(|joint| set(*joint, true)),
             None => robot.joint_ids().filter(|joint| !is_planar(joint)).for_each(|joint| set(joint, true)),
         }
-        let is_floating = |joint: &JointId| robot.joint(*joint).kind == JointKind::Floating;
-        let resting = robot.joint_ids().filter(is_floating).chain(self.locked.iter().copied());
+        // a passive joint that mimics another one follows it
+        let rests = |joint: &JointId| {
+            let Joint { kind, passive, mimic, .. } = robot.joint(*joint);
+            *kind == JointKind::Floating || (*passive && mimic.is_none())
+        };
+        let resting = robot.joint_ids().filter(rests).chain(self.locked.iter().copied());
         resting.for_each(|joint| set(joint, false));
         movable
     }

@@ -3,7 +3,7 @@
 use clearance_geometry::math::Pose;
 use clearance_geometry::{Primitive, Shape};
 use clearance_motion::{ObstacleLimits, SpeedLimit};
-use clearance_scene::Obstacle;
+use clearance_scene::{Obstacle, ObstacleShape};
 use proptest::prelude::*;
 
 use super::*;
@@ -234,7 +234,10 @@ proptest! {
         let rate = (distance_at(elbow - STEP * velocity) - distance_at(elbow + STEP * velocity)) / (2.0 * STEP);
         prop_assume!(rate.abs() > 0.01 && distance > 0.0 && distance < 0.5);
         let evaluation = governed(SPEED).on_joint_state(moving(0.0, [0.0, elbow], &[0.0, velocity]), at(0.0));
-        let expected = if rate < 0.0 { 1.0 } else { ((distance - 0.1 * rate - 0.1) / 0.4).clamp(0.0, 1.0) };
+        // in the reaction time, at this rate or by the motion that comes
+        let reached = (0..=10).map(|i| distance_at(elbow + 0.01 * f64::from(i) * velocity)).fold(distance, f64::min);
+        let left = if rate < 0.0 && reached == distance { 1.0 } else { reached.min(distance - 0.1 * rate) };
+        let expected = ((left - 0.1) / 0.4).clamp(0.0, 1.0);
         prop_assert!((evaluation.speed_scale - expected).abs() < 1e-3, "{} but {expected}", evaluation.speed_scale);
     }
 }
@@ -278,4 +281,75 @@ fn a_part_that_is_not_the_nearest_one_may_come_first() {
     let at_rest = share(1.0, 0.02, 0.0);
     assert_eq!(share(1.0, 0.02, -5.0), 0.0);
     assert!(share(1.0, 0.02, 5.0) > 0.9 * at_rest, "the rest of it leaves");
+}
+
+/// A ball of 10 cm that slides along x between two others, 10 cm away behind it and 11 cm ahead.
+fn between_two_balls(are_one: bool) -> Arc<Revision> {
+    let urdf = "<robot name='slider'><link name='base'/><link name='ball'><collision>
+        <geometry><sphere radius='0.1'/></geometry></collision></link>
+        <joint name='slide' type='prismatic'><parent link='base'/><child link='ball'/><axis xyz='1 0 0'/>
+        <limit lower='-9' upper='9' effort='1' velocity='9'/></joint></robot>";
+    let ball = || Shape::Primitive(Primitive::Sphere { radius: 0.1 });
+    let poses = [-0.3, 0.31].map(|x| Pose::translation(x, 0.0, 0.0));
+    let mut world = World::default();
+    if are_one {
+        let shapes = poses.map(|pose_os| ObstacleShape { pose_os, shape: ball() });
+        let one = Obstacle::of_shape("both", Pose::identity(), ball());
+        world.add(Obstacle { shapes: shapes.into(), ..one }).unwrap();
+    } else {
+        for (name, pose) in ["behind", "ahead"].into_iter().zip(poses) {
+            world.add(Obstacle::of_shape(name, pose, ball())).unwrap();
+        }
+    }
+    let robot = RobotModel::from_urdf(urdf, &MeshFiles::default()).unwrap();
+    let checker = CollisionChecker::new(Arc::new(robot), &world, Settings::default()).unwrap();
+    Arc::new(Revision::new(checker, 1, 1))
+}
+
+#[test]
+fn another_part_of_the_same_obstacle_counts_as_another_obstacle() {
+    let shares = |are_one: bool, rate: f64, has_velocity: bool| {
+        let world = SpeedDistances { slowdown: 0.5, stop: 0.01 };
+        let mut monitor = governed(SpeedSettings { world, ..SPEED });
+        monitor.set_checker(between_two_balls(are_one));
+        let mut last = f64::NAN;
+        for step in [-1.0, 0.0] {
+            let seconds = 0.01 + 0.01 * step;
+            let input = JointStateInput {
+                names: vec!["slide".to_owned()],
+                positions: vec![rate * 0.01 * step],
+                velocities: if has_velocity { vec![rate] } else { vec![] },
+                ..state(seconds, FREE)
+            };
+            last = monitor.on_joint_state(input, at(seconds)).speed_scale;
+        }
+        last
+    };
+    for has_velocity in [true, false] {
+        for rate in [0.0, 0.2, 0.5, 5.0, -0.2, -5.0] {
+            let [one, two] = [true, false].map(|are_one| shares(are_one, rate, has_velocity));
+            assert!((one - two).abs() < 1e-6, "{rate} m/s: {one} as one obstacle, {two} as two");
+        }
+        assert_eq!(shares(true, 5.0, has_velocity), 0.0);
+    }
+}
+
+/// A driver that does not know one velocity, as that of a joint that stands.
+#[test]
+fn an_unknown_velocity_does_not_hide_what_comes_from_beyond() {
+    let share = |velocities: [f64; 2]| {
+        let mut monitor = governed(SPEED);
+        let (rate, period) = (2.0, 0.01);
+        let mut last = f64::NAN;
+        for i in 0..5 {
+            let elbow = 2.1 + rate * period * f64::from(i);
+            assert!(distance_at(elbow) > 0.5);
+            let seconds = period * f64::from(i);
+            last =
+                monitor.on_joint_state(moving(seconds, [0.0, elbow], &velocities), at(seconds)).speed_scale;
+        }
+        last
+    };
+    let (known, unknown) = (share([0.0, 2.0]), share([f64::NAN, 2.0]));
+    assert!(known < 0.95 && (known - unknown).abs() < 0.02, "{known} {unknown}");
 }

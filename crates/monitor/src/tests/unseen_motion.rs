@@ -44,7 +44,7 @@ fn among(balls: &[(&str, [f64; 2], f64, f64)], world_number: u64) -> Arc<Revisio
             linear_o: Vector::new(*speed, 0.0, 0.0),
             angular_o: Vector::default(),
             stamp: time(START + seconds),
-            received: Duration::from_secs_f64(*seconds),
+            received: Duration::from_secs_f64(seconds.max(0.0)),
         })
         .collect();
     Arc::new(revision)
@@ -192,13 +192,18 @@ fn positions_from_tf_are_kept_at_the_time_of_the_newest_transform_that_is_not_ah
         }
         let (robot, q) = history.at(time(START + 0.91)).unwrap();
         let x = robot.position_names().iter().position(|name| name == "drive/x").unwrap();
-        assert!((q.positions()[x] - 0.91).abs() < 1e-9, "{} with odom {odom_ahead} s ahead", q.positions()[x]);
+        assert!(
+            (q.positions()[x] - 0.91).abs() < 1e-9,
+            "{} with odom {odom_ahead} s ahead",
+            q.positions()[x]
+        );
     }
 }
 
 #[test]
 fn a_history_begins_anew_when_the_clock_is_set_back_a_little() {
-    let (mut monitor, mut history) = (gantry(MonitorSettings::default(), among(&[], 1)), JointStateHistory::default());
+    let (mut monitor, mut history) =
+        (gantry(MonitorSettings::default(), among(&[], 1)), JointStateHistory::default());
     let mut note = |seconds: f64, x: f64| {
         let evaluation = monitor.on_joint_state(placed(seconds, [x, 0.0]), at(seconds));
         history.note(&evaluation, Some(time(START + seconds)));
@@ -217,7 +222,8 @@ fn a_history_begins_anew_when_the_clock_is_set_back_a_little() {
 #[test]
 fn a_tracked_obstacle_is_not_forgotten_at_a_heartbeat() {
     let proven = |way: &[(f64, f64)]| {
-        let cart = |x: f64, speed: f64, seconds: f64, number| among(&[("cart", [x, 0.0], speed, seconds)], number);
+        let cart =
+            |x: f64, speed: f64, seconds: f64, number| among(&[("cart", [x, 0.0], speed, seconds)], number);
         let mut monitor = gantry(MonitorSettings::default(), cart(2.0, 0.0, 0.0, 1));
         monitor.on_joint_state(placed(0.0, [0.0, 0.0]), at(0.0));
         for (number, (x, speed)) in (2_u32..).zip(way) {
@@ -243,12 +249,7 @@ fn looking_ahead(limit: SpeedLimit) -> MonitorSettings {
 }
 
 /// Time to contact of a tool that stands until one second, and then moves along x at a speed, at a later time.
-fn time_to_contact(
-    balls: &[(&str, [f64; 2], f64, f64)],
-    limit: SpeedLimit,
-    speed: f64,
-    seconds: f64,
-) -> f64 {
+fn time_to_contact(balls: &[(&str, [f64; 2], f64, f64)], limit: SpeedLimit, speed: f64, seconds: f64) -> f64 {
     let mut monitor = gantry(looking_ahead(limit), among(balls, 1));
     let mut last = f64::NAN;
     for step in 0..=100 {
@@ -292,5 +293,44 @@ fn an_obstacle_that_may_have_touched_since_its_pose_has_no_time_left() {
     assert!(left(0.45, none) > 0.0);
     for age in [0.45, 0.6, 0.9, 1.0] {
         assert_eq!(left(age, limit), 0.0, "{age}");
+    }
+}
+
+/// A ball that has passed the tool since its pose, by its velocity: the tool that leaves the pose comes to it.
+#[test]
+fn a_robot_that_leaves_the_old_pose_of_an_obstacle_that_has_passed_is_slowed() {
+    let separation = SeparationRules::of_all(SeparationSettings {
+        human_speed: 1.6,
+        robot_speed: 1.0,
+        reaction_time: 0.1,
+        deceleration: 5.0,
+        acceleration: 1.0,
+        margin: 0.1,
+    });
+    let by_distances = SpeedSettings {
+        world: SpeedDistances { slowdown: 1.0, stop: 0.1 },
+        reaction_time: 0.1,
+        release_count: 1,
+        trigger_count: 1,
+        ..SpeedSettings::default()
+    };
+    let by_separation =
+        SpeedSettings { separation: Some(separation), release_count: 1, ..SpeedSettings::default() };
+    for speed in [by_distances, by_separation] {
+        let share = |age: f64, velocity: f64| {
+            let cart = ("cart", [0.7, 0.0], -1.0, 1.0 - age);
+            let settings = MonitorSettings { speed: speed.clone(), ..MonitorSettings::default() };
+            let mut monitor = gantry(settings, among(&[cart], 1));
+            let velocities = vec![0.0, 0.0, 0.0, velocity, 0.0];
+            let input = JointStateInput { velocities, ..placed(1.0, [0.0, 0.0]) };
+            let evaluation = monitor.on_joint_state(input, at(1.0));
+            assert_eq!(code(&evaluation), "FREE");
+            evaluation.speed_scale
+        };
+        // it is still on the side of its pose
+        assert_eq!(share(0.0, -0.5), 1.0);
+        assert_eq!(share(0.1, -0.5), 1.0);
+        // 1.1 m later it is 0.1 m behind the tool
+        assert_eq!([share(1.1, 0.0), share(1.1, -0.5), share(1.1, -2.0)], [0.0; 3]);
     }
 }
