@@ -25,6 +25,8 @@ static void check_robots(void) {
   CHECK_FAILS(clearance_robot_from_urdf(URDF, NULL, NULL, 0, NULL), ARGUMENT, "robot is null");
   CHECK_FAILS(clearance_robot_from_urdf(URDF, NULL, NULL, 2, &none), ARGUMENT, "package_paths is null");
   CHECK_FAILS(clearance_robot_from_urdf("no/such.urdf", NULL, NULL, 0, &none), REJECTED, "no/such.urdf");
+  CHECK_FAILS(clearance_robot_from_urdf("", NULL, NULL, 0, &none), REJECTED, "urdf is empty: give a path or XML text");
+  CHECK_FAILS(clearance_robot_from_urdf(URDF, " ", NULL, 0, &none), REJECTED, "srdf is empty: give a path or XML text");
   CHECK_FAILS(clearance_robot_from_urdf(URDF, "no/such.srdf", NULL, 0, &none), REJECTED, "no/such.srdf");
   CHECK_FAILS(clearance_robot_from_urdf("<robot name='r'><link name='l'/><link name='l'/></robot>", NULL, NULL, 0, &none), REJECTED, "'l'");
   CHECK_FAILS(clearance_robot_from_urdf("caf\xe9.urdf", NULL, NULL, 0, &none), ARGUMENT, "urdf is not UTF-8");

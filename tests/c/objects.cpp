@@ -147,6 +147,34 @@ void check_worlds(Scene &scene) {
   const auto grasped = moved.attach_at("box", "hand", scene.near);
   CHECK(grasped.detach("box", scene.near).distance(scene.near, scene.workspace, 10.0).world.distance > 1.0);
 
+  // settings of an object end with the object, and the certificate is that of the others
+  clearance::World rest = world;
+  rest.remove("box");
+  clearance::CheckerOptions of_box = of_arm();
+  of_box.object_padding = {{"box", 0.5}};
+  of_box.checked_collisions = {{"link1", "box"}};
+  const clearance::Checker with_box(scene.robot, world, of_box);
+  const auto without_box = with_box.with_world(rest);
+  const auto world_distance = [&](const clearance::Checker &checker) {
+    return checker.distance(scene.near, scene.workspace, 10.0).world.distance;
+  };
+  const double plain = world_distance(clearance::Checker(scene.robot, world, of_arm()));
+  CHECK(world_distance(with_box) < plain - 0.3 && std::abs(world_distance(without_box.with_world(world)) - plain) < 1e-12);
+  clearance::MotionOptions with_certificate;
+  with_certificate.certificate = true;
+  const auto motion = without_box.check_motion(scene.near, scene.far, scene.workspace, with_certificate);
+  clearance::Expectation of_rest;
+  of_rest.options = of_arm();
+  CHECK(motion.certificate && motion.certificate->verify(scene.robot, rest, of_rest));
+  const clearance::Pose in_hand(0.0, 0.0, 0.3);
+  CHECK_THROWS(with_box.attach("box", "link1", in_hand), "'link1' and 'box' cannot be checked: the link holds the object");
+  CHECK_THROWS(with_box.attach("box", "hand", in_hand, {"link1"}), "the link is a touch link of the object");
+  const auto holds_both = moved.attach("box", "hand", in_hand).attach("sphere", "hand", in_hand);
+  clearance::CheckerOptions of_both = of_arm();
+  of_both.checked_collisions = {{"box", "sphere"}};
+  CHECK_THROWS(clearance::Checker(scene.robot, holds_both.world(), of_both),
+               "'box' and 'sphere' cannot be checked: one link holds both objects");
+
   clearance::CheckerOptions options = of_arm();
   options.padding = 0.2;
   const clearance::Checker padded(scene.robot, scene.world, options);

@@ -160,6 +160,8 @@ def test_calls(arm, home, call, kind, words):
         (("<robot name='r'><link name='a'/><link name='b'/></robot>",), cl.Error, "roots|parent"),
         (("<robot name='r'><link name='a'/></robot>", "<srdf/>"), cl.Error, None),
         ((3,), TypeError, "urdf must be a path or XML text"),
+        (("",), cl.Error, "urdf is empty: give a path or XML text"),
+        (("<robot name='r'><link name='a'/></robot>", " \n"), cl.Error, "srdf is empty: give a path or XML text"),
     ],
 )
 def test_robots(arguments, kind, words):

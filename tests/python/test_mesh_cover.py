@@ -131,8 +131,8 @@ def test_a_timeout_keeps_the_proof(robot):
     [
         ({}, TypeError, "one of count and excess"),
         ({"count": 100, "excess": 0.1}, TypeError, "one of count and excess"),
-        ({"count": 3}, ValueError, "at least 4 triangles"),
-        ({"count": -1}, ValueError, "count"),
+        ({"count": 3}, ValueError, "count is 3, but must be a whole number, 4 or more"),
+        ({"count": -1}, ValueError, "count is -1, but must be a whole number, 4 or more"),
         ({"count": 1.5}, TypeError, "count"),
         ({"excess": 0.0}, ValueError, "excess"),
         ({"excess": float("nan")}, ValueError, "excess"),

@@ -120,5 +120,5 @@ def test_errors(two, arguments, kind, text):
 
 @pytest.mark.parametrize("count, kind", [(0, ValueError), (-1, ValueError), (1.5, TypeError), (None, TypeError)])
 def test_a_count_is_needed(two, count, kind):
-    with pytest.raises(kind):
+    with pytest.raises(kind, match=f"count is {count}, but must be a whole number, 1 or more"):
         two.shape_cover("boxes", count=count)

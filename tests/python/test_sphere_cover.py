@@ -123,8 +123,9 @@ def test_a_timeout_keeps_the_proof(two, cover):
     [
         ({}, TypeError, "one of count"),
         ({"count": 1, "total": 2}, TypeError, "one of count"),
-        ({"count": 0}, ValueError, "at least one sphere"),
-        ({"count": -1}, ValueError, "count"),
+        ({"count": 0}, ValueError, "count is 0, but must be a whole number, 1 or more"),
+        ({"count": -1}, ValueError, "count is -1, but must be a whole number, 1 or more"),
+        ({"total": 0}, ValueError, "total is 0, but must be a whole number, 1 or more"),
         ({"count": 1.5}, TypeError, "count"),
         ({"total": 1}, ValueError, "too few"),
         ({"total": 4, "inner": True}, ValueError, "not by total"),

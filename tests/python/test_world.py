@@ -32,7 +32,9 @@ def ball():
         (lambda w: w.add_capsule("o", 0.25, 1.0, pose=STEP), 1.75),
         # its tip points to the ball
         (lambda w: w.add_cone("o", 0.25, 1.0, ([2, 0, 0], [0, -np.sqrt(0.5), 0, np.sqrt(0.5)])), 1.5),
-        (lambda w: w.add_plane("o", (2, 0, 0), 1.5), 1.5),
+        (lambda w: w.add_plane("o", (2, 0, 0), 3.0), 1.5),
+        (lambda w: w.add_plane("o", (-1e-200, 0, 0), -1.5e-200), 1.5),
+        (lambda w: w.add_plane("o", (1e200, 0, 0), 1.5e200), 1.5),
         (lambda w: w.add_plane("o", (0, 0, 1), -0.5, np.array([[0, 0, -1, 1], [0, 1, 0, 0], [1, 0, 0, 0], [0, 0, 0, 1.0]])), 1.5),
         (lambda w: w.add_mesh("o", CUBE, FACES, AHEAD), 1.5),
         (lambda w: w.add_mesh("o", CUBE.astype(np.float32), np.array(FACES, dtype=np.uint8), AHEAD), 1.5),
@@ -53,6 +55,23 @@ def test_shapes_are_where_they_are_put(ball, add, begin):
     world.remove("o")
     with pytest.warns(cl.InputWarning, match="no pair"):
         assert cl.Checker(ball, world).distance([0.3], 10.0).world_distance == np.inf
+
+
+def test_planes_are_those_of_their_equation(ball, tmp_path):
+    rng = np.random.default_rng(11)
+    file = tmp_path / "plane.yaml"
+    for length in (1e-200, 0.1, 1.0, 59.0, 1e200):
+        for _ in range(10):
+            direction, offset, x = rng.normal(size=3), rng.uniform(-3, 3), rng.uniform(-3, 3)
+            world = cl.World()
+            world.add_plane("p", length * direction, length * offset)
+            coefficients = [float(c) for c in (*(length * direction), -length * offset)]
+            planes = f"[{{id: p, header: {{frame_id: rail}}, planes: [{{coef: {coefficients}}}]}}]"
+            file.write_text(f"world: {{collision_objects: {planes}}}\n")
+            expected = max(abs(direction[0] * x - offset) / np.linalg.norm(direction) - 0.1, 0.0)
+            for given in (world, cl.World.from_file(file, ball)):
+                found = cl.Checker(ball, given).distance([x], 1000.0).world_distance
+                assert found == pytest.approx(expected, abs=1e-9)
 
 
 def test_a_solid_includes_its_inside(ball):
@@ -114,6 +133,108 @@ def test_attached_objects_move_with_the_link(ball):
     with pytest.warns(cl.InputWarning, match="no pair"):
         moved = checker.with_world(cl.World())
     assert moved.world.names == [] and moved.is_free([0.5]) and not checker.is_free([0.5])
+
+
+# two balls of radius 0.1 m, one of which slides along x
+TWO = """<robot name="two"><link name="base"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+  <link name="tip"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+  <joint name="x" type="prismatic"><parent link="base"/><child link="tip"/><origin xyz="1 0 0"/><axis xyz="1 0 0"/>
+    <limit lower="-1" upper="1" velocity="1" effort="1"/></joint></robot>"""
+
+
+@pytest.fixture(scope="module")
+def two():
+    return cl.Robot.from_urdf(TWO)
+
+
+def balls(**places):
+    world = cl.World()
+    for name, y in places.items():
+        world.add_sphere(name, 0.1, (0, y, 0))
+    return world
+
+
+def held_balls(robot):
+    """`o` and `p` are held by the tip, `o` may touch the base; `q` is an obstacle."""
+    checker = cl.Checker(robot, balls(o=1, p=2, q=3))
+    held = checker.attach("o", "tip", pose=(0, 0.3, 0), touch_links=["base"])
+    return held.attach("p", "tip", pose=(0, 0.6, 0)).world
+
+
+@pytest.mark.parametrize(
+    "pair, why",
+    [
+        (("tip", "o"), "the link holds the object"),
+        (("p", "tip"), "the link holds the object"),
+        (("base", "o"), "the link is a touch link of the object"),
+        (("o", "p"), "one link holds both objects"),
+    ],
+)
+def test_pairs_of_held_objects_that_cannot_be_checked_are_named(two, pair, why):
+    words = f"checked_collisions: '{pair[0]}' and '{pair[1]}' cannot be checked: {why}"
+    held = held_balls(two)
+    with pytest.raises(cl.Error, match=words):
+        cl.Checker(two, held, checked_collisions=[pair])
+    certificate = cl.Checker(two, held).check_motion([0.0], [0.1], certificate=True).certificate
+    with pytest.raises(cl.Error, match=words):
+        cl.verify(certificate, two, held, checked_collisions=[pair])
+    if pair != ("o", "p"):
+        with pytest.raises(cl.Error, match=words):
+            cl.Checker(two, balls(o=1, p=2), checked_collisions=[pair]).with_world(held)
+
+
+def test_pairs_of_held_objects_are_checked(two):
+    pairs = [("base", "p"), ("tip", "q"), ("o", "q")]
+    checker = cl.Checker(two, held_balls(two), checked_collisions=pairs)
+    assert set(pairs) <= set(checker.pairs)
+    with pytest.raises(cl.Error, match="'o' and 'q' cannot be checked: both are obstacles"):
+        checker.detach("o", [0.0])
+    checker = cl.Checker(two, balls(o=1), checked_collisions=[("tip", "o"), ("base", "o")])
+    with pytest.raises(cl.Error, match="'tip' and 'o' cannot be checked: the link holds the object"):
+        checker.attach("o", "tip", pose=(0, 0.3, 0))
+    checker = cl.Checker(two, balls(o=1), checked_collisions=[("base", "o")])
+    assert ("base", "o") in checker.attach("o", "tip", pose=(0, 0.3, 0)).pairs
+    with pytest.raises(cl.Error, match="'base' and 'o' cannot be checked: the link is a touch link of the object"):
+        checker.attach("o", "tip", pose=(0, 0.3, 0), touch_links=["base"])
+
+
+@pytest.mark.parametrize(
+    "settings, left",
+    [
+        ({"object_padding": {"o": 0.05, "p": 0.01}}, {"object_padding": {"p": 0.01}}),
+        ({"object_scale": {"o": 2.0}}, {}),
+        ({"allowed_collisions": [("base", "o"), ("base", "p")]}, {"allowed_collisions": [("base", "p")]}),
+        ({"allowed_collisions": [("base", "o")]}, {}),
+        ({"checked_collisions": [("base", "o"), ("p", "tip")]}, {"checked_collisions": [("p", "tip")]}),
+    ],
+)
+def test_settings_of_an_object_end_with_the_object(two, settings, left):
+    world, rest = balls(o=1, p=2), balls(p=2)
+    checker = cl.Checker(two, world, **settings)
+    fewer = checker.with_world(rest)
+    kept = cl.Checker(two, rest, **left)
+    assert fewer.settings == kept.settings and fewer.pairs == kept.pairs
+    certificate = fewer.check_motion([0.0], [0.1], certificate=True).certificate
+    assert cl.verify(certificate, two, fewer.world, **fewer.settings)
+    assert cl.verify(certificate, two, rest, **left)
+    assert cl.Checker(two, fewer.world, **fewer.settings).settings == fewer.settings
+    # also where the object comes back
+    back, new = fewer.with_world(world), cl.Checker(two, world, **left)
+    assert back.settings == new.settings and back.pairs == new.pairs
+    near = [checker.distance([0.0], 9.0).world_distance for checker in (back, new)]
+    assert near[0] == pytest.approx(near[1], abs=1e-12)
+    # a held object is still there
+    held = checker.attach("o", "tip", pose=(0, 0.3, 0))
+    assert held.settings == checker.settings == held.detach("o", [0.0]).settings
+
+
+def test_an_object_on_a_link_that_the_robot_lacks_is_named(ball, two):
+    held = held_balls(two)
+    certificate = cl.Checker(two, held).check_motion([0.0], [0.1], certificate=True).certificate
+    words = "object 'o' is attached to link 'tip', which the robot has not"
+    assert cl.verify(certificate, ball, held).reason == words
+    with pytest.raises(cl.Error, match=words):
+        cl.Checker(ball, held)
 
 
 def test_an_object_with_the_name_of_a_link_is_rejected(ball):

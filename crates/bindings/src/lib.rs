@@ -13,5 +13,5 @@ mod pair_selection;
 mod thread_pools;
 
 pub use joint_space::{JointSpace, JointSpaceError};
-pub use pair_selection::{NameError, PairSelection, check_objects};
+pub use pair_selection::{NameError, PairSelection};
 pub use thread_pools::{default_threads, pool};

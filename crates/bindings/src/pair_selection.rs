@@ -1,7 +1,7 @@
 //! Pairs that are allowed to collide, or checked although the SRDF allows them.
 
 use clearance::robot::{LinkId, RobotModel};
-use clearance::scene::{AllowedCollisionMatrix, Scene, Settings};
+use clearance::scene::{AllowedCollisionMatrix, AttachedObject, Scene, Settings};
 
 /// Names of pairs of links and objects.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -49,7 +49,7 @@ pub enum NameError {
 ///
 /// # Errors
 /// The first such object.
-pub fn check_objects(robot: &RobotModel, scene: &Scene) -> Result<(), NameError> {
+fn check_objects(robot: &RobotModel, scene: &Scene) -> Result<(), NameError> {
     let obstacles = scene.world.obstacles().map(|obstacle| &obstacle.name);
     let mut names = obstacles.chain(scene.world.attached().iter().map(|object| &object.name));
     let of_link = names.find(|name| robot.link_by_name(name).is_some());
@@ -69,12 +69,10 @@ impl PairSelection {
         scene: &Scene,
     ) -> Result<(), NameError> {
         check_objects(robot, scene)?;
-        let is_object =
-            |name: &str| scene.world.id(name).is_some() || scene.world.attached_by_name(name).is_some();
-        let is_known = |name: &str| robot.link_by_name(name).is_some() || is_object(name);
         for (option, pairs) in [("allowed_collisions", &self.allowed), ("checked_collisions", &self.checked)]
         {
-            if let Some(name) = pairs.iter().flat_map(|(a, b)| [a, b]).find(|name| !is_known(name)) {
+            let mut names = pairs.iter().flat_map(|(a, b)| [a, b]);
+            if let Some(name) = names.find(|name| !is_known(name, robot, scene)) {
                 return Err(NameError::Unknown { option, kind: "link or object", name: name.clone() });
             }
         }
@@ -83,7 +81,7 @@ impl PairSelection {
         }
         let Settings { object_padding, object_scale, .. } = settings;
         for (option, values) in [("object_padding", object_padding), ("object_scale", object_scale)] {
-            if let Some(name) = values.keys().find(|name| !is_object(name)) {
+            if let Some(name) = values.keys().find(|name| !is_object(name, scene)) {
                 return Err(NameError::Unknown { option, kind: "object", name: name.clone() });
             }
         }
@@ -93,6 +91,16 @@ impl PairSelection {
             }
         }
         Ok(())
+    }
+
+    /// Removes the pairs, and the paddings and scales of the settings, of objects that the scene does not have.
+    pub fn remove_missing_objects(&mut self, settings: &mut Settings, robot: &RobotModel, scene: &Scene) {
+        for pairs in [&mut self.allowed, &mut self.checked] {
+            pairs.retain(|(a, b)| is_known(a, robot, scene) && is_known(b, robot, scene));
+        }
+        for values in [&mut settings.object_padding, &mut settings.object_scale] {
+            values.retain(|name, _| is_object(name, scene));
+        }
     }
 
     /// The matrix that selects the pairs; none if the SRDF alone does.
@@ -109,6 +117,16 @@ impl PairSelection {
         }
         Some(matrix)
     }
+}
+
+/// True if the scene has an obstacle or an attached object of this name.
+fn is_object(name: &str, scene: &Scene) -> bool {
+    scene.world.id(name).is_some() || scene.world.attached_by_name(name).is_some()
+}
+
+/// True if the robot has a link, or the scene an object of this name.
+fn is_known(name: &str, robot: &RobotModel, scene: &Scene) -> bool {
+    robot.link_by_name(name).is_some() || is_object(name, scene)
 }
 
 /// Why a pair of names cannot be checked, if it cannot be.
@@ -130,6 +148,26 @@ fn why_unchecked(
         _ if links.into_iter().flatten().any(is_empty) => Some("a link has no collision geometry"),
         [Some(a), Some(b)] if robot.same_rigid_body(a, b) => Some("fixed joints make them one rigid body"),
         _ if !checks => Some("check_self or check_world is off"),
-        _ => None,
+        _ => why_attached_unchecked(a, b, robot, scene),
     }
+}
+
+/// Why a pair cannot be checked because of an attached object, if it cannot be.
+fn why_attached_unchecked(a: &str, b: &str, robot: &RobotModel, scene: &Scene) -> Option<&'static str> {
+    let attached = |name: &str| scene.world.attached_by_name(name);
+    match (attached(a), attached(b)) {
+        (Some(one), Some(other)) => (one.link == other.link).then_some("one link holds both objects"),
+        (Some(object), None) => why_touching(object, b, robot),
+        (None, Some(object)) => why_touching(object, a, robot),
+        (None, None) => None,
+    }
+}
+
+/// Why an attached object may touch the body `name`, if it may.
+fn why_touching(object: &AttachedObject, name: &str, robot: &RobotModel) -> Option<&'static str> {
+    // an obstacle with the name of a touch link is checked
+    robot.link_by_name(name)?;
+    let holds = object.link == name;
+    let why = if holds { "the link holds the object" } else { "the link is a touch link of the object" };
+    object.may_touch(name).then_some(why)
 }

@@ -186,7 +186,8 @@ typedef struct {
   const clearance_pair *allowed_collisions;
   // Number of these pairs.
   size_t allowed_collision_count;
-  // Pairs that are checked, whatever the world's file or the SRDF allows.
+  // Pairs that are checked, whatever the world's file or the SRDF allows. Not an attached object and a link that holds or may touch it,
+  // two objects that one link holds, or two obstacles: these cannot be checked.
   const clearance_pair *checked_collisions;
   // Number of these pairs.
   size_t checked_collision_count;
@@ -468,7 +469,7 @@ typedef struct {
 
 // Expected content of a certificate: options and motion. Start with `clearance_expectation_default`.
 typedef struct {
-  // Options of the check: they must be the same. Null for the defaults.
+  // Options of the check: they must be the same, without objects that the world does not have. Null for the defaults.
   const clearance_checker_options *options;
   // The motion; a certificate of another motion is rejected. For a straight motion, a path of two states without times. Its states are
   // those of a checker with these options. If it is null, only the proof is checked: then compare the motion in the certificate with
@@ -792,28 +793,32 @@ clearance_checker_options clearance_checker_options_default(void);
 
 // Makes a checker. A null `world` is empty, null `options` are the defaults. Takes the time to build hierarchies of all meshes.
 //
-// Rejected: an unknown group, unknown names of links and objects, names that are given twice, paddings and scales out of their range. A
-// checker that has no pair of bodies to check has a warning (`clearance_checker_warning`).
+// Rejected: an unknown group, unknown names of links and objects, names that are given twice, paddings and scales out of their range,
+// and pairs of `checked_collisions` that cannot be checked. A checker that has no pair of bodies to check has a warning
+// (`clearance_checker_warning`).
 clearance_status clearance_checker_new(const clearance_robot *robot,
                                        const clearance_world *world,
                                        const clearance_checker_options *options,
                                        clearance_checker **checker);
 
 // Makes the same checker for another world. Hierarchies of links and of obstacles that do not change are shared.
+//
+// Paddings, scales and pairs of objects that the world does not have are dropped, also in checkers that are made from that one.
+// Rejected: a world in which a pair of `checked_collisions` cannot be checked.
 clearance_status clearance_checker_with_world(const clearance_checker *checker,
                                               const clearance_world *world,
                                               clearance_checker **with_world);
 
 // Makes a checker in which an obstacle is attached to a link and moves with it.
 //
-// Rejected: unknown names.
+// Rejected: unknown names, and a pair of `checked_collisions` that cannot be checked any more, such as the object and this link.
 clearance_status clearance_checker_attach(const clearance_checker *checker,
                                           const clearance_grasp *grasp,
                                           clearance_checker **attached);
 
 // Makes a checker in which the attached object `name` is an obstacle, where it is in `state`.
 //
-// Rejected: an object that is not attached.
+// Rejected: an object that is not attached, and a pair of `checked_collisions` that cannot be checked any more: of two obstacles.
 clearance_status clearance_checker_detach(const clearance_checker *checker,
                                           const char *name,
                                           clearance_state state,
@@ -1017,9 +1022,9 @@ clearance_plan_options clearance_plan_options_default(void);
 
 // Searches for a path of straight edges from `ends.from` to `ends.to` whose edges are proven free. Null `options` are the defaults.
 //
-// RRT-Connect with shortcuts. Only the joints of the checker's states move, within their limits. Without a timeout, the same seed gives
-// the same path. Rejected: a start or goal beyond joint limits, planar and floating joints, and a path without the certificate that was
-// asked for, unless the time was over.
+// RRT-Connect with shortcuts. Only the joints of the checker's states move, within their limits, without passive joints of the SRDF.
+// Without a timeout, the same seed gives the same path. Rejected: a start or goal beyond joint limits, planar and floating joints, and a
+// path without the certificate that was asked for, unless the time was over.
 clearance_status clearance_checker_plan(const clearance_checker *checker,
                                         clearance_workspace *workspace,
                                         clearance_edge ends,
@@ -1029,8 +1034,9 @@ clearance_status clearance_checker_plan(const clearance_checker *checker,
 // The default limits.
 clearance_recovery_options clearance_recovery_options_default(void);
 
-// Searches for a free state near `state`. Only the joints of the checker's states move, without the locked ones. Null `options` are the
-// defaults. Nothing proves that no free state is nearer.
+// Searches for a free state near `state`. Only the joints of the checker's states move, without the locked ones. Floating joints and
+// passive joints of the SRDF never move, planar joints only with a group that has them. Null `options` are the defaults. Nothing proves
+// that no free state is nearer.
 //
 // Rejected: unknown joints, and lengths that are negative or not finite.
 clearance_status clearance_checker_find_free_state(const clearance_checker *checker,

@@ -481,7 +481,8 @@ struct CheckerOptions {
   bool solid_meshes = false;
   // By name: paddings (m) and scale factors.
   NamedValues link_padding, link_scale, object_padding, object_scale;
-  // Pairs that may touch, and pairs that are checked, whatever the world's file or the SRDF allows.
+  // Pairs that may touch, and pairs that are checked, whatever the world's file or the SRDF allows. A pair that cannot be checked, such as
+  // an attached object and the link that holds it, is an error, also of with_world, attach and detach.
   std::vector<Pair> allowed_collisions, checked_collisions;
 };
 
@@ -624,6 +625,7 @@ struct Verification {
 
 // Expected content of a certificate: the options and tolerances of the check, and the motion.
 struct Expectation {
+  // Options of the check, without objects that the world does not have.
   CheckerOptions options;
   // The motion; without it only the proof is checked. A straight motion is a path of two states without times.
   std::optional<Trajectory> motion;
@@ -871,8 +873,8 @@ class Checker {
 
   Workspace workspace() const { return Workspace(*this); }
 
-  // The same checker in another world. Hierarchies of links and of obstacles that do not change are shared. Paddings and scales of objects
-  // that the world does not have are dropped.
+  // The same checker in another world. Hierarchies of links and of obstacles that do not change are shared. Paddings, scales and pairs
+  // of objects that the world does not have are dropped, also in checkers that are made from that one.
   Checker with_world(const World &world) const {
     return Checker(detail::make<clearance_checker>(
         [&](clearance_checker **made) { return clearance_checker_with_world(handle(), world.handle(), made); }));
@@ -1076,7 +1078,8 @@ class Checker {
     }
     return plan;
   }
-  // Searches for a free state near q.
+  // Searches for a free state near q. Floating joints and passive joints of the SRDF never move, planar joints only with a group that has
+  // them.
   FreeState find_free_state(Positions q, Workspace &workspace, const RecoveryOptions &options = {}) const {
     const auto locked = detail::pointers(options.locked);
     const clearance_recovery_options c_options = {options.max_distance, options.clearance, options.max_checks,

@@ -78,7 +78,7 @@ pub extern "C" fn clearance_certificate_free(certificate: *mut clearance_certifi
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct clearance_expectation {
-    /// Options of the check: they must be the same. Null for the defaults.
+    /// Options of the check: they must be the same, without objects that the world does not have. Null for the defaults.
     pub options: *const clearance_checker_options,
     /// The motion; a certificate of another motion is rejected. For a straight motion, a path of two states without times. Its states are
     /// those of a checker with these options. If it is null, only the proof is checked: then compare the motion in the certificate with

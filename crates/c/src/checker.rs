@@ -8,7 +8,7 @@ use std::sync::Arc;
 use clearance::CollisionChecker;
 use clearance::robot::{Configuration, RobotModel};
 use clearance::scene::{AttachedId, AttachedObject, BodyId, Scene};
-use clearance_bindings::{JointSpace, check_objects};
+use clearance_bindings::JointSpace;
 
 use crate::arguments::Arguments;
 use crate::checker_options::{CheckSettings, clearance_checker_options};
@@ -31,7 +31,7 @@ pub struct clearance_checker {
     pub(crate) checker: CollisionChecker,
     pub(crate) space: Arc<JointSpace>,
     scene: Scene,
-    settings: Arc<CheckSettings>,
+    settings: CheckSettings,
     joints: Names,
     bodies: HashMap<BodyId, CString>,
     pairs: Vec<(BodyId, BodyId)>,
@@ -43,12 +43,7 @@ const NO_PAIRS: &str = "the checker has no pair of bodies to check, so that ever
                         collision geometry, or the options allow all pairs";
 
 impl clearance_checker {
-    fn new(
-        checker: CollisionChecker,
-        space: Arc<JointSpace>,
-        scene: Scene,
-        settings: Arc<CheckSettings>,
-    ) -> Self {
+    fn new(checker: CollisionChecker, space: Arc<JointSpace>, scene: Scene, settings: CheckSettings) -> Self {
         let joints = Names::new(space.names().iter().map(String::as_str));
         let bodies = body_names(&checker, &scene);
         let list = checker.pairs();
@@ -60,11 +55,11 @@ impl clearance_checker {
 
     /// The same checker in another scene; hierarchies that do not change are shared.
     fn in_scene(&self, scene: Scene) -> Outcome<Self> {
-        check_objects(self.model(), &scene).map_err(Failure::rejected)?;
-        let (matrix, settings) = (self.settings.matrix(self.model(), &scene), self.settings.in_scene(&scene));
-        let checker = self.checker.with_world(&scene.world, settings, matrix.as_ref());
+        let settings = self.settings.without_missing_objects(self.model(), &scene)?;
+        let (matrix, in_scene) = (settings.matrix(self.model(), &scene), settings.in_scene(&scene));
+        let checker = self.checker.with_world(&scene.world, in_scene, matrix.as_ref());
         let checker = checker.map_err(Failure::rejected)?;
-        Ok(Self::new(checker, Arc::clone(&self.space), scene, Arc::clone(&self.settings)))
+        Ok(Self::new(checker, Arc::clone(&self.space), scene, settings))
     }
 
     /// The robot.
@@ -99,8 +94,9 @@ fn body_names(checker: &CollisionChecker, scene: &Scene) -> HashMap<BodyId, CStr
 
 /// Makes a checker. A null `world` is empty, null `options` are the defaults. Takes the time to build hierarchies of all meshes.
 ///
-/// Rejected: an unknown group, unknown names of links and objects, names that are given twice, paddings and scales out of their range. A
-/// checker that has no pair of bodies to check has a warning (`clearance_checker_warning`).
+/// Rejected: an unknown group, unknown names of links and objects, names that are given twice, paddings and scales out of their range,
+/// and pairs of `checked_collisions` that cannot be checked. A checker that has no pair of bodies to check has a warning
+/// (`clearance_checker_warning`).
 #[unsafe(no_mangle)]
 pub extern "C" fn clearance_checker_new(
     robot: *const clearance_robot,
@@ -118,12 +114,15 @@ pub extern "C" fn clearance_checker_new(
         let (matrix, in_scene) = (settings.matrix(model, &scene), settings.in_scene(&scene));
         let built = CollisionChecker::with_matrix(Arc::clone(model), &scene.world, in_scene, matrix.as_ref());
         let built = built.map_err(Failure::rejected)?;
-        let made = clearance_checker::new(built, Arc::new(space), scene, Arc::new(settings));
+        let made = clearance_checker::new(built, Arc::new(space), scene, settings);
         arguments.write_handle(checker, made, "checker")
     })
 }
 
 /// Makes the same checker for another world. Hierarchies of links and of obstacles that do not change are shared.
+///
+/// Paddings, scales and pairs of objects that the world does not have are dropped, also in checkers that are made from that one.
+/// Rejected: a world in which a pair of `checked_collisions` cannot be checked.
 #[unsafe(no_mangle)]
 pub extern "C" fn clearance_checker_with_world(
     checker: *const clearance_checker,
@@ -157,7 +156,7 @@ pub struct clearance_grasp {
 
 /// Makes a checker in which an obstacle is attached to a link and moves with it.
 ///
-/// Rejected: unknown names.
+/// Rejected: unknown names, and a pair of `checked_collisions` that cannot be checked any more, such as the object and this link.
 #[unsafe(no_mangle)]
 pub extern "C" fn clearance_checker_attach(
     checker: *const clearance_checker,
@@ -202,7 +201,7 @@ fn grasped(
 
 /// Makes a checker in which the attached object `name` is an obstacle, where it is in `state`.
 ///
-/// Rejected: an object that is not attached.
+/// Rejected: an object that is not attached, and a pair of `checked_collisions` that cannot be checked any more: of two obstacles.
 #[unsafe(no_mangle)]
 pub extern "C" fn clearance_checker_detach(
     checker: *const clearance_checker,

@@ -46,7 +46,8 @@ pub struct clearance_checker_options {
     pub allowed_collisions: *const clearance_pair,
     /// Number of these pairs.
     pub allowed_collision_count: usize,
-    /// Pairs that are checked, whatever the world's file or the SRDF allows.
+    /// Pairs that are checked, whatever the world's file or the SRDF allows. Not an attached object and a link that holds or may touch it,
+    /// two objects that one link holds, or two obstacles: these cannot be checked.
     pub checked_collisions: *const clearance_pair,
     /// Number of these pairs.
     pub checked_collision_count: usize,
@@ -153,9 +154,17 @@ impl CheckSettings {
         space.map_err(Failure::rejected)
     }
 
-    /// Rejects names of the pairs and objects that neither the robot nor the scene has.
+    /// Rejects names of the pairs and objects that neither the robot nor the scene has, and pairs that cannot be checked.
     pub fn check_names(&self, robot: &RobotModel, scene: &Scene) -> Outcome {
         self.pairs.check_names(&self.settings, robot, scene).map_err(Failure::rejected)
+    }
+
+    /// These options for another scene: without those of objects that it does not have.
+    pub fn without_missing_objects(&self, robot: &RobotModel, scene: &Scene) -> Outcome<Self> {
+        let mut kept = self.clone();
+        kept.pairs.remove_missing_objects(&mut kept.settings, robot, scene);
+        kept.check_names(robot, scene)?;
+        Ok(kept)
     }
 
     /// The matrix that selects the pairs; none if this is up to the SRDF.

@@ -72,9 +72,9 @@ pub struct clearance_plan {
 
 /// Searches for a path of straight edges from `ends.from` to `ends.to` whose edges are proven free. Null `options` are the defaults.
 ///
-/// RRT-Connect with shortcuts. Only the joints of the checker's states move, within their limits. Without a timeout, the same seed gives
-/// the same path. Rejected: a start or goal beyond joint limits, planar and floating joints, and a path without the certificate that was
-/// asked for, unless the time was over.
+/// RRT-Connect with shortcuts. Only the joints of the checker's states move, within their limits, without passive joints of the SRDF.
+/// Without a timeout, the same seed gives the same path. Rejected: a start or goal beyond joint limits, planar and floating joints, and a
+/// path without the certificate that was asked for, unless the time was over.
 #[unsafe(no_mangle)]
 pub extern "C" fn clearance_checker_plan(
     checker: *const clearance_checker,

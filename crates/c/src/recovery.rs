@@ -72,8 +72,9 @@ pub struct clearance_free_state {
     pub checks: u64,
 }
 
-/// Searches for a free state near `state`. Only the joints of the checker's states move, without the locked ones. Null `options` are the
-/// defaults. Nothing proves that no free state is nearer.
+/// Searches for a free state near `state`. Only the joints of the checker's states move, without the locked ones. Floating joints and
+/// passive joints of the SRDF never move, planar joints only with a group that has them. Null `options` are the defaults. Nothing proves
+/// that no free state is nearer.
 ///
 /// Rejected: unknown joints, and lengths that are negative or not finite.
 #[unsafe(no_mangle)]

@@ -99,9 +99,13 @@ struct Source {
 }
 
 impl Source {
-    /// XML text, or else a path.
-    fn read(given: &str) -> Outcome<Self> {
-        if given.trim_start_matches('\u{feff}').trim_start().starts_with('<') {
+    /// XML text, or else a path, of the argument `name`.
+    fn read(given: &str, name: &str) -> Outcome<Self> {
+        let content = given.trim_start_matches('\u{feff}').trim_start();
+        if content.is_empty() {
+            return Err(Failure::rejected(format!("{name} is empty: give a path or XML text")));
+        }
+        if content.starts_with('<') {
             return Ok(Self { text: given.to_owned(), path: None });
         }
         let path = PathBuf::from(given);
@@ -155,8 +159,9 @@ pub extern "C" fn clearance_robot_from_urdf(
     robot: *mut *mut clearance_robot,
 ) -> clearance_status {
     call(|arguments| {
-        let urdf = Source::read(arguments.text(urdf, "urdf")?)?;
-        let srdf = arguments.text_or_none(srdf, "srdf")?.map(Source::read).transpose()?;
+        let urdf = Source::read(arguments.text(urdf, "urdf")?, "urdf")?;
+        let srdf = arguments.text_or_none(srdf, "srdf")?;
+        let srdf = srdf.map(|srdf| Source::read(srdf, "srdf")).transpose()?;
         let package_paths = texts(arguments, package_paths, package_path_count, "package_paths")?;
         arguments.write_handle(robot, load(&urdf, srdf.as_ref(), &package_paths)?, "robot")
     })

@@ -96,6 +96,8 @@ pub enum CertificateError {
     Text(#[from] serde_json::Error),
     #[error("the format is '{0}', but only '{FORMAT}' and '{FORMAT_1}' are known")]
     Format(String),
+    #[error("the format is '{0}', but fields of this format are missing, or there are fields of another one")]
+    Fields(String),
     #[error("the digest does not fit the content: something in it was altered")]
     Digest,
     #[error("segment {segment}: {error}")]
@@ -171,8 +173,11 @@ impl Certificate {
     /// Reads a certificate and checks its format and digest.
     pub fn from_json(text: &str) -> Result<Self, CertificateError> {
         let certificate: Self = serde_json::from_str(text)?;
-        if !certificate.has_known_format() {
+        if ![FORMAT, FORMAT_1].contains(&certificate.format.as_str()) {
             return Err(CertificateError::Format(shown(&certificate.format)));
+        }
+        if !certificate.has_known_format() {
+            return Err(CertificateError::Fields(certificate.format));
         }
         if certificate.digest != certificate.content_hash() {
             return Err(CertificateError::Digest);

@@ -7,7 +7,7 @@ use std::time::Instant;
 use clearance::robot::Configuration;
 use clearance::scene::{AttachedObject, BodyId, Scene};
 use clearance::{CollisionChecker, SettingsError};
-use clearance_bindings::{JointSpace, check_objects};
+use clearance_bindings::JointSpace;
 use numpy::{PyArray1, PyArrayDyn};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -49,7 +49,8 @@ use crate::{motion_distances, motion_queries};
 /// - `volumes`: kind of bounding volumes, "obb", "rss", "lss", "pss", "aabb", "kdop18" or "kios", also of links, as "obb,hand=rss".
 ///   Results are the same.
 /// - `allowed_collisions`: pairs of names that may touch, besides those that the world's file or else the SRDF allows;
-///   `checked_collisions`: pairs that are checked all the same.
+///   `checked_collisions`: pairs that are checked all the same. Pairs that cannot be checked, such as an attached object and the link that
+///   holds it, raise `Error`, also in `with_world`, `attach` and `detach`.
 ///
 /// Batches use all cores, or `num_threads`. They and checks of motions release the GIL, and end with KeyboardInterrupt on Ctrl-C.
 /// Results do not depend on the number of threads. Wrong shapes raise ValueError, wrong types TypeError, and everything that the library
@@ -60,7 +61,7 @@ pub struct Checker {
     pub core: Arc<CheckerCore>,
     robot: Py<Robot>,
     scene: Scene,
-    settings: Arc<CheckSettings>,
+    settings: CheckSettings,
     group: Option<String>,
     fixed: BTreeMap<String, f64>,
 }
@@ -87,19 +88,20 @@ impl Checker {
             |_| CollisionChecker::with_matrix(model, &scene.world, of_scene, matrix.as_ref()),
         )?;
         let core = CheckerCore::new(built.map_err(error)?, space);
-        Ok(Self { core, robot, scene, settings: Arc::new(settings), group, fixed })
+        Ok(Self { core, robot, scene, settings, group, fixed })
     }
 
     /// The same checker in another scene; hierarchies that do not change are shared.
     fn with_scene(&self, py: Python<'_>, scene: Scene) -> PyResult<Self> {
-        check_objects(self.core.space.robot(), &scene).map_err(error)?;
-        let matrix = self.settings.matrix(self.core.space.robot(), &scene);
-        let settings = self.settings.settings.clone().with_scene(&scene);
+        let model = self.core.space.robot();
+        let settings = self.settings.without_missing_objects(model, &scene)?;
+        let matrix = settings.matrix(model, &scene);
+        let of_scene = settings.settings.clone().with_scene(&scene);
         let built: Result<_, SettingsError> =
-            run(py, None, || {}, |_| self.core.checker.with_world(&scene.world, settings, matrix.as_ref()))?;
+            run(py, None, || {}, |_| self.core.checker.with_world(&scene.world, of_scene, matrix.as_ref()))?;
         let core = CheckerCore::new(built.map_err(error)?, Arc::clone(&self.core.space));
         let (robot, group, fixed) = (self.robot.clone_ref(py), self.group.clone(), self.fixed.clone());
-        Ok(Self { core, robot, scene, settings: Arc::clone(&self.settings), group, fixed })
+        Ok(Self { core, robot, scene, settings, group, fixed })
     }
 
     /// This checker, after a warning if it checks nothing.
@@ -165,7 +167,7 @@ impl Checker {
         World { scene: self.scene.clone() }
     }
 
-    /// The settings, as keyword arguments of the class.
+    /// The settings, as keyword arguments of the class and of `verify`.
     #[getter]
     fn settings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         self.settings.keywords(py)
@@ -229,6 +231,8 @@ impl Checker {
     }
 
     /// The same checker in another world. Hierarchies of links and of obstacles that do not change are shared.
+    ///
+    /// Paddings, scales and pairs of objects that the world does not have are dropped, also in checkers that are made from that one.
     fn with_world(&self, py: Python<'_>, world: PyRef<'_, World>) -> PyResult<Self> {
         let scene = world.scene.clone();
         drop(world);
@@ -504,7 +508,8 @@ impl Checker {
         motion_queries::event_distance(py, &self.core, [q0, q1], (distance, tube), &settings)
     }
 
-    /// Searches a free state near `q`, of shape (n,): `FreeState`. Only the joints of the group move, without those in `locked`.
+    /// Searches a free state near `q`, of shape (n,): `FreeState`. Only the joints of the group move, without those in `locked`. Floating
+    /// joints and passive joints of the SRDF never move, planar joints only with a group that has them.
     ///
     /// `max_distance`: Euclidean norm of all changes (rad, m). `clearance` (m): distance that the free state keeps from every collision.
     /// `max_checks` and `timeout` (s) limit the search. Nothing proves that no free state is nearer.
@@ -526,9 +531,10 @@ impl Checker {
 
     /// Searches a path of straight edges from `start` to `goal`, both of shape (n,), whose edges are proven free: `Plan`.
     ///
-    /// RRT-Connect with shortcuts. Only the joints of the group move, within their limits. `range` (rad, m): largest length of an edge of
-    /// the search. `timeout` (s) and `max_edges` limit the search. Without `timeout`, the same seed gives the same path. Nothing is proven
-    /// if no path is found. Raises `Error` for a start or goal beyond joint limits.
+    /// RRT-Connect with shortcuts. Only the joints of the group move, within their limits, without passive joints of the SRDF. `range`
+    /// (rad, m): largest length of an edge of the search. `timeout` (s) and `max_edges` limit the search. Without `timeout`, the same seed
+    /// gives the same path. Nothing is proven if no path is found. Raises `Error` for planar and floating joints, and for a start or goal
+    /// beyond joint limits.
     ///
     /// `certificate=True` adds the proof of the whole path as a document. If the time ends before it is made, the path has none, and its
     /// reason is `found_without_certificate`.

@@ -50,14 +50,15 @@ options! {
     relative_tolerance: f64 = length;
     search_distance: f64 = |_, value| length("max_distance", value);
     seed: u64 = count;
-    shape_count: usize = |_, value| size_of("count", value);
+    shape_count: usize = |_, value| at_least("count", value, 1);
     shortcuts: u32 = |name, value| whole(name, value, u64::from(u32::MAX));
-    sphere_count: Option<usize> = |_, value| optional("count", value, size_of);
+    sphere_count: Option<usize> = |_, value| optional("count", value, |name, value| at_least(name, value, 1));
     size: Option<usize> = |name, value| optional(name, value, size_of);
     timeout: Option<Instant> = |name, value| Ok(optional(name, value, deadline)?.flatten());
     tolerance: f64 = tolerance_of;
-    total: Option<usize> = |name, value| optional(name, value, size_of);
+    total: Option<usize> = |name, value| optional(name, value, |name, value| at_least(name, value, 1));
     tolerance_if_any: Option<f64> = |_, value| optional("tolerance", value, tolerance_of);
+    triangle_count: Option<usize> = |_, value| optional("count", value, |name, value| at_least(name, value, 4));
 }
 
 /// The error about a value; `form` says what it must be.
@@ -146,6 +147,14 @@ fn count(name: &str, value: &Bound<'_, PyAny>) -> PyResult<u64> {
 
 fn size_of(name: &str, value: &Bound<'_, PyAny>) -> PyResult<usize> {
     whole(name, value, usize::MAX as u64)
+}
+
+/// A whole number that is not below `least`.
+fn at_least(name: &str, value: &Bound<'_, PyAny>, least: usize) -> PyResult<usize> {
+    let form = format!("a whole number, {least} or more");
+    let given: u64 = extract(name, value, &form)?;
+    let given = usize::try_from(given).ok().filter(|given| *given >= least);
+    given.ok_or_else(|| error(bad(name, value, &form)))
 }
 
 fn threads(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Option<usize>> {

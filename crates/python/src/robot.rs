@@ -331,7 +331,7 @@ impl Robot {
     fn mesh_cover(
         &self,
         py: Python<'_>,
-        #[pyo3(from_py_with = options::sphere_count)] count: Option<usize>,
+        #[pyo3(from_py_with = options::triangle_count)] count: Option<usize>,
         #[pyo3(from_py_with = options::excess)] excess: Option<f64>,
         #[pyo3(from_py_with = options::timeout)] timeout: Option<Instant>,
         #[pyo3(from_py_with = options::num_threads)] num_threads: Option<usize>,

@@ -125,7 +125,11 @@ fn read_text(
 ) -> PyResult<(Text, Option<PathBuf>)> {
     if let Ok(text) = value.cast::<PyString>() {
         let text = text.to_cow()?;
-        if text.trim_start_matches('\u{feff}').trim_start().starts_with('<') {
+        let content = text.trim_start_matches('\u{feff}').trim_start();
+        if content.is_empty() {
+            return Err(error(format!("{what} is empty: give a path or XML text")));
+        }
+        if content.starts_with('<') {
             return Ok((Text { text: text.into_owned(), file: None }, None));
         }
     }

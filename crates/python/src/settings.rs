@@ -107,9 +107,17 @@ impl CheckSettings {
         Ok(keywords)
     }
 
-    /// Rejects names of the pairs and objects that neither the robot nor the scene has.
+    /// Rejects names of the pairs and objects that neither the robot nor the scene has, and pairs that cannot be checked.
     pub fn check_names(&self, robot: &RobotModel, scene: &Scene) -> PyResult<()> {
         self.pairs.check_names(&self.settings, robot, scene).map_err(error)
+    }
+
+    /// These settings for another scene: without those of objects that it does not have.
+    pub fn without_missing_objects(&self, robot: &RobotModel, scene: &Scene) -> PyResult<Self> {
+        let mut kept = self.clone();
+        kept.pairs.remove_missing_objects(&mut kept.settings, robot, scene);
+        kept.check_names(robot, scene)?;
+        Ok(kept)
     }
 
     /// The matrix that selects the pairs; none if this is up to the SRDF.

@@ -18,13 +18,10 @@ pub fn primitive(made: Result<Primitive, PrimitiveError>) -> PyResult<Shape> {
     made.map(Shape::Primitive).map_err(error)
 }
 
-/// The plane of all points p with `normal · p = offset` (m).
+/// The plane of all points p with `normal · p = offset`; the normal has any length above 0.
 pub fn plane(normal: [f64; 3], offset: f64) -> PyResult<Shape> {
     let [a, b, c] = normal;
-    let length = (a * a + b * b + c * c).sqrt();
-    // the offset is along the normal of length one
-    let coefficients = [a, b, c, -offset * if length > 0.0 { length } else { 1.0 }];
-    Plane::from_coefficients(coefficients).map(Shape::Plane).map_err(error)
+    Plane::from_coefficients([a, b, c, -offset]).map(Shape::Plane).map_err(error)
 }
 
 /// A mesh of vertices (N, 3) and faces (M, 3).

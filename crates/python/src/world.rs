@@ -148,6 +148,7 @@ impl World {
     }
 
     /// Adds the plane of all points p with `normal · p = offset`, in the frame at `pose`; `normal` has any length above 0.
+    /// Its signed distance (m) from the origin of that frame is `offset / |normal|`.
     ///
     /// A plane is a surface without inside: a robot wholly on either side does not touch it.
     #[pyo3(signature = (name, normal, offset=0.0, pose=None))]

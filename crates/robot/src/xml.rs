@@ -244,7 +244,10 @@ pub(super) fn read_xml<T>(
 fn syntax_fault(expected: &Expected, error: &Error, text: &str) -> Fault {
     match error {
         Error::DtdDetected => doctype_fault(expected, text),
-        Error::NoRootNode => expected.fault(None, "the text is empty: it has no XML element"),
+        Error::NoRootNode if text.trim().is_empty() => {
+            expected.fault(None, "the text is empty: it has no XML element")
+        }
+        Error::NoRootNode => expected.fault(None, "bad XML: there is no complete element; is the text cut?"),
         Error::NodesLimitReached => expected.fault(None, format!("more than {MOST_NODES} XML nodes")),
         Error::UnclosedRootNode => {
             expected.fault(None, "bad XML: the text is cut, its first element has no end")

@@ -12,7 +12,8 @@ use super::body_pair::BodyPair;
 /// By link and attached object: the link that carries it.
 pub(super) fn carriers(robot: &RobotModel, world: &World) -> Result<Vec<LinkId>, Rejection> {
     let attached = world.attached().iter().map(|object| {
-        robot.link_by_name(&object.link).ok_or_else(|| Rejection::UnknownLink(object.link.clone()))
+        let no_carrier = || Rejection::NoCarrier { object: object.name.clone(), link: object.link.clone() };
+        robot.link_by_name(&object.link).ok_or_else(no_carrier)
     });
     robot.link_ids().map(Ok).chain(attached).collect()
 }

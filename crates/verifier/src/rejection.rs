@@ -14,8 +14,10 @@ fn or(differences: &CertificateDifferences, otherwise: &str) -> String {
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the message of each variant describes it and its fields")]
 pub enum Rejection {
-    #[error("padding is given for link '{0}', which the robot has not")]
+    #[error("padding or scale is given for link '{0}', which the robot has not")]
     UnknownLink(String),
+    #[error("object '{object}' is attached to link '{link}', which the robot has not")]
+    NoCarrier { object: String, link: String },
     #[error("padding of '{of}' is {value}, but must be a finite number of metres, zero or more")]
     BadPadding { of: String, value: f64 },
     #[error("'{of}' cannot be scaled: {why}")]

@@ -9,7 +9,7 @@ use clearance_motion::{
     Trajectory, UncertaintyText,
 };
 use clearance_robot::{MeshFiles, RobotModel};
-use clearance_scene::AllowedCollisionMatrix;
+use clearance_scene::{AllowedCollisionMatrix, AttachedObject};
 use clearance_scene::{MeshModel, Settings};
 use clearance_scene::{Obstacle, World};
 use std::sync::Arc;
@@ -350,8 +350,22 @@ fn it_holds_for_one_robot_one_world_and_one_set_of_rules() {
     assert!(matches!(rejected(&robot, &world, &settings(), Some(&matrix)), Rejection::UnknownPair(..)));
     let bad = Settings { padding: f64::NAN, ..settings() };
     assert!(matches!(rejected(&robot, &world, &bad, None), Rejection::BadPadding { .. }));
-    let bad = Settings { link_padding: [("x".to_owned(), 0.0)].into(), ..settings() };
-    assert!(matches!(rejected(&robot, &world, &bad, None), Rejection::UnknownLink(_)));
+    for bad in [
+        Settings { link_padding: [("x".to_owned(), 0.0)].into(), ..settings() },
+        Settings { link_scale: [("x".to_owned(), 2.0)].into(), ..settings() },
+    ] {
+        let rejection = rejected(&robot, &world, &bad, None);
+        assert!(matches!(rejection, Rejection::UnknownLink(_)));
+        assert_eq!(rejection.to_string(), "padding or scale is given for link 'x', which the robot has not");
+    }
+    let mut held = balls();
+    let still = held.obstacle_by_name("still").unwrap();
+    let object = AttachedObject::grasped(still, "hand", &Pose::identity(), vec![]);
+    held.attach(object).unwrap();
+    let rejection = rejected(&robot, &held, &settings(), None);
+    assert!(matches!(rejection, Rejection::NoCarrier { .. }));
+    let text = "object 'still' is attached to link 'hand', which the robot has not";
+    assert_eq!(rejection.to_string(), text);
 }
 
 /// Changes a true certificate to one of another motion, as a forger would: all its fields are consistent, but it is not true.
