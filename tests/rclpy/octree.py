@@ -49,6 +49,11 @@ class Octree:
         """For each node its log-odds as a float and one bit for each child that exists, and then these in order."""
         return b"" if self._root is None else _full(self._root)
 
+    def file(self):
+        """The content of a .bt file."""
+        head = "# Octomap OcTree binary file", "id OcTree", f"size {_count(self._root)}", f"res {self.resolution}", "data\n"
+        return "\n".join(head).encode() + self.binary()
+
     def message(self, binary=True, frame="base", stamp=None):
         message = Octomap(binary=binary, id="OcTree", resolution=self.resolution)
         message.header.frame_id = frame
@@ -70,6 +75,11 @@ def _binary(node):
         bits |= {FREE: 0b01, OCCUPIED: 0b10}.get(what if isinstance(what, str) else None, 0b11) << 2 * child
     inner = (node[child] for child in range(8) if isinstance(node.get(child), dict))
     return struct.pack("<H", bits) + b"".join(map(_binary, inner))
+
+
+def _count(node):
+    """The number of nodes: this one, and those below it."""
+    return 1 + sum(_count(what) if isinstance(what, dict) else 1 for what in node.values())
 
 
 def _full(node):

@@ -292,6 +292,31 @@ def test_a_cloud_that_went_stale_is_dropped_with_a_warning_if_that_is_wanted(sta
     assert any("points" in warning for warning in state.warnings)
 
 
+def test_a_dropped_cloud_is_missing_once_stale_clouds_make_the_state_unknown(start_cloud):
+    cell = start_cloud(parameters={"stale_source_policy": "drop"})
+    cell.sees(cloud([(2.11, 0, 0)]))
+    cell.live(1.0)
+    cell.becomes(CollisionState.FREE, "FREE without the stale cloud")
+    cell.live(3600.0)
+    seen = cell.peer.now()
+    cell.parameters.succeed(stale_source_policy="unknown")
+    state = cell.unknown("stale_world", after=seen)
+    assert all(later.status == CollisionState.UNKNOWN for later in cell.states.more(10, after=state))
+    assert cell.sees(cloud(WALL)).status == CollisionState.FREE
+
+
+def test_a_cloud_from_before_its_topic_was_added_again_is_not_used(start_cloud):
+    cell = start_cloud()
+    cell.sees(cloud(WALL))
+    seen = cell.peer.now()
+    cell.parameters.succeed(point_cloud_topics=[])
+    cell.states.wait_for(lambda state: to_cloud(state) == inf and state.status == CollisionState.FREE, "no cloud", after=seen)
+    seen = cell.peer.now()
+    cell.parameters.succeed(point_cloud_topics=["points"])
+    state = cell.unknown("stale_world", after=seen)
+    assert all(later.status == CollisionState.UNKNOWN for later in cell.states.more(20, after=state))
+
+
 def test_a_broken_cloud_does_not_keep_the_last_one_fresh(start_cloud):
     cell = start_cloud()
     cell.sees(cloud(WALL))

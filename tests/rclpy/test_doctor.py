@@ -6,6 +6,7 @@ from math import nan
 
 import pytest
 from moveit_msgs.msg import CollisionObject
+from rclpy.duration import Duration
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.time import Time
 from rosgraph_msgs.msg import Clock
@@ -126,6 +127,15 @@ def test_stamps_of_a_played_bag_are_evaluated_by_its_clock(peer, domain_id):
     peer.node.create_timer(0.02, play)
     assert not wrong(doctor(domain_id, *SIMULATED, code=0))
     assert "joint_states" in wrong(doctor(domain_id, "--urdf", two_link.URDF, code=1))
+
+
+@pytest.mark.parametrize(("seconds", "side"), [(-3.0, "past"), (100.0, "future")])
+def test_stamps_of_another_clock_are_wrong(peer, domain_id, seconds, side):
+    driver = two_link.Driver(peer, "/joint_states", driving=False)
+    offset = Duration(seconds=seconds)
+    peer.node.create_timer(0.02, lambda: driver.publish({"joint1": 0.0, "joint2": 0.0}, peer.now() + offset))
+    text = wrong(doctor(domain_id, "--urdf", two_link.URDF, code=1))["joint_states"]
+    assert f"s in the {side}" in text and "synchronise the clocks" in text and "use_sim_time" in text
 
 
 def test_a_mesh_that_is_not_found_is_named(peer, domain_id, tmp_path):

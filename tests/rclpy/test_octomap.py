@@ -292,6 +292,25 @@ def test_a_map_of_nothing_after_one_of_something_is_blind(cell, scene):
     assert near(state) is None
 
 
+def test_the_octree_of_a_file_stays_beside_a_map_of_nothing_and_is_reported(start, tmp_path):
+    path = tmp_path / "map.bt"
+    path.write_bytes(NEAR.file())
+    cell = start("--world", path, parameters=NEARBY)
+    assert near(cell.evaluate(**STRETCHED)) == pytest.approx(0.1, abs=ACCURACY)
+    scene = SceneClient(cell)
+    seen = cell.peer.now()
+    scene.publish(blank(), topic="octomap_binary")
+    assert "no leaf" in cell.unknown("blind_cloud", after=seen).reason
+
+    reported = scene.get("OCTOMAP").world.octomap
+    scene.clear_octomap()
+    assert near(cell.becomes(CollisionState.FREE, "FREE without the octree")) is None
+    assert cell.node.output().count("removes the octree of the world files") == 1
+    message = diff()
+    message.world.octomap = reported
+    assert near(scene.change(message)) == pytest.approx(0.1, abs=ACCURACY)
+
+
 def test_a_map_of_nothing_is_an_empty_one_if_that_is_wanted(start):
     cell = start(parameters=NEARBY | {"blind_cloud": "warn"})
     cell.evaluate(**STRETCHED)

@@ -21,7 +21,8 @@ impl Scene {
         let applied = self.attach_or_detach(change, context, warnings);
         // an update that detaches all objects has a gap without a name: none of them is detached
         let gap = || SceneGap::new(GapSubject::Attached, &change.object.id, change.extent());
-        applied.map_err(|rejection| if rejection.gap.is_some() { rejection.leaving(gap()) } else { rejection })
+        applied
+            .map_err(|rejection| if rejection.gap.is_some() { rejection.leaving(gap()) } else { rejection })
     }
 
     fn attach_or_detach(

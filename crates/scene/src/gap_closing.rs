@@ -244,7 +244,11 @@ mod tests {
         }
         // objects of one link, and another object
         for (id, link) in [("", "tip"), ("b", "")] {
-            assert_eq!(detach(id, link).remaining_gap(held.clone(), false), Some(held.clone()), "{id} {link}");
+            assert_eq!(
+                detach(id, link).remaining_gap(held.clone(), false),
+                Some(held.clone()),
+                "{id} {link}"
+            );
         }
         let all = SceneGap { name: String::new(), ..held };
         assert_eq!(detach("", "").remaining_gap(all.clone(), false), None);

@@ -29,6 +29,7 @@ mod attached_object;
 mod body_id;
 mod check_settings;
 mod cloud;
+mod file_octree;
 mod files;
 mod frame_ancestor;
 mod frame_lookup;
@@ -71,6 +72,7 @@ pub use check_settings::{MeshModel, Settings};
 pub use cloud::{
     ByteOrder, CloudError, CloudPoints, Column, Columns, NumberKind, is_at_origin, is_cloud, read_cloud,
 };
+pub use file_octree::FileOctree;
 pub use files::RobotStateText;
 pub use files::{SceneError, SceneLoader, StateList, WorldFileKind};
 pub use frame_path::{FramePath, PathLink};

@@ -228,16 +228,23 @@ impl Scene {
     ) -> Result<(), SceneRejection> {
         let placed = octomap.and_then(|o| Some((o, o.shape.clone()?)));
         let Some((octomap, shape)) = placed else {
-            self.anchors.remove(OCTOMAP);
-            let _ = self.world.remove(OCTOMAP);
+            self.remove_octomap();
             return Ok(());
         };
         let pose_rf = (context.frame_pose(&octomap.frame, self))
             .map_err(|message| SceneRejection::of_octomap(format!("header.frame_id: {message}")))?;
         let obstacle = Obstacle::of_shape(OCTOMAP, pose_rf * octomap.pose_fo, shape);
         (self.world.replace(obstacle)).map_err(|error| SceneRejection::of_octomap(error.to_string()))?;
+        self.file_octree = None;
         self.anchor(OCTOMAP, &octomap.frame, context);
         Ok(())
+    }
+
+    /// Removes the octomap.
+    pub fn remove_octomap(&mut self) {
+        self.anchors.remove(OCTOMAP);
+        self.file_octree = None;
+        let _ = self.world.remove(OCTOMAP);
     }
 }
 

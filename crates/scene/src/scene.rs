@@ -1,12 +1,13 @@
 //! The scene around a robot.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::sync::Arc;
 
 use clearance_geometry::math::Pose;
 use clearance_robot::RobotModel;
 
 use super::anchor::Anchor;
-use super::{AllowedCollisionMatrix, Obstacle, ObstacleTwist, World};
+use super::{AllowedCollisionMatrix, FileOctree, Obstacle, ObstacleTwist, World};
 
 /// Everything around a robot that messages can change. Copies share their content.
 #[derive(Clone, Debug, Default)]
@@ -15,9 +16,9 @@ pub struct Scene {
     pub world: World,
     /// Replaces the SRDF's matrix, if present.
     pub matrix: Option<AllowedCollisionMatrix>,
-    /// Paddings (m) of individual links.
+    /// Paddings (m) of individual links. Those of links that the robot does not have are kept for a later robot.
     pub link_padding: HashMap<String, f64>,
-    /// Scale factors of individual links.
+    /// Scale factors of individual links, kept in the same way.
     pub link_scale: HashMap<String, f64>,
     /// Types of objects, by name: database and key of `object_recognition_msgs/ObjectType`. Not used by any check.
     pub kinds: BTreeMap<String, [String; 2]>,
@@ -31,6 +32,8 @@ pub struct Scene {
     pub(super) twists: BTreeMap<String, ObstacleTwist>,
     /// Obstacles from sensors: only the sensor that added them removes them.
     pub sensed: BTreeSet<String>,
+    /// The octomap, if it is that of a file.
+    pub(super) file_octree: Option<Arc<FileOctree>>,
 }
 
 /// Parts of a scene that were dropped or are in doubt after a change of the robot.
@@ -90,7 +93,15 @@ impl Scene {
         self.sensed.contains(name)
     }
 
-    /// Removes the parts that do not fit another robot; returns a description of them.
+    /// The octree of a world file, while it is the octomap of this scene.
+    #[must_use]
+    pub fn file_octree(&self) -> Option<&FileOctree> {
+        self.file_octree.as_deref()
+    }
+
+    /// Removes the objects that do not fit another robot; returns a description of the parts that do not fit.
+    ///
+    /// Paddings and scales of links that this robot lacks have no effect, but hold again for a robot that has these links.
     pub fn adapt_to_robot(&mut self, robot: &RobotModel) -> DroppedParts {
         let DroppedParts { mut dropped, mut warnings } = DroppedParts::default();
         let gone: Vec<_> =
@@ -100,17 +111,16 @@ impl Scene {
             dropped.push(format!("object '{name}' is dropped: the robot has no link '{link}' any more"));
             let _ = self.world.drop_attached(name);
         }
-        for (what, by_link) in
-            [("link_padding", &mut self.link_padding), ("link_scale", &mut self.link_scale)]
-        {
-            by_link.retain(|link, _| {
-                let known = robot.link_by_name(link).is_some();
-                if !known {
-                    warnings
-                        .push(format!("{what} of '{link}' is dropped: the robot has no such link any more"));
-                }
-                known
-            });
+        for (what, by_link) in [("link_padding", &self.link_padding), ("link_scale", &self.link_scale)] {
+            let unknown = by_link.keys().filter(|link| robot.link_by_name(link).is_none());
+            let mut unknown: Vec<&String> = unknown.collect();
+            unknown.sort();
+            warnings.extend(unknown.into_iter().map(|link| {
+                format!(
+                    "{what} of '{link}' has no effect: the robot has no such link; it is kept for a robot that has \
+                     one"
+                )
+            }));
         }
         for object in self.world.obstacles().filter(|o| robot.link_by_name(&o.name).is_some()) {
             warnings.push(format!(

@@ -417,6 +417,30 @@ fn a_whole_scene_takes_the_place_of_everything_but_what_sensors_see() {
 }
 
 #[test]
+fn the_octree_of_a_file_is_known_until_a_message_takes_its_place() {
+    let mut loader = SceneLoader::default();
+    let octree = Octomap::from_binary(0.1, &[0x80, 0]).unwrap();
+    loader.add_octomap(&octree, "a.bt", &Cell::new().robot).unwrap();
+    let map = OctomapPlacement::of(&octree, String::new(), Pose::identity(), false).unwrap();
+    let whole = SceneChange { keeps_octomap: true, ..SceneChange::default() };
+    for (update, is_known) in [
+        (SceneUpdate::Object(Box::new(add("a", "", Pose::identity()))), true),
+        (SceneUpdate::Object(Box::new(remove(""))), true),
+        (SceneUpdate::Scene(Box::new(whole)), true),
+        (SceneUpdate::Scene(Box::default()), false),
+        (SceneUpdate::World(Box::default()), false),
+        (SceneUpdate::Octomap(Some(map)), false),
+        (SceneUpdate::Octomap(None), false),
+    ] {
+        let mut cell = Cell { scene: loader.scene.clone(), ..Cell::new() };
+        let known = cell.scene.file_octree().unwrap().clone();
+        assert_eq!((known.resolution, known.data.as_slice()), (0.1, &[0x80, 0][..]));
+        cell.apply(&update).unwrap();
+        assert_eq!(cell.scene.file_octree(), Some(&known).filter(|_| is_known), "{update:?}");
+    }
+}
+
+#[test]
 fn what_a_sensor_sees_takes_the_place_of_no_object() {
     let mut cell = Cell::new();
     cell.object(add("points", "", at(1.0, 0.0, 0.0))).unwrap();
@@ -520,5 +544,10 @@ fn another_robot_keeps_what_it_can() {
     let unfit = cell.scene.adapt_to_robot(&other);
     assert_eq!((unfit.dropped.len(), unfit.warnings.len()), (1, 2), "{unfit:?}");
     assert_eq!((cell.held(), cell.names()), (vec!["b"], vec!["thumb"]));
-    assert_eq!(cell.scene.link_padding.len(), 1);
+    assert!(unfit.warnings[0].starts_with("link_padding of 'hand' has no effect"), "{unfit:?}");
+    // the padding holds again for a robot with this link
+    assert_eq!((cell.scene.link_padding["hand"], cell.scene.link_padding["flange"]), (0.1, 0.2));
+    assert!(cell.scene.adapt_to_robot(&cell.robot).warnings.is_empty());
+    cell.scene(SceneChange::default()).unwrap();
+    assert!(cell.scene.link_padding.is_empty());
 }

@@ -7,7 +7,7 @@ use clearance_geometry::math::Pose;
 use clearance_robot::quoted;
 
 use super::{
-    AllowedCollisionMatrix, Applied, FixedFrame, GapExtent, GapSubject, MatrixEntries, OCTOMAP, Operation,
+    AllowedCollisionMatrix, Applied, FixedFrame, GapExtent, GapSubject, MatrixEntries, Operation,
     RobotStateChange, Scene, SceneChange, SceneContext, SceneGap, SceneRejection, WorldChange,
 };
 
@@ -30,8 +30,7 @@ impl Scene {
             self.twists.remove(&name);
         }
         if !keeps_octomap {
-            let _ = self.world.remove(OCTOMAP);
-            self.anchors.remove(OCTOMAP);
+            self.remove_octomap();
         }
         self.kinds.retain(|name, _| self.world.attached_by_name(name).is_some());
         self.change_world(change, context, applied);

@@ -34,6 +34,8 @@ pub struct Peers {
     /// Readers of other nodes that are matched with a writer of this node.
     matched_readers: Mutex<HashMap<GUID, MatchedReader>>,
     first_requests: Mutex<FirstRequests>,
+    /// By writer of another node: the readers of this node whose quality of service it does not offer.
+    incompatible_readers: Mutex<HashMap<GUID, HashSet<GUID>>>,
     socket: Option<RtpsSocket>,
 }
 
@@ -73,6 +75,7 @@ impl Peers {
             reliably_read: Mutex::default(),
             matched_readers: Mutex::default(),
             first_requests: Mutex::default(),
+            incompatible_readers: Mutex::default(),
             socket: RtpsSocket::open(reach),
         }
     }
@@ -172,10 +175,14 @@ impl Peers {
             DomainParticipantStatusEvent::ReaderLost { guid, .. } => {
                 lock(&self.matched_readers).remove(&guid);
             }
-            DomainParticipantStatusEvent::WriterLost { guid, .. } => lock(&self.first_requests).lost(guid),
-            // the library reports no separate event for the readers of a lost participant
+            DomainParticipantStatusEvent::WriterLost { guid, .. } => {
+                lock(&self.first_requests).lost(guid);
+                lock(&self.incompatible_readers).remove(&guid);
+            }
+            // the library reports no separate event for the endpoints of a lost participant
             DomainParticipantStatusEvent::ParticipantLost { id, .. } => {
                 lock(&self.matched_readers).retain(|reader, _| reader.prefix != id);
+                lock(&self.incompatible_readers).retain(|writer, _| writer.prefix != id);
             }
             DomainParticipantStatusEvent::RemoteWriterMatched { local_reader, remote_writer } => {
                 self.schedule_first_requests(participant, local_reader, remote_writer);
@@ -228,6 +235,21 @@ impl Peers {
         })
     }
 
+    /// Stores that `writer` is incompatible with `reader`. Returns whether all readers of the topic are: the node reads
+    /// some topics with several qualities of service.
+    fn note_incompatible(&self, endpoints: &HashMap<GUID, Endpoint>, reader: GUID, writer: GUID) -> bool {
+        let Some(Endpoint { name, .. }) = endpoints.get(&reader) else { return true };
+        let mut incompatible_readers = lock(&self.incompatible_readers);
+        if incompatible_readers.len() >= MOST_WARNINGS && !incompatible_readers.contains_key(&writer) {
+            return true;
+        }
+        let incompatible = incompatible_readers.entry(writer).or_default();
+        incompatible.insert(reader);
+        let mut readers =
+            endpoints.iter().filter(|(guid, endpoint)| is_reader(**guid) && endpoint.name == *name);
+        readers.all(|(guid, _)| incompatible.contains(guid))
+    }
+
     fn mismatch(&self, event: &DomainParticipantStatusEvent) -> Option<String> {
         let endpoints = lock(&self.endpoints);
         let name = |guid: &GUID| endpoints.get(guid).map(|e| e.name.clone());
@@ -245,15 +267,20 @@ impl Peers {
             )),
             DomainParticipantStatusEvent::RemoteWriterQosIncompatible {
                 local_reader,
+                remote_writer,
                 requested_qos,
                 offered_qos,
-                ..
-            } => Some(format!(
-                "a publisher of {} is incompatible with this node: it offers {}, but this node requests {}",
-                name(local_reader)?,
-                in_words(offered_qos),
-                in_words(requested_qos),
-            )),
+            } => {
+                let name = name(local_reader)?;
+                self.note_incompatible(&endpoints, *local_reader, *remote_writer).then(|| {
+                    format!(
+                        "a publisher of {name} is incompatible with this node: it offers {}, but this node \
+                         requests {}",
+                        in_words(offered_qos),
+                        in_words(requested_qos),
+                    )
+                })
+            }
             DomainParticipantStatusEvent::ReaderDetected { reader: peer }
             | DomainParticipantStatusEvent::WriterDetected { writer: peer } => {
                 let name = peer.topic_name.strip_prefix("rt")?;
@@ -340,6 +367,25 @@ mod tests {
         let asserted =
             QosPolicyBuilder::new().liveliness(Liveliness::ManualByTopic { lease_duration }).build();
         assert!(in_words(&asserted).ends_with("asserted by hand"));
+    }
+
+    #[test]
+    fn a_publisher_is_incompatible_if_no_reader_of_its_topic_can_receive_from_it() {
+        const READER: u8 = 0x04;
+        const WRITER: u8 = 0x03;
+        let peers = Peers::new(Reach::Localhost, "/", "node");
+        let of = |name: &str| Endpoint { name: name.to_owned(), dds_type: String::new() };
+        let endpoints = HashMap::from([
+            (entity(1, READER), of("/octomap_binary")),
+            (entity(2, READER), of("/octomap_binary")),
+            (entity(3, READER), of("/joint_states")),
+            (entity(3, WRITER), of("/octomap_binary")),
+        ]);
+        let is_unreadable = |reader, writer| {
+            peers.note_incompatible(&endpoints, entity(reader, READER), entity(writer, WRITER))
+        };
+        assert!(!is_unreadable(1, 8) && !is_unreadable(1, 9));
+        assert!(is_unreadable(2, 8) && is_unreadable(3, 8));
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Receives the topics that the doctor evaluates.
 
 use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::time::Duration;
 
 use clearance_monitor::{Now, SourceId, Time};
@@ -13,6 +14,7 @@ use ros2_interfaces_jazzy_serde::std_msgs::msg::String as StringMessage;
 use ros2_interfaces_jazzy_serde::tf2_msgs::msg::TFMessage;
 use smol::Timer;
 
+use super::topic_checks::note_age;
 use super::unread_topics;
 use crate::clock::RosClock;
 use crate::dds::announcement::Announcement;
@@ -39,6 +41,8 @@ pub struct ReceivedTopics {
     /// Number of joint states received.
     pub joint_state_count: u32,
     pub transforms: TransformTree,
+    /// By frame of `tf`: the age (s) of its transforms at their reception that is nearest to zero.
+    pub transform_ages: BTreeMap<String, f64>,
     /// Last simulated time, if simulated time is used and any was received.
     pub simulated_time: Option<Time>,
     /// Number of nodes with this node's name.
@@ -91,6 +95,7 @@ pub fn receive_topics(
     let subscribe = || middleware.subscription::<Clock>(&clock_topic, kind, Quality::BestEffort);
     let ticks = use_sim_time.then(subscribe).transpose()?;
     let tree = RefCell::new(TransformTree::default());
+    let transform_ages = RefCell::new(BTreeMap::new());
     let mut received = ReceivedTopics::default();
     let ReceivedTopics { description, semantic, joint_states, joint_state_count, warnings, .. } =
         &mut received;
@@ -122,6 +127,9 @@ pub fn receive_topics(
         let receive_transforms = async |topic: &Subscription<TFMessage>, fixed: bool| {
             loop {
                 let (message, _) = topic.next().await;
+                if !fixed {
+                    note_transform_ages(&mut transform_ages.borrow_mut(), &message, clock.now());
+                }
                 note_transforms(&mut tree.borrow_mut(), message, clock.now(), fixed);
             }
         };
@@ -146,11 +154,27 @@ pub fn receive_topics(
         future::zip(topics, future::zip(receive_warnings, middleware.watch_peers())).await;
     }));
     received.transforms = tree.into_inner();
+    received.transform_ages = transform_ages.into_inner();
     received.simulated_time = use_sim_time.then(|| clock.now()).flatten();
     received.nodes_of_same_name = middleware.publishers_elsewhere(&names.resolve("~/state")?);
     drop((states, descriptions, semantics, moving, fixed, ticks, unread));
     middleware.leave();
     Ok(received)
+}
+
+/// Stores the ages of transforms that are received at `now`.
+fn note_transform_ages(ages: &mut BTreeMap<String, f64>, message: &TFMessage, now: Option<Time>) {
+    /// Limit for the number of frames.
+    const MOST: usize = 10_000;
+    let Some(now) = now else { return };
+    for transform in &message.transforms {
+        let (stamp, frame) = (time_of(&transform.header.stamp), &transform.child_frame_id);
+        let is_stored = ages.len() < MOST || ages.contains_key(frame);
+        if stamp != Time::ZERO && is_stored {
+            let frame = frame.trim_start_matches('/').to_owned();
+            note_age(ages.entry(frame).or_insert(f64::INFINITY), now.seconds_since(stamp));
+        }
+    }
 }
 
 async fn drop_after(duration: Duration) {

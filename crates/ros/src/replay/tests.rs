@@ -163,7 +163,7 @@ impl Cell {
 
     fn publish(&mut self, evaluation: Evaluation, now: Now, joint_state: Option<JointState>) -> Evaluation {
         self.evaluation = Some(evaluation.clone());
-        self.joint_state_history.note(&evaluation);
+        self.joint_state_history.note(&evaluation, now.ros);
         let joint_state = joint_state.map(|message| (message, SOURCE));
         self.recording.note(|| {
             RecordedEvent::Evaluated(Box::new(RecordedEvaluation {

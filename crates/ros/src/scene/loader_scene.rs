@@ -21,6 +21,7 @@ use crate::log_rate_limiter::LogRateLimiter;
 use crate::monitor_events::cloud_report::CloudReports;
 use crate::parameters::parameter_set::Parameters;
 use crate::recording::step::SceneSource;
+use crate::scene::file_obstacles::FileObstacles;
 use crate::scene::lost_messages::LostMessages;
 use crate::scene::missing_objects::MissingObjects;
 use crate::scene::scene_command::SceneCommand;
@@ -44,6 +45,8 @@ pub struct LoaderScene {
     pub octomap: Option<Arc<OctomapWithPose>>,
     /// Last observation of the octomap; `None` if none was received since it was cleared.
     octomap_seen: Option<Observation>,
+    /// Whether the octomap was dropped, and must be received again.
+    is_octomap_missing: bool,
     /// Whether the current octomap contains any known space.
     octomap_shows_room: bool,
     /// Why the last octomap of a topic shows nothing of the environment; `None` if it is usable.
@@ -69,6 +72,7 @@ pub struct LoaderScene {
     /// Sources whose data was removed because it was too old.
     dropped: Vec<String>,
     whole: WholeScene,
+    of_files: FileObstacles,
     /// Whether a message or a sensor has changed the scene since the start.
     is_changed: bool,
     waiting_clients: Vec<(Sender<bool>, bool)>,
@@ -176,6 +180,7 @@ impl LoaderScene {
             update = None;
         }
         let before = self.state.world.obstacle_by_name(OCTOMAP).cloned();
+        let of_files = update.as_ref().map(|update| self.of_files.exposed_to(update, &self.state));
         let (mut changed, mut warnings) = (false, Vec::new());
         if let Some(update) = &update {
             let checked_state = update_context.checked_state(robot);
@@ -193,6 +198,10 @@ impl LoaderScene {
         let is_same = before.is_some() && after.zip(before.as_ref()).is_some_and(|(a, b)| Arc::ptr_eq(a, b));
         if !is_same {
             self.note_octomap(octomap, &rejections, update.as_ref());
+        }
+        // each of them is logged once, whatever the rate of the messages
+        for warning in of_files.iter().flat_map(|before| before.removed_from(&self.state, source)) {
+            log::warn!("{warning}");
         }
         self.note_rejections(source, &rejections, update.as_ref());
         if let Some(update) = &update {
@@ -229,6 +238,7 @@ impl LoaderScene {
         let SceneUpdateContext { now, parameters, transforms, .. } = update_context;
         let context = SceneContext::new(robot, None, transforms, now.ros, parameters.transform_ttl);
         state.keep_anchors_of(&self.state, &context);
+        self.of_files = FileObstacles::of(&state);
         self.state = state;
     }
 
@@ -254,17 +264,19 @@ impl LoaderScene {
         }
         let Some(update) = update.filter(|update| update.changes_octomap()) else { return };
         self.dropped.retain(|name| name != OCTOMAP_SOURCE);
+        self.is_octomap_missing = false;
         self.octomap_shows_room = octomap.is_some() && update.has_known_cells();
         self.octomap_seen = octomap.as_ref().map(|(_, observation)| *observation);
         self.octomap = octomap.filter(|(map, _)| !map.octomap.data.is_empty()).map(|(map, _)| Arc::new(map));
     }
 
-    /// Records and returns whether the octomap of a topic shows nothing, after one that showed something. A scene
-    /// message that removes the map is intended, and not counted.
+    /// Records and returns whether the octomap of a topic shows nothing, after one that showed something, also one of a
+    /// file. A scene message that removes the map is intended, and not counted.
     fn check_blindness(&mut self, source: &str, update: Option<&SceneUpdate>) -> bool {
         let Some(update) = update.filter(|update| update.changes_octomap()) else { return false };
         let is_of_sensor = matches!(update, SceneUpdate::Octomap(Some(_)));
-        let showed_room = self.octomap_shows_room || self.blind_octomap.is_some();
+        let has_file_octree = self.state.file_octree().is_some();
+        let showed_room = self.octomap_shows_room || self.blind_octomap.is_some() || has_file_octree;
         let is_blind = is_of_sensor && !update.has_known_cells() && showed_room;
         let cause = || format!("the octree of {source} has no leaf, neither occupied nor free");
         self.blind_octomap = is_blind.then(cause);
@@ -296,12 +308,16 @@ impl LoaderScene {
 
     /// Removes data that is too old, if the parameters select this; returns whether anything changed.
     pub fn drop_stale(&mut self, now: Now, parameters: &Parameters) -> bool {
+        let dropped = self.dropped.len();
+        let is_watched =
+            |name: &String| name == OCTOMAP_SOURCE || parameters.point_cloud_topics.contains(name);
+        self.dropped.retain(is_watched);
+        let mut changed = self.dropped.len() < dropped;
         if !parameters.drops_stale_sources() {
-            let any = !self.dropped.is_empty();
-            self.dropped.clear();
-            return any;
+            changed |= !self.dropped.is_empty();
+            self.miss_dropped();
+            return changed;
         }
-        let mut changed = false;
         for source in self.watched(parameters) {
             if source.seen.is_none() || source.freshness(now).is_ok() || self.dropped.contains(&source.name) {
                 continue;
@@ -309,7 +325,7 @@ impl LoaderScene {
             log::warn!("what '{}' saw is dropped: it is older than {} s", source.name, source.ttl);
             if source.name == OCTOMAP_SOURCE {
                 self.octomap = None;
-                let _ = self.state.world.remove(OCTOMAP);
+                self.state.remove_octomap();
             } else {
                 self.state.remove_sensed(&source.name);
             }
@@ -317,6 +333,17 @@ impl LoaderScene {
             changed = true;
         }
         changed
+    }
+
+    /// Counts dropped data as never received, so that the world is unknown until new data arrives.
+    fn miss_dropped(&mut self) {
+        for name in std::mem::take(&mut self.dropped) {
+            if name == OCTOMAP_SOURCE {
+                self.is_octomap_missing = true;
+            } else if let Some(cloud) = self.clouds.get_mut(&name) {
+                cloud.seen = None;
+            }
+        }
     }
 
     /// Time until the next removal, if no new data arrives.
@@ -338,9 +365,12 @@ impl LoaderScene {
             seen: self.clouds.get(topic).and_then(|cloud| cloud.seen),
             ttl: parameters.point_cloud_ttl,
         };
-        let octomap = self.octomap_seen.filter(|_| parameters.octomap_ttl > 0.0).map(|seen| WorldSource {
+        let expires = self.octomap_seen.is_some() && parameters.octomap_ttl > 0.0;
+        // the octree of a file does not expire
+        let is_of_file = self.state.file_octree().is_some();
+        let octomap = (!is_of_file && (expires || self.is_octomap_missing)).then(|| WorldSource {
             name: OCTOMAP_SOURCE.to_owned(),
-            seen: Some(seen),
+            seen: self.octomap_seen.filter(|_| !self.is_octomap_missing),
             ttl: parameters.octomap_ttl,
         });
         parameters.point_cloud_topics.iter().map(cloud).chain(octomap).collect()

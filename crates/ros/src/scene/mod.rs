@@ -9,6 +9,7 @@
 pub mod active_scene; // the robot and the scene in use
 pub mod cloud_inbox; // received point clouds that wait for the loader
 pub mod command_conversion; // scene messages to scene commands
+pub mod file_obstacles; // obstacles of world files, which messages may remove
 pub mod loader_command; // commands of the loader
 pub mod loader_scene; // the scene of the loader
 pub mod lost_messages; // scene messages that were lost

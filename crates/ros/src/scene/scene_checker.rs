@@ -20,8 +20,11 @@ pub fn checker_of(
     let mut volumes = volumes_of(parameters)?;
     // no result depends on the volumes: links that the robot does not have change nothing
     volumes.links.retain(|link, _| robot.link_by_name(link).is_some());
-    let settings =
+    let mut settings =
         Settings { padding, pad_self, mesh_model, volumes, ..Settings::default() }.with_scene(scene);
+    // the scene keeps the sizes of links of an earlier robot
+    settings.link_padding.retain(|link, _| robot.link_by_name(link).is_some());
+    settings.link_scale.retain(|link, _| robot.link_by_name(link).is_some());
     let matrix = scene.matrix.as_ref();
     let built = match known.filter(|known| Arc::ptr_eq(known.robot(), robot)) {
         Some(known) => known.with_world(&scene.world, settings, matrix),

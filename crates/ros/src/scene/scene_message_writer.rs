@@ -4,8 +4,7 @@ use clearance_geometry::math::Pose;
 use clearance_geometry::{Primitive, Shape, TriangleMesh};
 use clearance_robot::{Configuration, RobotModel};
 use clearance_scene::AllowedCollisionMatrix as Matrix;
-use clearance_scene::Scene;
-use clearance_scene::{AttachedObject, Obstacle, ObstacleShape};
+use clearance_scene::{AttachedObject, FileOctree, OCTOMAP, Obstacle, ObstacleShape, Scene};
 use ros2_interfaces_jazzy_serde::geometry_msgs::msg::{
     Point as PointMessage, Quaternion, Transform, TransformStamped, Vector3,
 };
@@ -14,7 +13,7 @@ use ros2_interfaces_jazzy_serde::moveit_msgs::msg::{
     LinkScale, PlanningScene, PlanningSceneComponents as Components, RobotState,
 };
 use ros2_interfaces_jazzy_serde::object_recognition_msgs::msg::ObjectType;
-use ros2_interfaces_jazzy_serde::octomap_msgs::msg::OctomapWithPose;
+use ros2_interfaces_jazzy_serde::octomap_msgs::msg::{Octomap, OctomapWithPose};
 use ros2_interfaces_jazzy_serde::sensor_msgs::msg::JointState;
 use ros2_interfaces_jazzy_serde::shape_msgs::msg::{Mesh, MeshTriangle, Plane, SolidPrimitive};
 use ros2_interfaces_jazzy_serde::std_msgs::msg::Header;
@@ -29,7 +28,7 @@ pub struct SceneMessages<'t> {
     pub padding: f64,
     /// Current configuration of the robot, if it is known.
     pub configuration: Option<&'t Configuration>,
-    /// Octomap message as it was received.
+    /// Octomap message as it was received; `None` also if the octomap is the octree of a world file.
     pub octomap: Option<&'t OctomapWithPose>,
 }
 
@@ -64,9 +63,9 @@ pub fn scene_message(writer: &SceneMessages, components: u32) -> PlanningScene {
         message.world.collision_objects = writer.objects().map(named).collect();
     }
     if wanted(Components::OCTOMAP)
-        && let Some(octomap) = writer.octomap
+        && let Some(octomap) = writer.file_octomap().or_else(|| writer.octomap.cloned())
     {
-        message.world.octomap = octomap.clone();
+        message.world.octomap = octomap;
     }
     message
 }
@@ -80,6 +79,21 @@ impl SceneMessages<'_> {
     pub fn objects(&self) -> impl Iterator<Item = &Obstacle> {
         let is_sensor_data = |s: &ObstacleShape| matches!(s.shape, Shape::Points(_) | Shape::Voxels(_));
         self.scene.world.obstacles().filter(move |o| !o.shapes.iter().any(is_sensor_data))
+    }
+
+    /// The octree of a world file, while it is the octomap.
+    fn file_octomap(&self) -> Option<OctomapWithPose> {
+        let FileOctree { resolution, data } = self.scene.file_octree()?;
+        let obstacle = self.scene.world.obstacle_by_name(OCTOMAP)?;
+        let header = Header { frame_id: self.root().to_owned(), ..Header::default() };
+        let octomap = Octomap {
+            header: header.clone(),
+            binary: true,
+            id: "OcTree".to_owned(),
+            resolution: *resolution,
+            data: data.iter().map(|byte| byte.cast_signed()).collect(),
+        };
+        Some(OctomapWithPose { header, origin: pose_message(&obstacle.pose_ro), octomap })
     }
 
     pub fn kind(&self, name: &str) -> ObjectType {

@@ -35,6 +35,7 @@ use crate::services::state_validity::{ValidityContext, state_validity};
 use crate::topics::monitored_scene;
 
 mod validity;
+mod world_sources;
 
 const URDF: &str = include_str!("../../../../urdf/two_link/two_link.urdf");
 const SRDF: &str = r#"<robot name="two_link">
@@ -309,6 +310,26 @@ fn differences_of_scenes_lead_from_one_to_the_other() {
     let whole = monitored_scene::whole(&in_force(scene(&[difference(many, vec![])]), vec![]));
     assert!(whole.len() > 1 && !whole[0].is_diff && whole[1..].iter().all(|message| message.is_diff));
     assert_eq!(whole.iter().map(|message| message.world.collision_objects.len()).sum::<usize>(), 2000);
+}
+
+#[test]
+fn an_object_that_a_link_held_and_that_is_gone_is_removed_by_subscribers() {
+    let before = scene(&[difference(vec![], vec![part()])]);
+    let mut follower = before.clone();
+    let [before, after] = [before, Scene::default()].map(|scene| in_force(scene, vec![]));
+    let told = monitored_scene::differences(&before, &after);
+    let [message] = &told[..] else { panic!("{told:?}") };
+    let [removal] = &message.world.collision_objects[..] else { panic!("{message:?}") };
+    assert_eq!((removal.id.as_str(), removal.operation), ("part", CollisionObject::REMOVE));
+    assert_eq!(message.robot_state.attached_collision_objects[0].object.operation, CollisionObject::REMOVE);
+
+    let (robot, transforms) = (robot(), TransformTree::default());
+    let mut poses = LinkPoses::new(&robot);
+    robot.forward_kinematics(&robot.configuration(&STRETCHED).unwrap(), &mut poses);
+    let context = SceneContext::new(&robot, Some(&poses), &transforms, None, 1.0);
+    let change = scene_change(message, false).change;
+    assert_eq!(follower.apply(&SceneUpdate::Scene(Box::new(change)), &context).refusals, []);
+    assert!(follower.world.is_empty());
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Publisher of `monitored_planning_scene`: first the whole scene, then its changes.
 
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use clearance_scene::{AttachedObject, Obstacle};
@@ -93,19 +94,15 @@ pub fn differences(before: &ActiveScene, after: &ActiveScene) -> Vec<PlanningSce
         |o: &&Arc<AttachedObject>| !before.scene.world.attached().iter().any(|known| Arc::ptr_eq(known, o));
     let attached_messages =
         after.scene.world.attached().iter().filter(attached).map(|o| new.attached_message(o));
-    let detached = before
-        .scene
-        .world
-        .attached()
-        .iter()
-        .filter(|o| after.scene.world.attached_by_name(&o.name).is_none());
-    let detached = detached.map(|o| {
+    let is_detached = |o: &&Arc<AttachedObject>| after.scene.world.attached_by_name(&o.name).is_none();
+    let detached = || before.scene.world.attached().iter().filter(is_detached);
+    let detachments = detached().map(|o| {
         let mut message = old.attached_message(o);
         message.object =
             CollisionObject { id: o.name.clone(), operation: CollisionObject::REMOVE, ..Default::default() };
         message
     });
-    first.robot_state.attached_collision_objects = detached.chain(attached_messages).collect();
+    first.robot_state.attached_collision_objects = detachments.chain(attached_messages).collect();
     if before.scene.matrix != after.scene.matrix {
         first.allowed_collision_matrix =
             scene_message(&new, PlanningSceneComponents::ALLOWED_COLLISION_MATRIX).allowed_collision_matrix;
@@ -121,9 +118,11 @@ pub fn differences(before: &ActiveScene, after: &ActiveScene) -> Vec<PlanningSce
         first.fixed_frame_transforms =
             scene_message(&new, PlanningSceneComponents::TRANSFORMS).fixed_frame_transforms;
     }
-    let gone = old.objects().filter(|o| after.scene.world.obstacle_by_name(&o.name).is_none());
-    let removed = gone.map(|o| CollisionObject {
-        id: o.name.clone(),
+    let published: HashSet<&str> = new.objects().map(|o| o.name.as_str()).collect();
+    // a detached object stays in a subscriber's world, until it is removed there
+    let known = old.objects().map(|o| &o.name).chain(detached().map(|o| &o.name));
+    let removed = known.filter(|name| !published.contains(name.as_str())).map(|name| CollisionObject {
+        id: name.clone(),
         operation: CollisionObject::REMOVE,
         ..CollisionObject::default()
     });

@@ -56,6 +56,13 @@ pub struct SceneTopics {
     changes: Receiver<()>,
 }
 
+/// Subscription to the point clouds of a topic.
+struct CloudSubscription {
+    clouds: Subscription<PointCloud2>,
+    /// When it was created.
+    since: Instant,
+}
+
 /// Detects duplicates on a topic with two subscriptions, which must not count twice.
 #[derive(Default)]
 struct DuplicateDetector {
@@ -213,7 +220,7 @@ impl SceneTopics {
 
     /// Subscribes to the clouds that the parameters name. Never returns.
     async fn receive_clouds(&self) {
-        let mut watched: HashMap<String, Subscription<PointCloud2>> = HashMap::new();
+        let mut watched: HashMap<String, CloudSubscription> = HashMap::new();
         loop {
             let topics = self.sender.shared.store.get().point_cloud_topics;
             watched.retain(|topic, _| topics.contains(topic));
@@ -230,23 +237,30 @@ impl SceneTopics {
                     future::pending::<()>().await;
                 }
             };
-            let clouds =
-                watched.iter().map(|(topic, clouds)| self.receive_cloud_topic(topic, clouds).boxed_local());
+            let clouds = watched
+                .iter()
+                .map(|(topic, subscription)| self.receive_cloud_topic(topic, subscription).boxed_local());
             let clouds =
                 clouds.fold(future::pending().boxed_local(), |all, one| future::or(all, one).boxed_local());
             future::or(change, clouds).await;
         }
     }
 
-    fn subscribe(&self, topic: &str) -> Result<Subscription<PointCloud2>, MiddlewareError> {
+    fn subscribe(&self, topic: &str) -> Result<CloudSubscription, MiddlewareError> {
         let kind = TypeName::new("sensor_msgs", "PointCloud2");
-        self.middleware.subscription(&self.names.resolve(topic)?, kind, Quality::Bulk)
+        let since = Instant::now();
+        let clouds = self.middleware.subscription(&self.names.resolve(topic)?, kind, Quality::Bulk)?;
+        Ok(CloudSubscription { clouds, since })
     }
 
-    async fn receive_cloud_topic(&self, topic: &str, clouds: &Subscription<PointCloud2>) {
+    async fn receive_cloud_topic(&self, topic: &str, subscription: &CloudSubscription) {
         let mut shared_topic = SharedTopic::default();
         loop {
-            let (cloud, origin) = clouds.next().await;
+            let (cloud, origin) = subscription.clouds.next().await;
+            if origin.received < subscription.since {
+                // the network library keeps it for a topic that was watched before
+                continue;
+            }
             let is_shared = shared_topic.note(origin.publisher, origin.received);
             let (received_at, since) = (self.sender.shared.clock.read(), origin.received);
             let message = CloudMessage { cloud: Arc::new(cloud), received_at, since, is_shared };

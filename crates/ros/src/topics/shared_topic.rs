@@ -82,7 +82,8 @@ mod tests {
 
     #[test]
     fn three_publishers_in_turn_share_their_topic() {
-        let turns: Vec<(u8, f64)> = (0..30).map(|i| (u8::try_from(i % 3).unwrap(), 1.2 * f64::from(i))).collect();
+        let turns: Vec<(u8, f64)> =
+            (0..30).map(|i| (u8::try_from(i % 3).unwrap(), 1.2 * f64::from(i))).collect();
         assert!(are_shared(&turns)[3..].iter().all(|shared| *shared));
         // a fast one, and two slow ones right after each other
         let message = |i: u32| match i % 14 {

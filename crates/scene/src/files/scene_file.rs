@@ -1,9 +1,11 @@
 //! Applies the content of one file to the scene. A rejected part makes the file an error.
 
+use std::sync::Arc;
+
 use super::scene_error::SceneError;
 use crate::{
-    Applied, AttachedChange, MatrixEntries, OCTOMAP, ObjectChange, Obstacle, OctomapPlacement, Operation,
-    RobotStateChange, Scene, SceneChange, SceneContext, SceneRejection, SceneUpdate, WorldChange,
+    Applied, AttachedChange, FileOctree, MatrixEntries, OCTOMAP, ObjectChange, Obstacle, OctomapPlacement,
+    Operation, RobotStateChange, Scene, SceneChange, SceneContext, SceneRejection, SceneUpdate, WorldChange,
 };
 
 /// A file that is being read into a scene.
@@ -69,8 +71,12 @@ impl SceneFile<'_> {
         added.map_err(|rejection| self.fault(rejection))
     }
 
-    /// Sets the scene's octomap.
-    pub fn set_octomap(&mut self, octomap: OctomapPlacement) -> Result<(), SceneError> {
+    /// Sets the scene's octomap; `octree` is its tree.
+    pub fn set_octomap(
+        &mut self,
+        octomap: OctomapPlacement,
+        octree: Option<FileOctree>,
+    ) -> Result<(), SceneError> {
         if self.scene.world.id(OCTOMAP).is_some() && !self.is_diff {
             return Err(SceneError::of_object(self.name, OCTOMAP, "a second octomap; a world has one"));
         }
@@ -79,7 +85,11 @@ impl SceneFile<'_> {
         }
         let remark = self.context.frame_remark(&octomap.frame, self.scene);
         self.warn_about(OCTOMAP, remark);
-        self.apply(&SceneUpdate::Octomap(Some(octomap)))
+        self.apply(&SceneUpdate::Octomap(Some(octomap)))?;
+        // a map without occupied cells is no obstacle
+        let is_obstacle = self.scene.world.id(OCTOMAP).is_some();
+        self.scene.file_octree = octree.filter(|_| is_obstacle).map(Arc::new);
+        Ok(())
     }
 
     /// The allowed collision matrix of the file.

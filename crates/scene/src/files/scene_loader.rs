@@ -7,7 +7,7 @@ use clearance_robot::RobotModel;
 use super::robot_state_yaml::FileRobotState;
 use super::scene_error::SceneError;
 use super::scene_file::SceneFile;
-use crate::{CloudPoints, OCTOMAP, Obstacle, Octomap, OctomapPlacement, Scene, SceneContext};
+use crate::{CloudPoints, FileOctree, OCTOMAP, Obstacle, Octomap, OctomapPlacement, Scene, SceneContext};
 
 /// Reads files of any kind, one after the other; each adds to the scene of the earlier ones.
 #[derive(Clone, Debug, Default)]
@@ -68,10 +68,11 @@ impl SceneLoader {
         robot: &RobotModel,
     ) -> Result<(), SceneError> {
         let (frame, pose_fo) = (String::new(), Pose::identity());
+        let octree = FileOctree::of(octomap, self.unknown_is_occupied);
         let octomap = OctomapPlacement::of(octomap, frame, pose_fo, self.unknown_is_occupied)
             .map_err(|message| SceneError::of_object(file, OCTOMAP, message))?;
         let placed = self.robot_state.placed(robot);
-        self.file(file, &placed.context(robot)).set_octomap(octomap)
+        self.file(file, &placed.context(robot)).set_octomap(octomap, Some(octree))
     }
 
     /// A file that must not replace any object.

@@ -15,8 +15,8 @@ use super::text::{
     TransformStampedText,
 };
 use crate::{
-    AttachedChange, FixedFrame, MatrixEntries, OCTOMAP, ObjectChange, OctomapMessage, SceneChange,
-    SceneUpdate,
+    AttachedChange, FileOctree, FixedFrame, MatrixEntries, OCTOMAP, ObjectChange, OctomapMessage,
+    SceneChange, SceneUpdate,
 };
 
 impl SceneLoader {
@@ -182,7 +182,8 @@ impl SceneFile<'_> {
         }
         let (frame, pose_fo) = (text.header.frame_id.clone(), text.origin.pose("origin").map_err(fault)?);
         let octomap = message.placed(frame, pose_fo, self.unknown_is_occupied);
-        self.set_octomap(octomap.map_err(|why| fault(format!("octomap: {why}")))?)
+        let octomap = octomap.map_err(|why| fault(format!("octomap: {why}")))?;
+        self.set_octomap(octomap, FileOctree::of_message(&message, self.unknown_is_occupied))
     }
 }
 

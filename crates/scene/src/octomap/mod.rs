@@ -4,6 +4,7 @@
 //! headers of files.
 
 mod decode;
+mod encode;
 mod files;
 mod unknown;
 mod voxels;

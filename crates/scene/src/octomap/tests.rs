@@ -135,6 +135,30 @@ proptest! {
     }
 
     #[test]
+    fn an_encoded_tree_is_the_tree_it_came_from(tree in tree()) {
+        let map = Octomap::from_binary(0.05, &tree.binary()).unwrap();
+        prop_assert_eq!(map.to_binary(false), tree.binary());
+        let full = Octomap::from_full(0.05, "ColorOcTree", &tree.full(true)).unwrap();
+        prop_assert_eq!(full.to_binary(false), tree.binary());
+    }
+
+    #[test]
+    fn unknown_space_that_is_occupied_is_encoded_as_occupied(tree in tree()) {
+        let map = Octomap::from_binary(0.05, &tree.binary()).unwrap();
+        let filled = Octomap::from_binary(0.05, &map.to_binary(true)).unwrap();
+        let cubes = |map: &Octomap, unknown_is_occupied| {
+            let voxels = map.to_voxels(unknown_is_occupied).unwrap();
+            let cubes = voxels.iter().flat_map(|voxels| voxels.cubes());
+            let mut cubes: Vec<[u32; 4]> = cubes
+                .map(|cube| [cube.centre[0], cube.centre[1], cube.centre[2], cube.half_edge].map(f32::to_bits))
+                .collect();
+            cubes.sort_unstable();
+            cubes
+        };
+        prop_assert_eq!(cubes(&filled, false), cubes(&map, true));
+    }
+
+    #[test]
     fn cut_or_altered_files_never_panic(tree in tree(), flips in prop::collection::vec(any::<(u16, u8)>(), 1..6)) {
         for bytes in [bt_file(&tree, 0.1), ot_file(&tree, "OcTree"), ot_file(&tree, "ColorOcTree")] {
             for end in 0..bytes.len() {
@@ -206,6 +230,14 @@ fn a_finest_cell_lies_where_octomap_puts_it() {
         assert!((c - 0.025).abs() < 1e-8, "{cube:?}");
     }
     assert!((cube.half_edge - 0.025).abs() < 1e-8);
+}
+
+#[test]
+fn a_tree_of_one_leaf_or_of_none_is_encoded() {
+    let leaf = Octomap::from_full(0.1, "OcTree", &Node::Leaf(true).full(false)).unwrap();
+    assert_eq!(leaf.to_binary(false), 0xaaaa_u16.to_le_bytes());
+    let none = Octomap::from_binary(0.1, &[]).unwrap();
+    assert_eq!((none.to_binary(false), none.to_binary(true)), (vec![], vec![]));
 }
 
 #[test]

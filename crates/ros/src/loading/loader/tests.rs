@@ -78,7 +78,7 @@ impl Cell {
         message.header.stamp = stamp_message(now.ros.unwrap());
         let input = joint_state_input(message, SourceId([1; 16]));
         let evaluation = self.monitor.on_joint_state(input, now);
-        self.joint_state_history.note(&evaluation);
+        self.joint_state_history.note(&evaluation, now.ros);
         self.evaluation = Some(evaluation);
     }
 }
@@ -118,7 +118,7 @@ fn a_robot_that_is_replaced_is_freed() {
     cell.pass(1040, vec![LoaderCommand::Description(urdf("second"))], BTreeMap::new());
     // the configuration of the second robot is unknown
     cell.evaluation = Some(cell.monitor.on_heartbeat(now(1050)));
-    cell.joint_state_history.note(cell.evaluation.as_ref().unwrap());
+    cell.joint_state_history.note(cell.evaluation.as_ref().unwrap(), now(1050).ros);
     assert_eq!(cell.evaluation.as_ref().unwrap().revision.as_ref().unwrap().checker.robot().name(), "second");
     assert!(revision.upgrade().is_none(), "the checker of the first robot is still there");
     assert!(first.upgrade().is_none(), "the first robot is still there");

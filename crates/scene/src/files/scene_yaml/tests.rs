@@ -85,6 +85,8 @@ fn everything_a_scene_may_say() {
     near(octomap.pose_ro.translation.vector, [0.0, 3.0, 1.0]);
     let Shape::Voxels(voxels) = &octomap.shapes[0].shape else { panic!("no voxels") };
     assert_eq!(voxels.cubes().len(), 1);
+    let octree = loader.scene.file_octree().unwrap();
+    assert_eq!((octree.resolution, octree.data.as_slice()), (0.1, &[0x80, 0][..]));
     assert_eq!(loader.scene.link_padding["arm"], 0.02);
     assert_eq!(loader.scene.link_scale["tool"], 1.5);
     assert!(loader.scene.matrix.unwrap().allows("part", "o"));
