@@ -1,5 +1,6 @@
 //! `clearance acm`: decides which pairs of links can collide, writes SRDF entries and certificates, audits an SRDF.
 
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -11,7 +12,7 @@ use clearance::collision_matrix::{
 };
 use clearance::robot::quoted;
 use clearance::robot::{LinkId, RobotModel};
-use clearance::scene::Settings;
+use clearance::scene::{Scene, Settings, World};
 use clearance_files::input_files::{self, DESCRIPTION_LIMIT, STATES_LIMIT};
 
 use super::acm_output::{AcmOutput, AuditOutput};
@@ -22,7 +23,7 @@ use super::matrix_verification;
 use super::model_args::{ModelArgs, RobotArgs, link_pair, warn_of_meshes};
 use super::output_files;
 use super::progress::Progress;
-use super::run_args::{Format, internal, positive, print_line};
+use super::run_args::{Format, internal, positive, print_line, warn_of_padding};
 
 /// Time between two writes of the file of --resume.
 const SAVE_EVERY: Duration = Duration::from_secs(20);
@@ -39,7 +40,11 @@ pub struct AcmArgs {
     model: ModelArgs,
 
     /// Check the pairs that this SRDF disables: refute each "Never" that can collide, with a state
-    #[arg(long, value_name = "SRDF", conflicts_with_all = ["srdf", "write_srdf", "certificate"])]
+    #[arg(
+        long,
+        value_name = "SRDF",
+        conflicts_with_all = ["srdf", "write_srdf", "certificate", "allow", "allow_adjacent"]
+    )]
     audit: Option<PathBuf>,
 
     /// Add the pairs that never collide to this SRDF; all else in it stays. Without the file, --srdf is the original, or a new one is made
@@ -90,10 +95,15 @@ pub fn run(args: &AcmArgs) -> Result<ExitStatus, Failure> {
     args.certificate.as_deref().map(certificate_file::check).transpose()?;
     let robot = Arc::new(args.robot_args().load()?);
     let settings = args.model.settings();
-    warn_of_meshes(&robot, &clearance::scene::World::default(), &settings);
+    warn_of_padding(&settings, &Scene::default());
+    warn_of_meshes(&robot, &World::default(), &settings);
+    args.warn_of_srdf();
     let allowed = args.allowed(&robot)?;
     let known = args.known(&robot, &settings)?;
     let original = args.original_srdf(&robot)?;
+    if let Some(original) = &original {
+        args.reject_enabled(original)?;
+    }
     let start = Instant::now();
     let (pairs, kept) = args.decide(&robot, &settings, &known)?;
     let seconds = start.elapsed().as_secs_f64();
@@ -122,6 +132,37 @@ impl AcmArgs {
         let mut robot = self.model.robot.clone();
         robot.srdf = self.audit.clone().or(robot.srdf);
         robot
+    }
+
+    /// Warns if nothing is read from the file of --srdf.
+    fn warn_of_srdf(&self) {
+        let Some(srdf) = &self.model.robot.srdf else { return };
+        match &self.write_srdf {
+            None => log::warn!(
+                "--srdf has no effect: all pairs are decided; give it as --audit to check its entries, or give --write-srdf, too"
+            ),
+            Some(file) if file != srdf && file.exists() => log::warn!(
+                "--srdf has no effect: entries are added to {}, which exists, and not to a copy of {}",
+                file.display(),
+                srdf.display()
+            ),
+            Some(_) => {}
+        }
+    }
+
+    /// Rejects a pair of --allow that the SRDF enables: no entry is added for it.
+    fn reject_enabled(&self, original: &OriginalSrdf) -> Result<(), Failure> {
+        let enabled = original.model.srdf().map_or(&[][..], |srdf| &srdf.enabled_pairs);
+        for pair in &self.allow {
+            let [a, b] = link_pair(&original.model, "--allow", pair)?;
+            if enabled.contains(&(a, b)) || enabled.contains(&(b, a)) {
+                return Err(Failure::Input(format!(
+                    "--allow {pair}: {} enables this pair: remove its <enable_collisions>, or leave the pair out of --allow",
+                    original.path.display()
+                )));
+            }
+        }
+        Ok(())
     }
 
     /// Pairs that are written although they can collide.
@@ -164,11 +205,11 @@ impl AcmArgs {
         let deadline =
             self.deadline.and_then(|s| Instant::now().checked_add(Duration::try_from_secs_f64(s).ok()?));
         let builder = MatrixBuilder::new(robot, settings).map_err(Failure::input)?;
-        let disabled: Vec<[LinkId; 2]> = match (&self.audit, robot.srdf()) {
+        let disabled: HashSet<[LinkId; 2]> = match (&self.audit, robot.srdf()) {
             (Some(_), Some(srdf)) => {
                 srdf.unchecked_pairs(robot.link_ids()).into_iter().map(|(a, b, _)| [a, b]).collect()
             }
-            _ => Vec::new(),
+            _ => HashSet::new(),
         };
         let wanted = |a: LinkId, b: LinkId| {
             self.audit.is_none() || disabled.contains(&[a, b]) || disabled.contains(&[b, a])
@@ -227,7 +268,7 @@ impl AcmArgs {
             let [of, own] = [of, robot.name()].map(quoted);
             log::warn!("{}: it is the SRDF of robot {of}, and entries of {own} are added", path.display());
         }
-        Ok(Some(OriginalSrdf { text, model }))
+        Ok(Some(OriginalSrdf { path: path.to_owned(), text, model }))
     }
 
     /// Writes the SRDF; returns the new entries.
@@ -254,6 +295,7 @@ impl AcmArgs {
 
 /// An SRDF that entries are added to.
 struct OriginalSrdf {
+    path: PathBuf,
     text: String,
     /// The robot with this SRDF.
     model: RobotModel,
@@ -261,7 +303,11 @@ struct OriginalSrdf {
 
 /// These decisions, and the known ones about other pairs.
 fn with_known(pairs: &[DecidedPair], known: &[DecidedPair]) -> Vec<DecidedPair> {
-    let is_new = |known: &&DecidedPair| !pairs.iter().any(|pair| pair.is_of(&known.link1, &known.link2));
+    let names: HashSet<[&str; 2]> = pairs.iter().map(|pair| [&*pair.link1, &*pair.link2]).collect();
+    let is_new = |known: &&DecidedPair| {
+        let (a, b) = (&*known.link1, &*known.link2);
+        !names.contains(&[a, b]) && !names.contains(&[b, a])
+    };
     pairs.iter().chain(known.iter().filter(is_new)).cloned().collect()
 }
 

@@ -3,7 +3,7 @@
 use super::failure::Failure;
 
 /// Options with a list of joint values.
-const OPTIONS: [&str; 4] = ["--state", "--from", "--to", "--tube"];
+const OPTIONS: [&str; 5] = ["--state", "--from", "--to", "--tube", "--deviation"];
 
 /// Parses joints and their values, separated by blanks or commas.
 pub fn parse<'t>(argument: &str, text: &'t str) -> Result<Vec<(&'t str, f64)>, Failure> {
@@ -62,8 +62,9 @@ fn hint(word: &str, words: &[&str]) -> String {
 
 /// Hint for a state without quotes, which the shell has split into several arguments: shows it as one argument.
 pub fn unquoted(arguments: &[String], stray: &str) -> Option<String> {
-    let at = arguments.iter().position(|argument| argument == stray)?;
     let is_option = |argument: &String| argument.starts_with("--");
+    // an unknown option is no part of a state
+    let at = arguments.iter().position(|argument| argument == stray && !is_option(argument))?;
     let start = arguments[..at].iter().rposition(is_option)?;
     let (option, first) = match arguments[start].split_once('=') {
         Some((option, first)) => (option, Some(first)),
@@ -138,6 +139,7 @@ mod tests {
             ("check --state a = 1", "=", "--state \"a=1\""),
             ("motion --from a=1 b=2 c=3 --to a=2", "b=2", "--from \"a=1 b=2 c=3\""),
             ("motion --tube a=1 b=2", "b=2", "--tube \"a=1 b=2\""),
+            ("motion --deviation a=1 b=2", "b=2", "--deviation \"a=1 b=2\""),
             ("check --state a= -1", "-1", "--state \"a=-1\""),
         ] {
             let given = hint(line, stray).and_then(|h| Some(h.split_once(": ")?.1.to_owned()));
@@ -145,5 +147,6 @@ mod tests {
         }
         assert_eq!(hint("check --urdf r b=2", "b=2"), None);
         assert_eq!(hint("check --state a=1 world.yaml", "world.yaml"), None);
+        assert_eq!(hint("check --state a=1 --threds 2", "--threds"), None);
     }
 }

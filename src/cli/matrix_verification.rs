@@ -22,10 +22,22 @@ struct Head {
     format: String,
 }
 
+impl Head {
+    /// Whether the file holds the decisions of a search that can be resumed.
+    fn is_of_search(&self) -> bool {
+        let version = self.format.strip_prefix("clearance collision matrix ");
+        version.is_some_and(|version| !version.starts_with("certificate"))
+    }
+}
+
 /// Reads a certificate of a collision matrix; `None` if the file is another certificate.
 pub fn read(file: &Path) -> Result<Option<MatrixCertificate>, Failure> {
     let text = input_files::read_text(file, STATES_LIMIT).map_err(Failure::input)?;
     let head = serde_json::from_str::<Head>(&text).ok();
+    if head.as_ref().is_some_and(Head::is_of_search) {
+        let why = "this is the file of `clearance acm --resume`, and no certificate: write one with clearance acm --certificate";
+        return Err(Failure::Input(format!("{}: {why}", file.display())));
+    }
     let is_matrix = |head: &Head| head.format.starts_with("clearance collision matrix certificate");
     let Some(Head { format }) = head.filter(is_matrix) else { return Ok(None) };
     if format != MatrixCertificate::FORMAT {

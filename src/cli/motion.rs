@@ -210,6 +210,7 @@ impl MotionArgs {
     fn options(&self) -> Result<MotionOptions, Failure> {
         self.deadline.map(|s| positive("--deadline", s)).transpose()?;
         not_negative("--margin", self.margin)?;
+        self.motion.check_effect(self.run.pairs)?;
         if self.swept_volumes.is_some() && self.run.format == Format::Text {
             return Err(Failure::Input("--swept-volumes needs --format json".to_owned()));
         }
@@ -309,7 +310,10 @@ fn write_certificate(
 ) -> Result<(), Failure> {
     let (report, certificate) = checker.certify_trajectory(trajectory, options, &mut checker.workspace());
     let Some(certificate) = certificate else {
-        let verdict = verdict_name(&report.verdict);
+        let verdict = match report.verdict {
+            MotionVerdict::Contact { .. } if options.margin > 0.0 => "within the margin",
+            _ => verdict_name(&report.verdict),
+        };
         log::warn!("the way is {verdict}: no certificate is written to {}", path.display());
         return Ok(());
     };

@@ -11,6 +11,7 @@ use clearance::scene::World;
 use clearance_files::input_files::{self, STATES_LIMIT};
 
 use super::failure::Failure;
+use super::run_args::PairArgs;
 use super::states;
 
 /// Formats of trajectory files, for error messages.
@@ -23,7 +24,7 @@ pub struct MotionInputArgs {
     #[command(flatten)]
     input: InputArgs,
 
-    /// End of a straight motion
+    /// End of a straight motion; joints that are not named stay where --from has them
     #[arg(long, value_name = "J=X ...", allow_hyphen_values = true, requires = "from")]
     to: Option<String>,
 
@@ -72,7 +73,7 @@ struct InputArgs {
     #[arg(long, value_name = "FILE")]
     trajectory: Option<PathBuf>,
 
-    /// Start of a straight motion, such as "j1=0.1 j2=-1.2"
+    /// Start of a straight motion, such as "j1=0.1 j2=-1.2"; other joints take 0, or the middle of limits that exclude 0
     #[arg(long, value_name = "J=X ...", allow_hyphen_values = true, requires = "to")]
     from: Option<String>,
 }
@@ -97,6 +98,16 @@ impl MotionInputArgs {
     /// Whether a file defines moving obstacles.
     pub fn moves_obstacles(&self) -> bool {
         self.moving.is_some()
+    }
+
+    /// Rejects moving obstacles if no pair with an obstacle is checked.
+    pub fn check_effect(&self, pairs: PairArgs) -> Result<(), Failure> {
+        if self.moves_obstacles() && pairs.no_world {
+            let why =
+                "--moving has no effect with --no-world, which leaves all obstacles out: give one of them";
+            return Err(Failure::Input(why.to_owned()));
+        }
+        Ok(())
     }
 
     /// Whether continuous joints move in another direction than given.
@@ -168,8 +179,9 @@ impl MotionInputArgs {
             }
             (_, Some(path), ..) => vec![trajectory(path, robot, self.direction())?],
             (.., Some(from), Some(to)) => {
-                let end = |name: &str, text: &str| states::from_text(name, text, robot);
-                vec![straight([end("--from", from)?, end("--to", to)?])?]
+                let from = states::from_text("--from", from, robot)?;
+                let to = states::from_text_over("--to", to, robot, &from)?;
+                vec![straight([from, to])?]
             }
             _ => return Err(Failure::Input("give --edges, --trajectory, or --from and --to".to_owned())),
         };

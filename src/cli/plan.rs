@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use clearance::checker::{CollisionChecker, MotionOptions};
 use clearance::motion::Certificate;
-use clearance::planner::{self, NoPlan, Path, Plan, PlanOptions};
-use clearance::robot::{Configuration, GroupState, JointGroup, RobotModel};
+use clearance::planner::{self, NoPlan, Path, Plan, PlanError, PlanOptions};
+use clearance::robot::{Configuration, GroupState, JointGroup, JointId, JointKind, RobotModel};
 use clearance_files::readable_text::on_one_line;
 use serde::Serialize;
 
@@ -26,11 +26,13 @@ pub struct PlanArgs {
     #[command(flatten)]
     world: WorldArgs,
 
-    /// Only the joints of this group of the SRDF move [default: all joints]
+    /// Only the joints of this group of the SRDF move, without its passive joints [default: all joints that are not passive, planar or
+    /// floating]
     #[arg(long, value_name = "NAME")]
     group: Option<String>,
 
-    /// Start: "j1=0.1 j2=-1.2", or the name of a group state of the SRDF. Joints that are not named are at 0, or at their nearest limit
+    /// Start: "j1=0.1 j2=-1.2", or the name of a group state of the SRDF. Joints that are not named take 0, or
+    /// the middle of limits that exclude 0
     #[arg(long, value_name = "J=X ...", allow_hyphen_values = true)]
     from: String,
 
@@ -107,7 +109,7 @@ pub fn run(args: &PlanArgs) -> Result<ExitStatus, Failure> {
     let robot = checker.robot();
     let of_name =
         |name: &String| robot.joint_group(name).map_err(|e| Failure::Input(format!("--group: {e}")));
-    let group = args.group.as_ref().map_or_else(|| Ok(robot.all_joints()), of_name)?;
+    let group = args.group.as_ref().map_or_else(|| Ok(joints_by_default(robot)), of_name)?;
     let from = state("--from", &args.from, robot, &robot.default_configuration())?;
     let to = state("--to", &args.to, robot, &from)?;
     if checker.pairs().is_empty() {
@@ -120,9 +122,12 @@ pub fn run(args: &PlanArgs) -> Result<ExitStatus, Failure> {
     let deadline = args.deadline.and_then(|s| Duration::try_from_secs_f64(s).ok());
     let options = PlanOptions { deadline: deadline.and_then(|span| begin.checked_add(span)), ..options };
     let mut workspace = checker.workspace();
-    let plan =
-        planner::plan(&checker, &group, &from, &to, &options, &mut workspace).map_err(Failure::input)?;
+    let plan = planner::plan(&checker, &group, &from, &to, &options, &mut workspace);
+    let plan = plan.map_err(|error| args.rejected(error))?;
     let plan_seconds = begin.elapsed().as_secs_f64();
+    if let Some(note) = robot.limits_note("way", [[&from, &to]]) {
+        log::warn!("{note}");
+    }
     if let Some(file) = &args.certificate {
         match &plan {
             Plan::Found(path) => {
@@ -169,6 +174,29 @@ impl PlanArgs {
             ..PlanOptions::default()
         })
     }
+
+    /// Why there is nothing to plan; errors about a group that was not given name the kinds of joints instead.
+    fn rejected(&self, error: PlanError) -> Failure {
+        match error {
+            PlanError::OtherJoint { joint, .. } if self.group.is_none() => Failure::Input(format!(
+                "start and goal differ in {joint} of a planar or floating joint, which no path moves: leave it out of --to"
+            )),
+            PlanError::EmptyGroup(robot) if self.group.is_none() => Failure::Input(format!(
+                "robot '{robot}' has no joint that a path moves: all are fixed, passive, planar or floating"
+            )),
+            error => Failure::input(error),
+        }
+    }
+}
+
+/// The joints that move without --group.
+fn joints_by_default(robot: &RobotModel) -> JointGroup {
+    let moves = |id: &JointId| {
+        let joint = robot.joint(*id);
+        let has_several_positions = matches!(joint.kind, JointKind::Planar(_) | JointKind::Floating);
+        joint.mimic.is_none() && !joint.passive && !has_several_positions
+    };
+    JointGroup::of_joints(robot, robot.name(), &robot.joint_ids().filter(moves).collect::<Vec<_>>())
 }
 
 /// The state that an argument names; other joints are as in `rest`.

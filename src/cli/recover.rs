@@ -29,11 +29,12 @@ pub struct RecoverArgs {
     #[command(flatten)]
     input: StateArgs,
 
-    /// Only the joints of this group of the SRDF move [default: all joints that are not planar or floating]
+    /// Only the joints of this group of the SRDF move, without its passive joints [default: all joints that are not passive, planar or
+    /// floating]
     #[arg(long, value_name = "NAME")]
     group: Option<String>,
 
-    /// Joints that stay where they are
+    /// Joints that stay where they are, as passive joints of the SRDF do
     #[arg(long, value_name = "JOINT,...", value_delimiter = ',')]
     locked: Vec<String>,
 
@@ -105,6 +106,9 @@ pub fn run(args: &RecoverArgs) -> Result<ExitStatus, Failure> {
     let states = args.input.read(robot)?;
     if checker.pairs().is_empty() {
         log::warn!("there is no pair to check: every state counts as free");
+    }
+    if let Some(note) = robot.limits_note("state", states.iter().map(|q| [q])) {
+        log::warn!("{note}");
     }
     let found = recover_all(&checker, &states, &options, args)?;
     let timing = time_passes(&checker, &states, &options, args);

@@ -59,8 +59,12 @@ pub fn run(args: &ReplayArgs) -> Result<ExitStatus, Failure> {
         Format::Json => print_line(&serde_json::to_string(&outcome).map_err(internal)?)?,
         Format::Text => print_outcome(&args.file, &outcome)?,
     }
-    if let Some(file) = saved {
-        eprintln!("saved: {}", file.display());
+    match (saved, &args.save_test) {
+        (Some(file), _) => eprintln!("saved: {}", file.display()),
+        (None, Some(folder)) => {
+            eprintln!("nothing is saved to {}: no result differs", folder.display());
+        }
+        (None, None) => {}
     }
     let is_same = outcome.difference.is_none() && outcome.lost.is_none() && outcome.same > 0;
     Ok(ExitStatus::from(u8::from(!is_same)))

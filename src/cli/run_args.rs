@@ -3,7 +3,7 @@
 use clap::Args;
 use clearance::checker::CollisionChecker;
 use clearance::proximity::Work;
-use clearance::scene::Settings;
+use clearance::scene::{Scene, Settings};
 use serde::Serialize;
 
 use super::failure::Failure;
@@ -60,19 +60,40 @@ impl PairArgs {
         let loaded = world.load(&robot, &model.robot.mesh_files())?;
         let mut settings = model.settings();
         (settings.check_self, settings.check_world) = (!self.no_self, !self.no_world);
-        warn_of_padding(&settings, loaded.world.is_empty());
+        warn_of_padding(&settings, &loaded);
         model_args::checker(robot, &loaded, settings)
     }
 }
 
 /// Warns of paddings that change nothing.
-fn warn_of_padding(settings: &Settings, is_world_empty: bool) {
-    let is_padded = settings.padding > 0.0;
-    if settings.pad_self && !is_padded {
-        log::warn!("--pad-self has no effect without --padding");
+pub fn warn_of_padding(settings: &Settings, scene: &Scene) {
+    warn_of_pad_self(settings, scene);
+    let without_world = match (settings.check_world, scene.world.is_empty()) {
+        (false, _) => Some("--no-world is given"),
+        (true, true) => Some("there is no world"),
+        (true, false) => None,
+    };
+    let without_self = match (settings.check_self, settings.pad_self) {
+        (false, _) => Some("--no-self is given"),
+        (true, false) => Some("--pad-self is not given"),
+        (true, true) => None,
+    };
+    if settings.padding > 0.0
+        && let (Some(of_world), Some(of_self)) = (without_world, without_self)
+    {
+        log::warn!("--padding has no effect: {of_world}, and {of_self}");
     }
-    if is_padded && !settings.pad_self && is_world_empty {
-        log::warn!("--padding has no effect: there is no world, and --pad-self is not given");
+}
+
+/// Warns if --pad-self changes nothing.
+pub fn warn_of_pad_self(settings: &Settings, scene: &Scene) {
+    if !settings.pad_self {
+        return;
+    }
+    if !settings.check_self {
+        log::warn!("--pad-self has no effect with --no-self");
+    } else if settings.padding <= 0.0 && scene.link_padding.is_empty() {
+        log::warn!("--pad-self has no effect without --padding");
     }
 }
 

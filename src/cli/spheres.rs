@@ -146,6 +146,9 @@ pub fn run(args: &SpheresArgs) -> Result<ExitStatus, Failure> {
     let inputs = [&args.robot.urdf, &args.robot.srdf, &args.size.counts_of, &args.size.measure];
     let outputs = [&args.curobo, &args.xrdf, &args.sphere_urdf].map(Option::as_deref);
     output_files::check(&inputs.map(Option::as_deref), &outputs)?;
+    if args.robot.srdf.is_some() && args.xrdf.is_none() {
+        log::warn!("--srdf has no effect without --xrdf");
+    }
     let meshes = MeshLog::default();
     let robot = args.robot.load_logged(&meshes)?;
     output_files::check_beside_meshes(&meshes, &outputs)?;

@@ -107,6 +107,7 @@ impl VerifyArgs {
     fn expected(&self, robot: &RobotModel, world: &World) -> Result<ExpectedMotion, Failure> {
         let tolerance = self.tolerance.map(|m| positive("--tolerance", m)).transpose()?;
         let margin = self.margin.map(|m| not_negative("--margin", m)).transpose()?;
+        self.motion.check_effect(self.pairs)?;
         if self.motion.moves_obstacles() && !self.motion.is_given() {
             let needed =
                 "--moving is about an expected motion: give --from and --to, --edges or --trajectory, too";

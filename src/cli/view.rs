@@ -38,6 +38,9 @@ pub fn run(args: &ViewCommandArgs) -> Result<ExitStatus, Failure> {
     } else {
         states::from_text("--state", &args.state, robot)?
     };
+    if let Some(note) = robot.limits_note("state", [[&state]]) {
+        log::warn!("{note}");
+    }
     let positions: Vec<usize> = (0..robot.position_names().len()).collect();
     let (stop, stopped) = std::sync::mpsc::channel();
     // further signals while the server stops have no receiver

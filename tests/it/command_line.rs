@@ -270,7 +270,10 @@ fn limits_of_zero_and_endless_joints() {
         assert_eq!(output.status.code(), Some(1));
     }
     for query in [&[][..], &["--query", "free"], &["--query", "pairs"], &["--contacts", "2"]] {
-        assert_bad_input(&check(&TWO_LINK, &[&touching[..], query].concat()), &["--limit", "--query distance"]);
+        assert_bad_input(
+            &check(&TWO_LINK, &[&touching[..], query].concat()),
+            &["--limit", "--query distance"],
+        );
     }
     assert_bad_input(&check(&TWO_LINK, &["--state", "joint1=1e300"]), &["joint1", "1e300"]);
     assert_bad_input(&check(&TWO_LINK, &["--state", "", "--threads", "100000"]), &["--threads"]);

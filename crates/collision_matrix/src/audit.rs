@@ -1,5 +1,7 @@
 //! Pairs that an SRDF disables, compared with the decisions about them.
 
+use std::collections::HashMap;
+
 use clearance_robot::{LinkId, RobotModel};
 
 use crate::decision::{DecidedPair, Decision};
@@ -48,12 +50,32 @@ pub struct AuditedPair<'d> {
 #[must_use]
 pub fn audit<'d>(robot: &'d RobotModel, decided: &'d [DecidedPair]) -> Vec<AuditedPair<'d>> {
     let disabled = robot.srdf().map_or_else(Vec::new, |srdf| srdf.unchecked_pairs(robot.link_ids()));
+    let decided = PairsByName::new(decided);
     let of_entry = |(a, b, reason): (LinkId, LinkId, &'d str)| {
         let [a, b] = [a, b].map(|link| robot.described_name(link));
-        let pair = decided.iter().find(|pair| pair.is_of(a, b))?;
+        let pair = decided.get(a, b)?;
         Some(AuditedPair { reason, finding: finding(reason, pair), pair })
     };
     disabled.into_iter().filter_map(of_entry).collect()
+}
+
+/// Decided pairs by the names of their links. A lookup takes the same time for any number of pairs.
+struct PairsByName<'d>(HashMap<[&'d str; 2], &'d DecidedPair>);
+
+impl<'d> PairsByName<'d> {
+    fn new(decided: &'d [DecidedPair]) -> Self {
+        Self(decided.iter().map(|pair| (ordered(&pair.link1, &pair.link2), pair)).collect())
+    }
+
+    /// The pair of these links, in any order.
+    fn get(&self, a: &str, b: &str) -> Option<&'d DecidedPair> {
+        self.0.get(&ordered(a, b)).copied()
+    }
+}
+
+/// Two names in alphabetical order.
+fn ordered<'n>(a: &'n str, b: &'n str) -> [&'n str; 2] {
+    if a <= b { [a, b] } else { [b, a] }
 }
 
 /// Links that never move relative to each other hide no collision, whatever the reason says.
@@ -65,5 +87,35 @@ fn finding(reason: &str, pair: &DecidedPair) -> AuditFinding {
         Decision::Sometimes { .. } | Decision::Always { .. } if claims_never => AuditFinding::Refuted,
         Decision::Sometimes { .. } => AuditFinding::Hidden,
         Decision::Always { .. } => AuditFinding::AlwaysProven,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pair(link1: &str, link2: &str) -> DecidedPair {
+        DecidedPair {
+            link1: link1.to_owned(),
+            link2: link2.to_owned(),
+            variables: 1,
+            is_adjacent: false,
+            contact_share: 0.0,
+            depth: None,
+            decision: Decision::Undecided { least_distance: None, state: Vec::new() },
+        }
+    }
+
+    #[test]
+    fn pairs_are_found_by_their_names_in_any_order() {
+        let decided = [pair("base", "tip"), pair("tip", "arm"), pair("arm", "base")];
+        let by_name = PairsByName::new(&decided);
+        for expected in &decided {
+            let DecidedPair { link1, link2, .. } = expected;
+            assert_eq!(by_name.get(link1, link2), Some(expected));
+            assert_eq!(by_name.get(link2, link1), Some(expected));
+        }
+        assert_eq!(by_name.get("base", "hand"), None);
+        assert_eq!(by_name.get("base", "base"), None);
     }
 }

@@ -30,13 +30,14 @@ use rrt_connect::Search;
 use space::Space;
 
 /// Searches a path of straight edges (in joint space) from one state to another, on which only the joints of a group move and stay within
-/// their limits. Every edge of a path that is found is proven free ([`CollisionChecker::is_motion_free`]).
+/// their limits. Passive joints of the SRDF do not move, even if they are in the group. Every edge of a path that is found is proven free
+/// ([`CollisionChecker::is_motion_free`]).
 ///
 /// Nothing is proven if no path is found. Without a deadline, the same input gives the same result.
 ///
 /// # Errors
-/// If the start or the goal is beyond a limit, if they differ in a joint outside of the group, if the group has planar or
-/// floating joints, or if an option is not a positive number.
+/// If the start or the goal is beyond a limit, if they differ in a passive joint or in a joint outside of the group, if the group has planar
+/// or floating joints, or if an option is not a positive number.
 pub fn plan(
     checker: &CollisionChecker,
     group: &JointGroup,

@@ -73,6 +73,12 @@ pub enum PlanError {
         /// Name of the group.
         group: String,
     },
+    /// Start and goal differ in a joint that no actuator moves.
+    #[error("start and goal differ in {joint}, a passive joint of the SRDF, which no path moves")]
+    PassiveJoint {
+        /// Name of the joint.
+        joint: String,
+    },
     /// The group has a joint with several positions.
     #[error(
         "group '{group}' has {joint} of a planar or floating joint; a path has joints of one position only"

@@ -2,14 +2,15 @@
 
 use std::f64::consts::PI;
 
-use clearance_robot::{Configuration, JointGroup, RobotModel};
+use clearance_robot::{Configuration, JointGroup, JointId, RobotModel};
 
 use crate::options::PlanError;
 
 /// The box of all states of a group within the limits, widened to the start and the goal where there is no limit.
 #[derive(Clone, Debug)]
 pub struct Space<'p> {
-    group: &'p JointGroup,
+    /// The joints that move: those of the group that are not passive.
+    group: JointGroup,
     start: &'p Configuration,
     goal: &'p Configuration,
     ranges: Vec<[f64; 2]>,
@@ -18,10 +19,11 @@ pub struct Space<'p> {
 impl<'p> Space<'p> {
     pub fn new(
         robot: &RobotModel,
-        group: &'p JointGroup,
+        group: &JointGroup,
         start: &'p Configuration,
         goal: &'p Configuration,
     ) -> Result<Self, PlanError> {
+        let group = JointGroup::of_joints(robot, group.name(), &driven_joints(robot, group));
         if group.is_empty() {
             return Err(PlanError::EmptyGroup(group.name().to_owned()));
         }
@@ -32,6 +34,9 @@ impl<'p> Space<'p> {
         let mut others = (0..start.positions().len()).filter(|index| !moves(index));
         if let Some(index) = others.find(|i| start.positions()[*i] != goal.positions()[*i]) {
             let joint = robot.position_names()[index].clone();
+            if is_passive(robot, index) {
+                return Err(PlanError::PassiveJoint { joint });
+            }
             return Err(PlanError::OtherJoint { joint, group: group.name().to_owned() });
         }
         let space = Self { group, start, goal, ranges: Vec::new() };
@@ -40,12 +45,13 @@ impl<'p> Space<'p> {
             space.check_limits(end, positions)?;
         }
         let range = |i: usize| {
-            let (lower, upper) = (group.lower()[i], group.upper()[i]);
+            let (lower, upper) = (space.group.lower()[i], space.group.upper()[i]);
             let widened = |bound: f64, otherwise: f64| if bound.is_finite() { bound } else { otherwise };
             let [low, high] = [ends[0][i].min(ends[1][i]), ends[0][i].max(ends[1][i])];
             [widened(lower, low.min(-PI)), widened(upper, high.max(PI))]
         };
-        Ok(Self { ranges: (0..group.len()).map(range).collect(), ..space })
+        let ranges = (0..space.group.len()).map(range).collect();
+        Ok(Self { ranges, ..space })
     }
 
     fn check_limits(&self, end: &'static str, positions: &[f64]) -> Result<(), PlanError> {
@@ -85,6 +91,22 @@ impl<'p> Space<'p> {
         let within = |&[low, high]: &[f64; 2]| (low + (high - low) * random.f64()).clamp(low, high);
         self.ranges.iter().map(within).collect()
     }
+}
+
+/// The joints of a group that an actuator moves: all but the passive ones of the SRDF.
+fn driven_joints(robot: &RobotModel, group: &JointGroup) -> Vec<JointId> {
+    let is_in_group = |joint: &JointId| {
+        robot.first_position(*joint).is_some_and(|first| group.positions().contains(&first))
+    };
+    robot.joint_ids().filter(is_in_group).filter(|joint| !robot.joint(*joint).passive).collect()
+}
+
+/// Whether a position is one of a passive joint.
+fn is_passive(robot: &RobotModel, position: usize) -> bool {
+    robot.joint_ids().filter(|joint| robot.joint(*joint).passive).any(|joint| {
+        let count = robot.joint(joint).kind.position_suffixes().len();
+        robot.first_position(joint).is_some_and(|first| (first..first + count).contains(&position))
+    })
 }
 
 /// Square of the Euclidean distance (rad, m).

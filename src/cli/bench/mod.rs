@@ -21,7 +21,7 @@ use serde::Serialize;
 use super::exit_status::ExitStatus;
 use super::failure::Failure;
 use super::model_args::{self, ModelArgs, WorldArgs};
-use super::run_args::{Format, internal, print_line};
+use super::run_args::{Format, internal, print_line, warn_of_pad_self};
 use super::timing;
 use hash_grid::HashGrid;
 use k_d_tree::KdTree;
@@ -32,6 +32,9 @@ use volume_costs::{Comparison, Subject, VolumeCosts};
 
 /// Joint space distance (rad or m) of successive states: an arm at 2 rad/s, a state every millisecond.
 const STEP: f64 = 0.002;
+
+/// Numbers of boxes around the robot unless others are given.
+const OBSTACLES: [u32; 4] = [10, 100, 1000, 10_000];
 
 /// Number of passes; the fastest one counts.
 const PASSES: u32 = 5;
@@ -44,9 +47,8 @@ pub struct BenchArgs {
     #[command(flatten)]
     world: WorldArgs,
 
-    /// Without a world: number of boxes around the robot; several numbers are measured one after the other
-    #[arg(long, value_name = "N,...", value_delimiter = ',', default_value = "10,100,1000,10000",
-        value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    /// Without a world: number of boxes around the robot; several numbers are measured one after the other [default: 10,100,1000,10000]
+    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     obstacles: Vec<u32>,
 
     /// Compare the kinds of bounding volumes instead: numbers of tests and their times, with the world if there is one
@@ -118,9 +120,15 @@ struct BroadPhaseResult {
 pub fn run(args: &BenchArgs) -> Result<ExitStatus, Failure> {
     let robot = args.model.robot.load()?;
     let scene = args.world.load(&robot, &args.model.robot.mesh_files())?;
+    if !args.obstacles.is_empty() && !scene.world.is_empty() {
+        let why = "--obstacles has no effect in a world: give --obstacles, or --world and --cloud";
+        return Err(Failure::Input(why.to_owned()));
+    }
+    let settings = args.model.settings();
+    warn_of_pad_self(&settings, &scene);
     let mut without_world = scene.clone();
     without_world.world = World::default();
-    let alone = model_args::checker(robot, &without_world, args.model.settings())?;
+    let alone = model_args::checker(robot, &without_world, settings)?;
     let mut random = fastrand::Rng::with_seed(args.seed);
     let states: Vec<_> = (0..args.states).map(|_| alone.robot().random_configuration(&mut random)).collect();
     if args.compare_volumes {
@@ -129,7 +137,8 @@ pub fn run(args: &BenchArgs) -> Result<ExitStatus, Failure> {
     }
     let worlds = if scene.world.is_empty() {
         let region = region(&alone, &states);
-        let worlds = args.obstacles.iter().map(|&count| scatter::boxes(count, &region, &mut random));
+        let counts = if args.obstacles.is_empty() { &OBSTACLES[..] } else { &args.obstacles };
+        let worlds = counts.iter().map(|&count| scatter::boxes(count, &region, &mut random));
         worlds.collect::<Result<_, _>>()?
     } else {
         vec![scene.world]

@@ -196,3 +196,47 @@ fn check_suggests_the_command_where_a_pair_collides_in_random_states_too() {
     let output = folder.run(&["check", "--urdf", "r.urdf", "--state", "j2=3"]);
     assert!(!String::from_utf8_lossy(&output.stderr).contains("clearance acm"), "{output:?}");
 }
+
+#[test]
+fn options_without_effect_are_reported() {
+    let folder = folder();
+    let acm = |more: &[&str]| folder.run(&[&["acm", "--urdf", "r.urdf"], more].concat());
+    for option in [&["--allow", "tip,arm"][..], &["--allow-adjacent"]] {
+        let audit = acm(&[&["--audit", "r.srdf"], option].concat());
+        assert_bad_input(&audit, &["--audit", option[0]]);
+    }
+    let warnings = |more: &[&str]| {
+        let output = acm(more);
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    let without_effect = "--srdf has no effect";
+    assert!(warnings(&["--srdf", "r.srdf"]).contains(without_effect));
+    let copy = ["--srdf", "r.srdf", "--write-srdf", "copy.srdf"];
+    assert!(!warnings(&copy).contains(without_effect), "the copy is made");
+    assert!(warnings(&copy).contains(without_effect), "the copy exists");
+    assert!(warnings(&["--padding", "0.01"]).contains("--padding has no effect"));
+}
+
+#[test]
+fn a_pair_that_the_srdf_enables_is_not_allowed() {
+    let folder = folder();
+    let srdf = "<robot name='reach'><disable_default_collisions link='tip'/><enable_collisions link1='tip' link2='arm'/></robot>";
+    folder.write("e.srdf", srdf);
+    let allow =
+        |pair: &str| folder.run(&["acm", "--urdf", "r.urdf", "--write-srdf", "e.srdf", "--allow", pair]);
+    assert_bad_input(
+        &allow("arm,tip"),
+        &["--allow arm,tip: e.srdf enables this pair", "<enable_collisions>"],
+    );
+    assert_eq!(std::fs::read_to_string(folder.path("e.srdf")).unwrap(), srdf);
+    assert_eq!(allow("tip,base").status.code(), Some(0));
+}
+
+#[test]
+fn a_file_to_resume_from_is_not_a_certificate() {
+    let folder = folder();
+    assert_eq!(folder.run(&["acm", "--urdf", "r.urdf", "--resume", "s.json"]).status.code(), Some(0));
+    let verified = folder.run(&["verify", "--urdf", "r.urdf", "s.json"]);
+    assert_bad_input(&verified, &["s.json", "clearance acm --resume", "clearance acm --certificate"]);
+}
