@@ -97,7 +97,9 @@ mod tests {
 
     fn trail(places: &[f64]) -> PoseTrail {
         let mut trail = PoseTrail::default();
-        places.iter().for_each(|x| trail.note(Pose::translation(*x, 0.0, 0.0)));
+        for x in places {
+            trail.note(Pose::translation(*x, 0.0, 0.0));
+        }
         trail
     }
 

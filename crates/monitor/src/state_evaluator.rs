@@ -8,7 +8,7 @@ use clearance_checker::{CollisionChecker, CollisionReport, PairDistance, PairKin
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::Extremes;
 use clearance_proximity::Effort;
-use clearance_robot::LinkPoses;
+use clearance_robot::{Configuration, LinkPoses};
 
 use super::approach_rate::{MovingState, slowdown_range};
 use super::between_states::{BetweenStates, CurrentState, StateTime};
@@ -104,16 +104,9 @@ impl StateEvaluator {
         };
         let slowdown_range = slowdown_range(checker, &moving, settings);
         let effort = effort(settings, check_budget, slowdown_range, fixed);
-        let influence_distance = settings.influence_distance.greater(slowdown_range);
-        let limit = settings.distance_limit;
-        let survey = Question::Survey { influence_distance, limit };
-        let mut report = checker.check_with(&configuration, survey, &effort, &mut self.workspace);
-        if fixed == Some(LeftOut::FartherDistance) {
-            leave_farther_distance_open(&mut report, checker);
-        }
-        let is_exact = report.is_exact();
-        report.use_lower_bounds();
-        let bounds = DistanceBounds::of(&report, checker, [influence_distance, limit]);
+        let limits = [settings.influence_distance.greater(slowdown_range), settings.distance_limit];
+        let Surveyed { mut report, bounds, is_exact } =
+            survey(checker, &configuration, limits, &effort, fixed, &mut self.workspace);
         let approaching_pairs = take_approaching_pairs(&mut report, settings);
         let mut left_out = fixed.unwrap_or_default().max(left_out_of(&report));
         let left_out_between = between_states.check(&CurrentState {
@@ -187,6 +180,34 @@ impl StateEvaluator {
         let starts_motion = between_states.keep(&checked_state, time, bounds, settings, fixed);
         CheckResult { status, checked_state: Some(checked_state), left_out, warnings, starts_motion }
     }
+}
+
+/// Distances of a state.
+struct Surveyed {
+    report: CollisionReport,
+    bounds: DistanceBounds,
+    /// Whether all distances are exact; otherwise they are lower bounds.
+    is_exact: bool,
+}
+
+/// Checks a state up to an influence distance and a limit of the least distances (m).
+fn survey(
+    checker: &CollisionChecker,
+    configuration: &Configuration,
+    limits: [f64; 2],
+    effort: &Effort,
+    fixed: Option<LeftOut>,
+    workspace: &mut Workspace,
+) -> Surveyed {
+    let [influence_distance, limit] = limits;
+    let question = Question::Survey { influence_distance, limit };
+    let mut report = checker.check_with(configuration, question, effort, workspace);
+    if fixed == Some(LeftOut::FartherDistance) {
+        leave_farther_distance_open(&mut report, checker);
+    }
+    let is_exact = report.is_exact();
+    report.use_lower_bounds();
+    Surveyed { bounds: DistanceBounds::of(&report, checker, limits), report, is_exact }
 }
 
 /// Removes the pairs beyond the reporting distance, which only the speed scale needs.

@@ -539,7 +539,7 @@ fn a_root_that_jumps_between_slow_joint_states_is_not_proven_to_be_free() {
     let jump: Vec<f64> = std::iter::once(0.0).chain(resting(14.0)).collect();
     let back: Vec<f64> = [0.0, 14.0, 0.0].into_iter().chain(resting(0.0)).collect();
     for are_read in [true, false] {
-        assert!(proven(&vec![0.0; 20], are_read));
+        assert!(proven(&[0.0; 20], are_read));
         assert!(!proven(&jump, are_read), "{are_read}");
         assert!(!proven(&back, are_read), "{are_read}");
     }

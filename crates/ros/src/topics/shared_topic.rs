@@ -8,7 +8,7 @@ use clearance_monitor::SourceId;
 const SHORTEST_MEMORY: Duration = Duration::from_secs(10);
 
 /// Longest such time: a publisher that takes over again after a long pause is no rival of the other one for as long.
-const LONGEST_MEMORY: Duration = Duration::from_mins(5);
+const LONGEST_MEMORY: Duration = Duration::from_secs(300);
 
 /// Number of turns for which a topic counts as shared after its publishers took turns, so that a slow one is not forgotten.
 const REMEMBERED_TURNS: u32 = 3;
