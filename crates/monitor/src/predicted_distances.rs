@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use clearance_checker::{CollisionChecker, PairDistance, Question, Workspace};
 use clearance_geometry::math::Extremes;
+use clearance_robot::{JointId, JointKind, RobotModel};
 use clearance_scene::BodyId;
 
 use super::CheckedState;
@@ -13,11 +14,16 @@ use super::approach_rate::PosesAtOtherTime;
 const MOST_STEPS: f64 = 8.0;
 const LEAST_STEP: f64 = 0.01;
 
+/// Largest part of the way by which points may come nearer because they turn: that is not the motion of other parts.
+const MOST_TURNING: f64 = 0.15;
+
 /// The least distance (m) of each pair on the way.
 #[derive(Debug, Default)]
 pub(super) struct PredictedDistances {
     least: BTreeMap<(BodyId, BodyId), f64>,
     is_known: bool,
+    /// Allowance (m) for the curvature of the points' ways: the rates of approach are those of straight ways.
+    curvature: f64,
 }
 
 impl PredictedDistances {
@@ -30,13 +36,17 @@ impl PredictedDistances {
         time: f64,
         workspace: &mut Workspace,
     ) -> Self {
-        let Some(rates) = other.rates.as_ref().filter(|_| time > 0.0) else { return Self::default() };
+        // the mean velocity of a longer time says little about what comes
+        let is_recent = time > 0.0 && other.after.abs() <= time;
+        let Some(rates) = other.rates.as_ref().filter(|_| is_recent) else { return Self::default() };
         let positions = checked_state.configuration.positions();
         let later = |time: f64| -> Vec<f64> {
             positions.iter().zip(rates).map(|(q, rate)| q + time * rate).collect()
         };
         let travel = checker.travel(positions, &later(time));
-        let mut found = Self { least: BTreeMap::new(), is_known: travel.is_finite() };
+        // a point that turns by an angle departs from its straight way by half of that, relative to its way
+        let curvature = travel * (0.5 * time * turning(checker.robot(), rates)).lesser(MOST_TURNING);
+        let mut found = Self { least: BTreeMap::new(), is_known: travel.is_finite(), curvature };
         if travel <= 0.0 || !found.is_known {
             return found;
         }
@@ -62,6 +72,21 @@ impl PredictedDistances {
 
     /// The least distance (m) of a pair, infinite if it does not come near; `None` if it is not known.
     pub fn of(&self, pair: &PairDistance) -> Option<f64> {
-        self.is_known.then(|| self.least.get(&(pair.a, pair.b)).copied().unwrap_or(f64::INFINITY))
+        let least = self.least.get(&(pair.a, pair.b)).copied().unwrap_or(f64::INFINITY);
+        // a contact is one on any way
+        self.is_known.then_some(if least > 0.0 { least + self.curvature } else { least })
     }
+}
+
+/// Upper bound (rad/s) on the angular velocity of any link.
+fn turning(robot: &RobotModel, rates: &[f64]) -> f64 {
+    let of_joint = |id: JointId| {
+        let first = robot.first_position(id)?;
+        match robot.joint(id).kind {
+            JointKind::Revolute(_) | JointKind::Continuous(_) => Some(rates[first].abs()),
+            JointKind::Planar(_) => Some(rates[first + 2].abs()),
+            JointKind::Fixed | JointKind::Prismatic(_) | JointKind::Floating => None,
+        }
+    };
+    robot.joint_ids().filter_map(of_joint).sum()
 }
