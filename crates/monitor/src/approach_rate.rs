@@ -182,7 +182,11 @@ impl RelativeMotion<'_> {
         }
         let (direction, after) = (way.normalize(), self.poses.1.after);
         let moved = self.moved(self.pair.a, &a) - self.moved(self.pair.b, &b);
-        let rate = largest_component(&(moved / after), &direction, turned);
+        let rate = if turned > 0.0 {
+            largest_component(&(moved / after), &direction, turned)
+        } else {
+            direction.dot(&moved) / after
+        };
         if within <= 0.0 || !rate.is_finite() {
             return rate.is_finite().then_some(rate);
         }
@@ -262,9 +266,6 @@ pub(super) fn largest_approach_rate(
 
 /// Largest component of a velocity along the directions that are at most an angle (rad) apart from the given one.
 fn largest_component(velocity: &Vector, direction: &Vector, turned: f64) -> f64 {
-    if turned <= 0.0 {
-        return direction.dot(velocity);
-    }
     velocity.norm() * (velocity.angle(direction) - turned).greater(0.0).cos()
 }
 
