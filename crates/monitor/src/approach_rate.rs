@@ -8,6 +8,7 @@ use clearance_scene::BodyId;
 
 use super::CheckedState;
 use super::obstacle_motion::ObstacleMotion;
+use super::predicted_distances::Reached;
 use super::settings::MonitorSettings;
 use super::tracked_obstacle::TrackedObstacles;
 
@@ -87,9 +88,9 @@ pub(super) struct PosesAtOtherTime {
 pub(super) struct ApproachTerms {
     /// Time (s) in which other points than the nearest ones count; 0 for the nearest ones alone.
     pub within: f64,
-    /// The least distance (m) of the pair in this time, if the robot moves on at its joint velocities and its root stands;
+    /// The least distance of the pair in this time, if the robot moves on at its joint velocities and its root stands;
     /// `None` if it is not known.
-    pub reached: Option<f64>,
+    pub reached: Option<Reached>,
     /// Angle (rad) by which the obstacle may lie in another direction than the one from its pose.
     pub turned: f64,
 }
@@ -192,8 +193,9 @@ impl RelativeMotion<'_> {
         }
         let root_stands = self.obstacle_motion.is_none_or(ObstacleMotion::is_none);
         if let Some(reached) = reached.filter(|_| root_stands) {
-            let of_others = (self.pair.distance - reached) / within;
-            return Some(if of_others > 0.0 { rate.greater(of_others) } else { rate });
+            let straight = self.pair.distance - rate.greater(0.0) * within;
+            let of_others = (self.pair.distance - reached.distance) / within;
+            return Some(if reached.is_nearer_than(straight) { of_others } else { rate });
         }
         // seen from each body, the other one moves: the smaller of both rates is enough
         let bodies = [(self.pair.a, self.pair.b, direction), (self.pair.b, self.pair.a, -direction)];

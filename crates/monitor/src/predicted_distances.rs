@@ -26,6 +26,22 @@ pub(super) struct PredictedDistances {
     curvature: f64,
 }
 
+/// The least distance of a pair on the way.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Reached {
+    /// Infinite (m) if the pair does not come near.
+    pub distance: f64,
+    /// What the curvature of the points' ways may contribute (m).
+    pub curvature: f64,
+}
+
+impl Reached {
+    /// Whether other points come nearer than to this distance (m), to which the nearest points come on straight ways.
+    pub fn is_nearer_than(&self, straight: f64) -> bool {
+        self.distance < straight - self.curvature || self.distance <= 0.0
+    }
+}
+
 impl PredictedDistances {
     /// Distances in a time (s) after a state, for pairs that are near now. Not known without velocities.
     pub fn within(
@@ -70,11 +86,10 @@ impl PredictedDistances {
         found
     }
 
-    /// The least distance (m) of a pair, infinite if it does not come near; `None` if it is not known.
-    pub fn of(&self, pair: &PairDistance) -> Option<f64> {
-        let least = self.least.get(&(pair.a, pair.b)).copied().unwrap_or(f64::INFINITY);
-        // a contact is one on any way
-        self.is_known.then_some(if least > 0.0 { least + self.curvature } else { least })
+    /// The least distance of a pair; `None` if it is not known.
+    pub fn of(&self, pair: &PairDistance) -> Option<Reached> {
+        let distance = self.least.get(&(pair.a, pair.b)).copied().unwrap_or(f64::INFINITY);
+        self.is_known.then_some(Reached { distance, curvature: self.curvature })
     }
 }
 
