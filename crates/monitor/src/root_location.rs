@@ -2,6 +2,7 @@
 //! then stops, or no longer connects the frames, the root may be anywhere.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::time::Duration;
 
 use clearance_robot::quoted;
@@ -60,9 +61,11 @@ impl RootLocationWatch {
         let (seen, tracks) = (std::mem::take(&mut self.seen), std::mem::take(&mut self.tracks));
         for tracked in anchor_frames.tracked_frames(tree) {
             for link in tracked.path.live_links() {
-                let known = || tracks.get(link.name).cloned().unwrap_or_default();
-                let track = self.tracks.entry(link.name.to_owned()).or_insert_with(known);
-                follow(track, &link, tree, last);
+                // paths to several frames share transforms
+                if let Entry::Vacant(vacant) = self.tracks.entry(link.name.to_owned()) {
+                    let track = vacant.insert(tracks.get(link.name).cloned().unwrap_or_default());
+                    follow(track, &link, tree, last);
+                }
             }
             let obstacle_motion = self.obstacle_motion(&tracked);
             let mut ages = TransformAges::of(tracked.path.live_links().map(|link| (link.name, link.stamp)));

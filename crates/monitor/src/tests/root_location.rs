@@ -545,6 +545,33 @@ fn a_root_that_jumps_between_slow_joint_states_is_not_proven_to_be_free() {
     }
 }
 
+/// Paths to two frames share a transform, several of which come between two reads.
+#[test]
+fn a_shared_transform_is_followed_once() {
+    let mut room = Room::new();
+    let hall = Transform { parent: "hall".to_owned(), pose_pf: Pose::identity(), stamp: None };
+    room.transforms.insert("map", hall);
+    let ball = clearance_geometry::Shape::Primitive(clearance_geometry::Primitive::sphere(0.1).unwrap());
+    let shapes = vec![clearance_scene::ObstacleShape { pose_os: Pose::identity(), shape: ball }];
+    let gate = ObjectChange { frame: "hall".to_owned(), ..ObjectChange::named("gate", Operation::Add) };
+    room.change(ObjectChange { shapes, pose_fo: Pose::translation(0.0, 9.0, 0.0), ..gate });
+    for step in 0..100_u32 {
+        let seconds = 0.01 * f64::from(step);
+        room.send(0.5 * seconds, seconds);
+        if step % 4 == 3 {
+            room.follow();
+            let evaluation = room.evaluated(seconds);
+            let motions = &evaluation.checked_state.as_ref().unwrap().obstacle_motions;
+            assert_eq!(motions.len(), 2);
+            for motion in motions.iter().filter(|_| step > 20) {
+                assert!(motion.observed[0].time > 0.099, "{motion:?}");
+                // 2 cm since the previous state
+                assert!((motion.since_state[0].of_radius(0.0) - 0.02).abs() < 1e-9, "{motion:?}");
+            }
+        }
+    }
+}
+
 /// Between two states, the obstacles move by what `tf` shows of the root.
 #[test]
 fn the_motion_of_the_root_is_a_margin_between_states() {
