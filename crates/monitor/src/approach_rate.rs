@@ -83,7 +83,7 @@ pub(super) struct PosesAtOtherTime {
     pub rates: Option<Vec<f64>>,
 }
 
-/// What an approach rate has to take into account.
+/// Conditions of an approach rate.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ApproachTerms {
     /// Time (s) in which other points than the nearest ones count; 0 for the nearest ones alone.

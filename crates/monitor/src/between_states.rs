@@ -28,7 +28,7 @@ use super::motion_since_previous::{GapReason, MotionSincePrevious, NoMotion, Pas
 use super::obstacle_motion::ObstacleMotion;
 use super::obstacle_shift::{KnownMotion, ObstacleShift, Surroundings};
 use super::passed_over::{PartialState, PassedOver, TolerantLine};
-use super::pose_trail::LargestDisplacement;
+use super::pose_history::LargestDisplacement;
 use super::transform_stamps::TransformStamps;
 use super::{CheckedState, JointStateInput, LeftOut, MonitorSettings, Time};
 

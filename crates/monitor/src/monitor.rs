@@ -15,7 +15,7 @@ use super::contact_watch::ContactWatch;
 use super::contribution::Contributions;
 use super::joint_state_merger::JointStateMerger;
 use super::look_ahead::LookAheadEvaluator;
-use super::obstacle_trails::ObstacleTrails;
+use super::obstacle_pose_histories::ObstaclePoseHistories;
 use super::past_states::PastStates;
 use super::received_states::{ReceivedState, ReceivedStates};
 use super::root_location::RootLocationWatch;
@@ -70,7 +70,7 @@ pub struct Monitor {
     /// Number of the last transform that was read.
     last_transform: u64,
     root_location: RootLocationWatch,
-    obstacle_trails: ObstacleTrails,
+    obstacle_poses: ObstaclePoseHistories,
     past_states: PastStates,
     check_result: CheckResult,
     speed_governor: SpeedGovernor,
@@ -109,7 +109,7 @@ impl Monitor {
             transform_joints: TransformJoints::default(),
             last_transform: 0,
             root_location: RootLocationWatch::default(),
-            obstacle_trails: ObstacleTrails::default(),
+            obstacle_poses: ObstaclePoseHistories::default(),
             past_states: PastStates::default(),
             check_result: CheckResult::unknown(Reason::NoModel { fault: None }),
             speed_governor: SpeedGovernor::default(),
@@ -140,9 +140,9 @@ impl Monitor {
             self.past_states = PastStates::default();
             self.transform_joints = TransformJoints::default();
             self.root_location = RootLocationWatch::default();
-            self.obstacle_trails = ObstacleTrails::default();
+            self.obstacle_poses = ObstaclePoseHistories::default();
         }
-        self.obstacle_trails.note(self.evaluator.as_ref().map(|before| &*before.revision), &revision);
+        self.obstacle_poses.note(self.evaluator.as_ref().map(|before| &*before.revision), &revision);
         if revision.anchor_frames.is_empty() {
             self.root_location = RootLocationWatch::default();
         }
@@ -407,7 +407,7 @@ impl Monitor {
             placed_at: self.transform_joints.placed_at(robot, now),
             merged,
             obstacle_motions: self.root_location.obstacle_motions(),
-            obstacle_displacements: self.obstacle_trails.displacements(),
+            obstacle_displacements: self.obstacle_poses.displacements(),
             obstacle_lag: self.root_location.lag(now),
             unwatched_frame: self.root_location.unwatched_frame(),
             settings: &self.settings,
@@ -425,8 +425,8 @@ impl Monitor {
         });
         self.received_states.note_evaluated();
         if check_result.starts_motion {
-            self.root_location.start_trail();
-            self.obstacle_trails.start();
+            self.root_location.start_motion();
+            self.obstacle_poses.start();
         }
         Ok(check_result)
     }

@@ -6,7 +6,7 @@ use clearance_geometry::math::{Extremes, Point, Pose, Vector};
 use clearance_scene::{LEAST_MOTION, is_elsewhere};
 
 use super::Time;
-use super::pose_trail::{LargestDisplacement, PoseTrail};
+use super::pose_history::{LargestDisplacement, PoseHistory};
 
 /// Shortest time (s) over which a motion is measured, since `tf` changes in steps.
 const WINDOW: f64 = 0.1;
@@ -16,13 +16,14 @@ const WINDOW: f64 = 0.1;
 pub(super) struct FramePoses {
     /// Poses by stamp. If there are several, the first is at least one window older than the last, or the oldest known.
     places: VecDeque<(Time, Pose)>,
-    trail: PoseTrail,
+    /// Poses since the last motion of the joints began.
+    since_state: PoseHistory,
 }
 
 impl FramePoses {
     /// Records a pose from `tf`. A transform with the same stamp contains no motion.
     pub fn note(&mut self, stamp: Time, pose_pf: Pose) {
-        self.trail.note(pose_pf);
+        self.since_state.note(pose_pf);
         match self.places.back_mut() {
             Some((last, place)) if *last == stamp => return *place = pose_pf,
             Some((last, _)) if *last > stamp => self.places.clear(),
@@ -46,24 +47,24 @@ impl FramePoses {
 
     /// Records where the frame was before its first pose was read.
     pub fn note_before(&mut self, pose_pf: Pose) {
-        if self.trail.is_empty() {
-            self.trail.note(pose_pf);
+        if self.since_state.is_empty() {
+            self.since_state.note(pose_pf);
         }
     }
 
     /// Poses since the last motion of the joints began.
-    pub fn trail(&self) -> &PoseTrail {
-        &self.trail
+    pub fn since_state(&self) -> &PoseHistory {
+        &self.since_state
     }
 
     /// Some poses of the frame were not read.
     pub fn note_lost(&mut self) {
-        self.trail.note_lost();
+        self.since_state.note_lost();
     }
 
     /// A motion of the joints begins.
-    pub fn start_trail(&mut self) {
-        self.trail.start();
+    pub fn start_motion(&mut self) {
+        self.since_state.start();
     }
 
     /// The earlier pose, how long ago (s) that was, and the longest time (s) between two successive poses since; `None` if

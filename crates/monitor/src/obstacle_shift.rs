@@ -15,7 +15,7 @@ use clearance_scene::BodyId;
 
 use super::motion_since_previous::GapReason;
 use super::obstacle_motion::ObstacleMotion;
-use super::pose_trail::LargestDisplacement;
+use super::pose_history::LargestDisplacement;
 use super::tracked_obstacle::{TrackedObstacle, TrackedObstacles, obstacle_extent};
 use super::{MonitorSettings, Time};
 
@@ -73,17 +73,20 @@ impl ObstacleShift {
     /// changed its velocity at any time.
     pub fn between(ends: [KnownMotion; 2], surroundings: &Surroundings) -> Self {
         let (mut of_root, mut frame) = (0.0, "");
-        for KnownMotion { frames, tracked, stamp, lag } in ends {
+        for (number, KnownMotion { frames, tracked, stamp, lag }) in ends.into_iter().enumerate() {
             // the root has moved since a state of an obstacle, too
             let age_of_tracked =
                 tracked.all().iter().map(TrackedObstacle::longest_age).fold(0.0, f64::greater);
             for moved in frames.iter().filter(|moved| !moved.rests()) {
                 let age = (moved.difference(stamp) + lag).greater(age_of_tracked);
                 let radius = surroundings.radius;
-                let of_trail = moved.displacement_since_state(radius);
-                let until_measured = if age > 0.0 { moved.largest_displacement(radius, age) } else { 0.0 };
-                let most = moved.largest_step(radius, surroundings.duration + age);
-                let most = most.greater(of_trail + until_measured);
+                let mut most = moved.largest_step(radius, surroundings.duration + age);
+                // at the start of the motion, it is about the motion before
+                if number == 1 {
+                    let until_measured =
+                        if age > 0.0 { moved.largest_displacement(radius, age) } else { 0.0 };
+                    most = most.greater(moved.displacement_since_state(radius) + until_measured);
+                }
                 if most > of_root {
                     (of_root, frame) = (most, &moved.frame);
                 }

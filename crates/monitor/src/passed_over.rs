@@ -11,9 +11,9 @@ use super::JointStateInput;
 const ROUNDING: f64 = 1e-12;
 
 /// Largest number of them that are kept between two evaluations.
-const MOST_STATES: usize = 64;
+const MOST_STATES: usize = 256;
 
-/// What came between the previous evaluated state and the next one, in the order of reception.
+/// Joint states and positions from `tf` between the previous evaluated state and the next one, in the order of reception.
 #[derive(Debug, Default)]
 pub(super) struct PassedOver {
     states: Vec<PartialState>,

@@ -31,7 +31,7 @@ pub(super) struct PredictedDistances {
 pub(super) struct Reached {
     /// Infinite (m) if the pair does not come near.
     pub distance: f64,
-    /// What the curvature of the points' ways may contribute (m).
+    /// Largest contribution (m) of the curvature of the points' ways.
     pub curvature: f64,
 }
 

@@ -9,7 +9,7 @@ use clearance_robot::quoted;
 use clearance_scene::{AnchorFrames, PathLink, RootPoseLoss, TrackedFrame, TransformTree};
 
 use super::obstacle_motion::{FrameMotion, FramePoses, ObstacleMotion};
-use super::pose_trail::LargestDisplacement;
+use super::pose_history::LargestDisplacement;
 use super::transform_ages::TransformAges;
 use super::world_source::WorldSource;
 use super::{Now, Reason};
@@ -87,7 +87,7 @@ impl RootLocationWatch {
             Some(FrameMotion { way, taken, step })
         });
         let since_state = tracks().map(|(name, track)| {
-            track.trail().largest_displacement(|pose| tracked.path.pose_with(name, pose))
+            track.since_state().largest_displacement(|pose| tracked.path.pose_with(name, pose))
         });
         ObstacleMotion {
             frame: tracked.frame.to_owned(),
@@ -98,8 +98,8 @@ impl RootLocationWatch {
     }
 
     /// A motion of the joints begins: the displacements since then count.
-    pub fn start_trail(&mut self) {
-        self.tracks.values_mut().for_each(FramePoses::start_trail);
+    pub fn start_motion(&mut self) {
+        self.tracks.values_mut().for_each(FramePoses::start_motion);
         for seen in self.seen.values_mut() {
             seen.obstacle_motion
                 .since_state

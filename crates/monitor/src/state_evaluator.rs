@@ -19,7 +19,7 @@ use super::look_ahead::{LookAheadEvaluator, LookAheadInput, obstacles_may_move};
 use super::obstacle_motion::ObstacleMotion;
 use super::obstacle_shift::KnownMotion;
 use super::past_states::PastStates;
-use super::pose_trail::LargestDisplacement;
+use super::pose_history::LargestDisplacement;
 use super::speed::speeds_without_effect;
 use super::state_contacts::ContactQuery;
 use super::{CheckedState, LeftOut, MonitorSettings, PlacedAt, Reason, Revision, Status, TrackedObstacles};

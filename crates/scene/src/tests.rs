@@ -4,6 +4,7 @@ mod anchor_updates;
 mod attached;
 mod moveit;
 mod states;
+mod transform_tree;
 
 use std::sync::Arc;
 use std::time::Duration;

@@ -18,14 +18,17 @@ const MOST_ABOVE: usize = 256;
 /// If the clock is set back by more than this (s), older transforms are accepted again.
 const SET_BACK: f64 = 1.0;
 
-/// Maximum number of replaced transforms that are kept for each frame.
-const MOST_REPLACED: usize = 32;
+/// Maximum number of replaced transforms that are kept, for each frame and in all.
+const MOST_REPLACED: usize = 256;
+const MOST_REPLACED_IN_ALL: usize = 50_000;
 
 /// The latest transform of every frame, and a few before it, for readers that come late.
 #[derive(Clone, Debug, Default)]
 pub struct TransformTree {
     by_frame: HashMap<String, StoredTransform>,
     replaced: HashMap<String, ReplacedTransforms>,
+    /// Number of replaced transforms that are kept.
+    kept: usize,
     /// Number of transforms that were stored.
     stored: u64,
 }
@@ -50,9 +53,10 @@ pub struct NumberedPose {
 }
 
 impl ReplacedTransforms {
-    fn push(&mut self, pose: NumberedPose) {
+    /// Adds a pose; at most `most` are kept.
+    fn push(&mut self, pose: NumberedPose, most: usize) {
         self.poses.push_back(pose);
-        if self.poses.len() > MOST_REPLACED {
+        while self.poses.len() > most {
             self.lost = self.poses.pop_front().map_or(self.lost, |lost| lost.number);
         }
     }
@@ -98,12 +102,14 @@ impl TransformTree {
 
     fn note_replaced(&mut self, frame: &str, StoredTransform { transform, number, .. }: &StoredTransform) {
         let is_of_parent = self.by_frame[frame].transform.parent == transform.parent;
-        if !is_of_parent {
-            self.replaced.remove(frame);
-        } else if let Some(stamp) = transform.stamp {
-            let pose = NumberedPose { number: *number, stamp, pose_pf: transform.pose_pf };
-            self.replaced.entry(frame.to_owned()).or_default().push(pose);
-        }
+        let Some(stamp) = transform.stamp else { return };
+        let replaced = self.replaced.entry(frame.to_owned()).or_default();
+        self.kept -= replaced.poses.len();
+        // poses in another parent are of no use
+        let most =
+            if is_of_parent { MOST_REPLACED.min(MOST_REPLACED_IN_ALL.saturating_sub(self.kept)) } else { 0 };
+        replaced.push(NumberedPose { number: *number, stamp, pose_pf: transform.pose_pf }, most);
+        self.kept += replaced.poses.len();
     }
 
     /// Number of transforms that were stored so far.
@@ -132,7 +138,8 @@ impl TransformTree {
     /// The latest transforms, without those before them.
     #[must_use]
     pub fn latest(&self) -> Self {
-        Self { by_frame: self.by_frame.clone(), replaced: HashMap::new(), stored: self.stored }
+        let by_frame = self.by_frame.clone();
+        Self { by_frame, stored: self.stored, ..Self::default() }
     }
 
     /// The path from the frame `reference` to the frame `frame`; `None` if they are not connected.

@@ -13,6 +13,7 @@ mod laws;
 mod mimic_joints;
 mod models;
 mod publishers;
+mod root_jumps;
 mod root_location;
 mod self_and_world;
 mod separation;

@@ -4,7 +4,7 @@ use clearance_geometry::math::{Extremes, Pose};
 use clearance_scene::is_elsewhere;
 
 /// Largest number of poses that are kept.
-const MOST_POSES: usize = 256;
+const MOST_POSES: usize = 1024;
 
 /// A displacement between two poses is at most this many times the largest one from the last pose.
 ///
@@ -14,7 +14,7 @@ const FROM_ANY: f64 = 1.5;
 
 /// Poses of a frame or an obstacle, oldest first. The first is that at the start of the motion.
 #[derive(Clone, Debug, Default)]
-pub(super) struct PoseTrail {
+pub(super) struct PoseHistory {
     poses: Vec<Pose>,
     /// Whether some could not be kept.
     is_cut: bool,
@@ -29,7 +29,7 @@ pub(super) struct LargestDisplacement {
     pub turned: f64,
 }
 
-impl PoseTrail {
+impl PoseHistory {
     /// Adds a pose.
     pub fn note(&mut self, pose: Pose) {
         if self.poses.last().is_some_and(|last| !is_elsewhere(last, &pose)) {
@@ -95,16 +95,16 @@ impl LargestDisplacement {
 mod tests {
     use super::*;
 
-    fn trail(places: &[f64]) -> PoseTrail {
-        let mut trail = PoseTrail::default();
+    fn history(places: &[f64]) -> PoseHistory {
+        let mut history = PoseHistory::default();
         for x in places {
-            trail.note(Pose::translation(*x, 0.0, 0.0));
+            history.note(Pose::translation(*x, 0.0, 0.0));
         }
-        trail
+        history
     }
 
     fn displacement(places: &[f64]) -> f64 {
-        trail(places).largest_displacement(|pose| *pose).of_radius(9.0)
+        history(places).largest_displacement(|pose| *pose).of_radius(9.0)
     }
 
     #[test]
@@ -116,17 +116,17 @@ mod tests {
         assert!((displacement(&[0.0, 2.0, 0.0]) - 3.0).abs() < 1e-12);
         let trembling: Vec<f64> = (0..200).map(|i| f64::from(i % 2) * 0.01).collect();
         assert!((displacement(&trembling) - 0.015).abs() < 1e-12);
-        let many: Vec<f64> = (0..300).map(f64::from).collect();
+        let many: Vec<f64> = (0..1100).map(f64::from).collect();
         assert_eq!(displacement(&many), f64::INFINITY);
     }
 
     #[test]
     fn a_motion_starts_at_the_last_pose() {
-        let mut trail = trail(&[0.0, 2.0, 0.0]);
-        trail.note_lost();
-        trail.start();
-        assert_eq!(trail.largest_displacement(|pose| *pose), LargestDisplacement::default());
-        trail.note(Pose::translation(0.5, 0.0, 0.0));
-        assert_eq!(trail.largest_displacement(|pose| *pose).of_radius(f64::INFINITY), 0.5);
+        let mut history = history(&[0.0, 2.0, 0.0]);
+        history.note_lost();
+        history.start();
+        assert_eq!(history.largest_displacement(|pose| *pose), LargestDisplacement::default());
+        history.note(Pose::translation(0.5, 0.0, 0.0));
+        assert_eq!(history.largest_displacement(|pose| *pose).of_radius(f64::INFINITY), 0.5);
     }
 }

@@ -1,0 +1,63 @@
+//! Transforms that newer ones have replaced.
+
+use clearance_geometry::math::Pose;
+
+use crate::{NumberedPose, Transform, TransformTree};
+
+use super::seconds;
+
+fn insert(tree: &mut TransformTree, frame: &str, parent: &str, time: f64) {
+    let (parent, pose_pf) = (parent.to_owned(), Pose::translation(time, 0.0, 0.0));
+    assert!(tree.insert(frame, Transform { parent, pose_pf, stamp: Some(seconds(time)) }));
+}
+
+/// The positions along x of the poses since a transform.
+fn since(tree: &TransformTree, frame: &str, number: u64) -> Option<Vec<f64>> {
+    let x = |pose: &NumberedPose| pose.pose_pf.translation.x;
+    Some(tree.poses_since(frame, number)?.iter().map(x).collect())
+}
+
+#[test]
+fn late_readers_get_all_poses_and_the_one_before() {
+    let mut tree = TransformTree::default();
+    for time in [1.0, 2.0, 3.0] {
+        insert(&mut tree, "base", "odom", time);
+        insert(&mut tree, "odom", "map", 10.0 * time);
+    }
+    let read = tree.stored();
+    assert_eq!(since(&tree, "base", 0).unwrap(), [1.0, 2.0, 3.0]);
+    assert_eq!(since(&tree, "base", read).unwrap(), [3.0]);
+    for time in [4.0, 5.0] {
+        insert(&mut tree, "base", "odom", time);
+    }
+    assert_eq!(since(&tree, "base", read).unwrap(), [3.0, 4.0, 5.0]);
+    assert_eq!(since(&tree, "odom", read).unwrap(), [30.0]);
+    assert_eq!(since(&tree.latest(), "base", read).unwrap(), [5.0]);
+    assert_eq!(since(&tree, "nothing", 0).unwrap(), Vec::<f64>::new());
+}
+
+#[test]
+fn what_is_not_kept_is_not_passed_over_in_silence() {
+    let mut tree = TransformTree::default();
+    insert(&mut tree, "base", "odom", 1.0);
+    let read = tree.stored();
+    for i in 0..300 {
+        insert(&mut tree, "base", "odom", 2.0 + 0.01 * f64::from(i));
+    }
+    assert_eq!(since(&tree, "base", read), None);
+    assert!(since(&tree, "base", tree.stored() - 9).unwrap().len() == 10);
+    // of very many frames, few poses are kept
+    for round in 1..=100 {
+        for frame in 0..1000 {
+            insert(&mut tree, &format!("frame {frame}"), "odom", f64::from(round));
+        }
+    }
+    assert_eq!(since(&tree, "frame 999", 0), None);
+    assert!(since(&tree, "frame 999", tree.stored() - 1).is_some());
+    // another parent
+    let read = tree.stored();
+    insert(&mut tree, "base", "odom", 9.0);
+    insert(&mut tree, "base", "map", 10.0);
+    assert_eq!(since(&tree, "base", read), None);
+    assert_eq!(since(&tree, "base", tree.stored()).unwrap(), [10.0]);
+}
