@@ -19,8 +19,9 @@ impl Scene {
         warnings: &mut Vec<String>,
     ) -> Result<(), SceneRejection> {
         let applied = self.attach_or_detach(change, context, warnings);
-        // an update that detaches all objects has a gap without a name: none of them is detached
-        let gap = || SceneGap::new(GapSubject::Attached, &change.object.id, change.extent());
+        // an update that detaches all objects, or all of a link, detaches none of them
+        let name = if change.object.id.is_empty() { &change.link } else { &change.object.id };
+        let gap = || SceneGap::new(GapSubject::Attached, name, change.extent());
         applied
             .map_err(|rejection| if rejection.gap.is_some() { rejection.leaving(gap()) } else { rejection })
     }

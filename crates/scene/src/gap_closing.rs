@@ -40,13 +40,16 @@ impl SceneUpdate {
                 Some(SceneGap::new(GapSubject::Object, &object.id, GapExtent::Shapes))
             }
         };
-        let attached = |attached: &AttachedChange| {
-            SceneGap::new(GapSubject::Attached, &attached.object.id, attached.extent())
+        let attached = |attached: &AttachedChange| match attached.object.operation {
+            // what is detached is in the world from then on
+            Operation::Remove if attached.object.id.is_empty() => None,
+            Operation::Remove => object(&ObjectChange::named(&attached.object.id, Operation::Move)),
+            _ => Some(SceneGap::new(GapSubject::Attached, &attached.object.id, attached.extent())),
         };
         let octomap = || SceneGap::new(GapSubject::Octomap, "", GapExtent::Shapes);
         match self {
             Self::Object(change) => object(change).into_iter().collect(),
-            Self::Attached(change) => vec![attached(change)],
+            Self::Attached(change) => attached(change).into_iter().collect(),
             Self::States(given) => given.states.iter().filter_map(|state| object(&state.change())).collect(),
             Self::Octomap(map) => map.iter().map(|_| octomap()).collect(),
             Self::World(world) => {
@@ -54,7 +57,7 @@ impl SceneUpdate {
                 world.objects.iter().filter_map(object).chain(octomap).collect()
             }
             Self::Scene(scene) => {
-                let held = scene.robot_state.attached.iter().map(attached);
+                let held = scene.robot_state.attached.iter().filter_map(attached);
                 let octomap = scene.world.octomap.iter().map(|_| octomap());
                 held.chain(scene.world.objects.iter().filter_map(object)).chain(octomap).collect()
             }
@@ -97,8 +100,10 @@ impl AttachedChange {
     fn remaining_gap(&self, gap: SceneGap, is_rejected: bool) -> Option<SceneGap> {
         let ObjectChange { id, operation, shapes, .. } = &self.object;
         let is_of_objects = matches!(gap.subject, GapSubject::Object | GapSubject::Attached);
-        let is_all = id.is_empty() && *operation == Operation::Remove && self.link.is_empty();
-        let names_it = !id.is_empty() && gap.name == *id;
+        let is_of_several = id.is_empty() && *operation == Operation::Remove;
+        let is_all = is_of_several && self.link.is_empty();
+        // the gap of a rejected detachment of all objects of a link has the name of the link
+        let names_it = if is_of_several { gap.name == self.link } else { !id.is_empty() && gap.name == *id };
         if !is_of_objects || !(names_it || is_all) {
             return Some(gap);
         }
@@ -237,7 +242,9 @@ mod tests {
             let change = AttachedChange { link: link.to_owned(), object, touch_links: vec![] };
             SceneUpdate::Attached(Box::new(change))
         };
-        assert_eq!(detach("a", "").announced_gaps(), std::slice::from_ref(&held));
+        // an object that was detached before there was a robot is in the world
+        assert_eq!(detach("a", "").announced_gaps(), [gap(GapSubject::Object, GapExtent::Pose)]);
+        assert_eq!(detach("", "tip").announced_gaps(), []);
         for (id, link) in [("a", ""), ("a", "tip"), ("", "")] {
             assert_eq!(detach(id, link).remaining_gap(held.clone(), false), None, "{id} {link}");
             assert_eq!(detach(id, link).remaining_gap(held.clone(), true), Some(held.clone()), "{id} {link}");
@@ -250,10 +257,14 @@ mod tests {
                 "{id} {link}"
             );
         }
-        let all = SceneGap { name: String::new(), ..held };
-        assert_eq!(detach("", "").remaining_gap(all.clone(), false), None);
-        assert_eq!(detach("", "tip").remaining_gap(all.clone(), false), Some(all.clone()));
-        assert_eq!(detach("a", "").remaining_gap(all.clone(), false), Some(all));
+        let of_link = SceneGap { name: "tip".to_owned(), ..held };
+        for (id, link, is_closed) in
+            [("", "", true), ("", "tip", true), ("", "arm", false), ("a", "tip", false), ("a", "", false)]
+        {
+            let left = detach(id, link).remaining_gap(of_link.clone(), false);
+            assert_eq!(left.is_none(), is_closed, "{id} {link}");
+            assert_eq!(detach(id, link).remaining_gap(of_link.clone(), true), Some(of_link.clone()));
+        }
     }
 
     #[test]

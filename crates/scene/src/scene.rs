@@ -64,15 +64,15 @@ impl Scene {
     /// # Errors
     /// If something else has this name: it stays as it is.
     pub fn set_sensed(&mut self, name: &str, obstacle: Option<Obstacle>) -> Result<(), String> {
-        let Some(obstacle) = obstacle else {
-            self.remove_sensed(name);
-            return Ok(());
-        };
         let has_object = self.world.id(name).is_some() || self.world.attached_by_name(name).is_some();
         if has_object && !self.is_sensed(name) {
             let message = "the scene has an object with the name of this topic: give the object another one";
             return Err(message.to_owned());
         }
+        let Some(obstacle) = obstacle else {
+            self.remove_sensed(name);
+            return Ok(());
+        };
         self.world.replace(obstacle).map_err(|error| error.to_string())?;
         self.anchors.remove(name);
         self.sensed.insert(name.to_owned());

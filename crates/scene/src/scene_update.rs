@@ -220,6 +220,17 @@ impl SceneUpdate {
         }
     }
 
+    /// True if it removes all objects of the world without their names.
+    #[must_use]
+    pub fn removes_all_objects(&self) -> bool {
+        let is_of_all = |object: &ObjectChange| object.operation == Operation::Remove && object.id.is_empty();
+        match self {
+            Self::Object(object) => is_of_all(object),
+            Self::Scene(scene) => scene.world.objects.iter().any(is_of_all),
+            Self::World(_) | Self::Attached(_) | Self::States(_) | Self::Octomap(_) => false,
+        }
+    }
+
     /// True if it replaces all attached objects.
     #[must_use]
     pub fn is_whole_of_robot(&self) -> bool {

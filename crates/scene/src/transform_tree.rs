@@ -22,6 +22,9 @@ const SET_BACK: f64 = 1.0;
 const MOST_REPLACED: usize = 256;
 const MOST_REPLACED_IN_ALL: usize = 50_000;
 
+/// Number that is kept for each frame in any case.
+const LEAST_REPLACED: usize = 16;
+
 /// The latest transform of every frame, and a few before it, for readers that come late.
 #[derive(Clone, Debug, Default)]
 pub struct TransformTree {
@@ -93,22 +96,32 @@ impl TransformTree {
             let transform = Transform { parent, ..transform };
             let new = StoredTransform { transform, lead, is_alive, number: self.stored };
             let replaced = self.by_frame.insert(frame.to_owned(), new);
-            if let Some(replaced) = replaced.filter(|_| is_anew) {
+            if let Some(replaced) = replaced {
                 self.note_replaced(frame, &replaced);
             }
         }
         true
     }
 
-    fn note_replaced(&mut self, frame: &str, StoredTransform { transform, number, .. }: &StoredTransform) {
-        let is_of_parent = self.by_frame[frame].transform.parent == transform.parent;
-        let Some(stamp) = transform.stamp else { return };
+    /// Keeps a transform that a newer one has replaced, where both have a parent and an order.
+    fn note_replaced(&mut self, frame: &str, before: &StoredTransform) {
+        let now = &self.by_frame[frame].transform;
+        let Transform { parent, pose_pf, stamp } = &before.transform;
+        let is_same = (parent, pose_pf) == (&now.parent, &now.pose_pf);
+        if is_same && (now.stamp.is_none() || stamp == &now.stamp) {
+            return;
+        }
+        let is_in_order = *parent == now.parent && now.stamp.is_some() && *stamp != now.stamp;
         let replaced = self.replaced.entry(frame.to_owned()).or_default();
         self.kept -= replaced.poses.len();
-        // poses in another parent are of no use
-        let most =
-            if is_of_parent { MOST_REPLACED.min(MOST_REPLACED_IN_ALL.saturating_sub(self.kept)) } else { 0 };
-        replaced.push(NumberedPose { number: *number, stamp, pose_pf: transform.pose_pf }, most);
+        match stamp.filter(|_| is_in_order) {
+            Some(stamp) => {
+                let left = MOST_REPLACED_IN_ALL.saturating_sub(self.kept);
+                let pose = NumberedPose { number: before.number, stamp, pose_pf: *pose_pf };
+                replaced.push(pose, left.clamp(LEAST_REPLACED, MOST_REPLACED));
+            }
+            None => *replaced = ReplacedTransforms { poses: VecDeque::new(), lost: before.number },
+        }
         self.kept += replaced.poses.len();
     }
 

@@ -24,7 +24,8 @@ impl FileObstacles {
     /// Those in a scene that an update is about to change, and that it may remove without naming them.
     #[must_use]
     pub fn exposed_to(&self, update: &SceneUpdate, scene: &Scene) -> Self {
-        let objects = self.objects.iter().filter(|name| update.is_whole() && has_object(scene, name));
+        let is_of_all = update.is_whole() || update.removes_all_objects();
+        let objects = self.objects.iter().filter(|name| is_of_all && has_object(scene, name));
         Self { has_octree: scene.file_octree().is_some(), objects: objects.cloned().collect() }
     }
 

@@ -278,13 +278,18 @@ impl LoaderScene {
         let has_file_octree = self.state.file_octree().is_some();
         let showed_room = self.octomap_shows_room || self.blind_octomap.is_some() || has_file_octree;
         let is_blind = is_of_sensor && !update.has_known_cells() && showed_room;
-        let cause = || format!("the octree of {source} has no leaf, neither occupied nor free");
+        let cause = || {
+            let hint = "; if the octree of the world files is to stay, remap this topic";
+            let hint = if has_file_octree { hint } else { "" };
+            format!("the octree of {source} has no leaf, neither occupied nor free{hint}")
+        };
         self.blind_octomap = is_blind.then(cause);
         is_blind
     }
 
     fn note_rejections(&mut self, source: &str, rejections: &[SceneRejection], update: Option<&SceneUpdate>) {
         self.missing.on_message(source, update, rejections);
+        self.missing.close_released(&self.state.world);
         self.faults =
             rejections.iter().take(MOST_LISTED).map(|rejection| format!("{source}: {rejection}")).collect();
         if rejections.len() > MOST_LISTED {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use clearance_scene::{GapSubject, SceneGap, SceneRejection, SceneUpdate};
+use clearance_scene::{GapExtent, GapSubject, SceneGap, SceneRejection, SceneUpdate, World};
 
 /// Maximum number of stored gaps, so that a hostile network cannot fill the memory.
 const MOST: usize = 1000;
@@ -38,6 +38,16 @@ impl MissingObjects {
                 self.note(gap.clone(), format!("{source}: {rejection}"));
             }
         }
+    }
+
+    /// Closes the gaps of objects that no link holds any more, whatever released them.
+    pub fn close_released(&mut self, world: &World) {
+        // the name is that of an object, or of a link; without a name, all objects count
+        let is_held = |name: &str| {
+            let mut held = world.attached().iter();
+            held.any(|object| name.is_empty() || object.name == name || object.link == name)
+        };
+        self.gaps.retain(|_, (gap, _)| gap.extent != GapExtent::Held || is_held(&gap.name));
     }
 
     /// Records the objects of an update that was not applied at all, with the reason.
@@ -134,7 +144,7 @@ mod tests {
             SceneUpdate::Attached(Box::new(AttachedChange { link, object, touch_links }))
         };
         let rejection = |id: &str| {
-            let gap = SceneGap::new(GapSubject::Attached, id, clearance_scene::GapExtent::Held);
+            let gap = SceneGap::new(GapSubject::Attached, id, GapExtent::Held);
             SceneRejection { gap: Some(gap), ..SceneRejection::of("a", "another link holds it") }
         };
         let mut missing = MissingObjects::default();
@@ -142,6 +152,10 @@ mod tests {
         missing.on_message("topic", Some(&detach("")), &[rejection("")]);
         assert_eq!(missing.len(), 2);
         missing.on_message("topic", Some(&detach("")), &[]);
+        assert_eq!(missing.len(), 0);
+        // something else has released it
+        missing.on_message("topic", Some(&detach("a")), &[rejection("a")]);
+        missing.close_released(&World::default());
         assert_eq!(missing.len(), 0);
     }
 
@@ -162,7 +176,7 @@ mod tests {
     #[test]
     fn an_object_without_a_name_is_missing_until_all_are_removed() {
         let mut missing = MissingObjects::default();
-        let gap = SceneGap::new(GapSubject::Object, "", clearance_scene::GapExtent::Shapes);
+        let gap = SceneGap::new(GapSubject::Object, "", GapExtent::Shapes);
         let unnamed = SceneRejection { gap: Some(gap), ..SceneRejection::new("id is empty") };
         missing.on_message("topic", Some(&add("")), &[unnamed]);
         missing.on_message("topic", Some(&add("b")), &[]);

@@ -68,11 +68,11 @@ impl SceneLoader {
         robot: &RobotModel,
     ) -> Result<(), SceneError> {
         let (frame, pose_fo) = (String::new(), Pose::identity());
-        let octree = FileOctree::of(octomap, self.unknown_is_occupied);
-        let octomap = OctomapPlacement::of(octomap, frame, pose_fo, self.unknown_is_occupied)
+        let placement = OctomapPlacement::of(octomap, frame, pose_fo, self.unknown_is_occupied)
             .map_err(|message| SceneError::of_object(file, OCTOMAP, message))?;
+        let octree = FileOctree::of(octomap, self.unknown_is_occupied);
         let placed = self.robot_state.placed(robot);
-        self.file(file, &placed.context(robot)).set_octomap(octomap, Some(octree))
+        self.file(file, &placed.context(robot)).set_octomap(placement, Some(octree))
     }
 
     /// A file that must not replace any object.

@@ -53,6 +53,7 @@ fn what_is_not_kept_is_not_passed_over_in_silence() {
         }
     }
     assert_eq!(since(&tree, "frame 999", 0), None);
+    assert!(since(&tree, "frame 999", tree.stored() - 10_000).is_some(), "some of each frame");
     assert!(since(&tree, "frame 999", tree.stored() - 1).is_some());
     // another parent
     let read = tree.stored();
@@ -60,4 +61,15 @@ fn what_is_not_kept_is_not_passed_over_in_silence() {
     insert(&mut tree, "base", "map", 10.0);
     assert_eq!(since(&tree, "base", read), None);
     assert_eq!(since(&tree, "base", tree.stored()).unwrap(), [10.0]);
+    // two poses with one stamp
+    let read = tree.stored();
+    insert(&mut tree, "base", "map", 11.0);
+    let pose_pf = Pose::translation(99.0, 0.0, 0.0);
+    tree.insert("base", Transform { parent: "map".to_owned(), pose_pf, stamp: Some(seconds(11.0)) });
+    assert_eq!(since(&tree, "base", read), None);
+    assert_eq!(since(&tree, "base", tree.stored()).unwrap(), [99.0]);
+    // the same pose again is no other one
+    let read = tree.stored();
+    tree.insert("base", Transform { parent: "map".to_owned(), pose_pf, stamp: Some(seconds(11.0)) });
+    assert_eq!(since(&tree, "base", read).unwrap(), [99.0]);
 }
