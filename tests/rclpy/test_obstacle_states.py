@@ -109,6 +109,29 @@ def test_a_moving_obstacle_that_nobody_tracks_any_more_makes_the_status_unknown(
     assert not state.time_to_contact_considers_obstacle_motion
 
 
+def test_parameters_of_obstacles_that_change_while_the_node_runs_have_an_effect(start):
+    cell = looking_ahead(start, obstacle_state_ttl=9.0)
+    tracker = Tracker(cell, 4.0, 0.0)
+    near(cell, tracker)
+    tracker.falls_silent()
+    parameters = cell.parameters
+    parameters.succeed(obstacle_state_ttl=0.1)
+    cell.becomes(CollisionState.FREE, "what rests needs no tracker")
+    for name, values in [("obstacle_acceleration", (1.0, 0.0)), ("obstacle_limits", (["cart 0 1"], ["cart 0 0"]))]:
+        parameters.succeed(**{name: values[0]})
+        cell.unknown("stale_world")
+        parameters.succeed(**{name: values[1]})
+        cell.becomes(CollisionState.FREE, "a cart that cannot begin to move")
+    parameters.succeed(obstacle_state_ttl=9.0)
+    tracker = Tracker(cell, 4.0, -0.01)
+    cell.states.wait_for(
+        lambda state: state.time_to_contact_considers_obstacle_motion, "a cart that moves", after=cell.peer.now()
+    )
+    tracker.falls_silent()
+    parameters.succeed(obstacle_state_ttl=0.1)
+    cell.unknown("stale_world")
+
+
 def test_motion_between_states_is_not_proven_beside_a_moving_obstacle(start):
     cell = looking_ahead(start, check_between_states=True)
     sideways = [0.0]

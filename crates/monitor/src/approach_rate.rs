@@ -44,8 +44,21 @@ pub(super) fn slowdown_range(
     let by_distances = range_of_distances(checker, moving, settings);
     let Some(separation) = &settings.speed.separation else { return by_distances };
     let (tracked, poses) = (moving.tracked_obstacles, moving.poses);
-    let of_separation = separation.range_of_measured(tracked.largest_speed(checker, poses, settings));
+    let of_obstacles = tracked.largest_speed(checker, poses, settings);
+    let of_separation = separation.range_of_measured(of_obstacles, largest_speed(checker, moving));
     by_distances.greater(of_separation + tracked.largest_displacement_since_pose(checker, poses, settings))
+}
+
+/// Upper bound (m/s) on the speed of any point of the robot, as far as velocities are known.
+fn largest_speed(checker: &CollisionChecker, moving: &MovingState) -> f64 {
+    let positions = moving.configuration.positions();
+    let of_joints = moving.rates.map_or(0.0, |rates| {
+        let in_one_second: Vec<f64> = positions.iter().zip(rates).map(|(q, rate)| q + rate).collect();
+        checker.travel(positions, &in_one_second)
+    });
+    let extent = checker.extent(moving.poses);
+    let of_root = moving.obstacle_motions.iter().map(|motion| motion.largest_displacement(extent, 1.0));
+    of_joints + of_root.fold(0.0, f64::greater)
 }
 
 /// Distance (m) up to which pairs may slow the robot down by their distances: moving bodies may be nearer once the

@@ -203,7 +203,8 @@ impl BetweenStates {
         let (state, settings) = (&previous.state, current.settings);
         let is_same_time =
             state.measured == current.measured && previous.time.transforms == current.time.transforms;
-        if is_same_time && state.configuration == *current.configuration {
+        let is_same = is_same_time && state.configuration == *current.configuration;
+        if is_same && self.passed_over.is_empty() {
             return Err(NoMotion::NoNewState);
         }
         let duration = longest_interval(previous, current);

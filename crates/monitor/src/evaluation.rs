@@ -1,10 +1,11 @@
 //! Evaluation of the robot's state: status, distances and warnings.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
 use clearance_checker::{CollisionChecker, CollisionReport, LookAhead, PairDistance, PairKind};
-use clearance_geometry::math::Extremes;
+use clearance_geometry::math::{Extremes, Pose};
 use clearance_robot::{Configuration, LinkPoses, quoted};
 use clearance_scene::{AnchorFrames, ObstacleTwist};
 
@@ -36,6 +37,8 @@ pub struct Revision {
     pub placed_at: Option<Duration>,
     /// Velocities of the obstacles with known ones, in the order of their names.
     pub obstacle_twists: Vec<ObstacleTwist>,
+    /// Poses, in the root frame, that obstacles were given since the revision before, by name, oldest first.
+    pub obstacle_poses: BTreeMap<String, Vec<Pose>>,
 }
 
 impl Revision {
@@ -52,7 +55,13 @@ impl Revision {
             anchor_frames: AnchorFrames::default(),
             placed_at: None,
             obstacle_twists: Vec::new(),
+            obstacle_poses: BTreeMap::new(),
         }
+    }
+
+    /// Pose of an obstacle in the root frame.
+    pub(super) fn pose_of(&self, obstacle: &str) -> Option<Pose> {
+        Some(self.checker.world().obstacle_by_name(obstacle)?.pose_ro)
     }
 
     /// Whether any link of the robot has collision geometry.

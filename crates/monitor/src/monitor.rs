@@ -16,6 +16,7 @@ use super::contribution::Contributions;
 use super::joint_state_merger::JointStateMerger;
 use super::look_ahead::LookAheadEvaluator;
 use super::obstacle_pose_histories::ObstaclePoseHistories;
+use super::passed_over::{PartialState, are_equal};
 use super::past_states::PastStates;
 use super::received_states::{ReceivedState, ReceivedStates};
 use super::root_location::RootLocationWatch;
@@ -201,13 +202,23 @@ impl Monitor {
         let robot = evaluator.revision.checker.robot();
         let mut transform_joints = TransformJoints::look_up(robot, &self.settings, tree);
         transform_joints.inherit(&self.transform_joints);
-        if transform_joints != self.transform_joints {
+        let is_changed = transform_joints != self.transform_joints;
+        if is_changed || tree.stored() > last {
             let positions = transform_joints.positions_since(robot, tree, last);
             self.transform_joints = transform_joints;
+            self.note_positions(positions, is_changed);
+        }
+    }
+
+    /// Adds positions from `tf`, in the order of reception; `None` if they are not known. Those that nothing changes are the last
+    /// ones again.
+    fn note_positions(&mut self, positions: Option<Vec<PartialState>>, is_changed: bool) {
+        let is_known = positions.as_ref().is_some_and(|positions| are_equal(positions));
+        if is_changed || !is_known {
             self.note_passed_over();
             self.between_states.note_transforms(positions);
-            self.outdated = true;
         }
+        self.outdated |= is_changed;
     }
 
     /// The last joint state is not evaluated, if it was not before: something else comes.

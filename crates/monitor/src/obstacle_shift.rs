@@ -148,13 +148,21 @@ fn own_motion(ends: [&TrackedObstacles; 2], surroundings: &Surroundings) -> Obst
         let known = tracked.entry(name).or_default();
         *known = known.greater(if is_here { most } else { 0.0 });
     }
+    let since_pose = |name: &str| match now.of(name) {
+        Some(now) => now.most(checker, poses, settings, now.longest_age()),
+        None => limited(&limits.of(name)).speed,
+    };
     for (name, displacement) in surroundings.obstacle_displacements {
         let Some(id) = checker.world().id(name) else { continue };
         let until_pose = displacement.of_radius(obstacle_extent(checker, poses, id));
-        let since_pose =
-            now.of(name).map_or(0.0, |now| now.most(checker, poses, settings, now.longest_age()));
         let known = tracked.entry(name).or_default();
-        *known = known.greater(until_pose + since_pose);
+        *known = known.greater(until_pose + since_pose(name));
+    }
+    // one that stands still now, and moved before, moves within its limit again
+    for (name, known) in &mut tracked {
+        if now.of(name).is_none() {
+            *known = known.greater(limited(&limits.of(name)).speed);
+        }
     }
     own.by_name.extend(tracked.into_iter().map(|(name, most)| (name.to_owned(), in_one_second(most))));
     own

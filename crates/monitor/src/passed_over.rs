@@ -1,6 +1,8 @@
-//! Joint states and positions from `tf` that were received and never evaluated: others came before their turn.
+//! Joint states and positions from `tf` that were received and never evaluated: newer ones replaced them before.
 //!
 //! The robot was there, wherever the straight line between the evaluated states lies.
+
+use std::collections::BTreeMap;
 
 use clearance_checker::CollisionChecker;
 use clearance_geometry::math::{Extremes, without_whole_turns};
@@ -25,6 +27,13 @@ pub(super) struct PassedOver {
 
 /// Positions (rad, m) by their index; the others are those of the states before.
 pub(super) type PartialState = Vec<(usize, f64)>;
+
+/// Whether all states of the same joint are equal.
+pub(super) fn are_equal(states: &[PartialState]) -> bool {
+    let index = |state: &PartialState| state.first().map(|(index, _)| *index);
+    let last_of: BTreeMap<_, _> = states.iter().map(|state| (index(state), state)).collect();
+    states.iter().all(|state| last_of[&index(state)] == state)
+}
 
 /// A motion as a straight line with tolerances.
 #[derive(Clone, Copy)]
@@ -73,6 +82,11 @@ impl PassedOver {
             Some(state) => self.states.push(state),
             None => self.any_unknown = true,
         }
+    }
+
+    /// Whether there are none; the last positions from `tf` are part of the next state.
+    pub fn is_empty(&self) -> bool {
+        self.states.is_empty() && !self.any_unknown
     }
 
     /// There are none any more: the next motion begins.

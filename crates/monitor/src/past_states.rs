@@ -10,9 +10,9 @@ use super::Time;
 const LONGEST: f64 = 3.0;
 const STEP: f64 = 0.005;
 
-/// Deviation (rad, m) from a straight motion above which a leg is divided, and the largest number of divisions.
+/// Deviation (rad, m) from a straight motion above which a leg is divided, unless it is as short as the time between two stored
+/// configurations.
 const STRAIGHT: f64 = 1e-3;
-const MOST_DIVISIONS: u32 = 3;
 
 /// Configurations by their stamps, oldest first. Positions that turn without limits are not wrapped.
 #[derive(Debug, Default)]
@@ -62,19 +62,24 @@ impl PastStates {
     /// counts as standing there.
     pub fn legs(&self, time: f64) -> Vec<Leg> {
         let mut legs = Vec::new();
-        self.divide([time, 0.0], MOST_DIVISIONS, &mut legs);
+        // older configurations are not stored
+        let known = time.lesser(LONGEST + STEP);
+        if known < time {
+            legs.push(Leg { before: [time, known], ends: [self.at(time), self.at(known)] });
+        }
+        self.divide([known, 0.0], &mut legs);
         legs
     }
 
-    fn divide(&self, before: [f64; 2], divisions: u32, legs: &mut Vec<Leg>) {
+    fn divide(&self, before: [f64; 2], legs: &mut Vec<Leg>) {
         let ends = before.map(|before| self.at(before));
-        if divisions == 0 || self.deviation(before, &ends) <= STRAIGHT {
+        if before[0] - before[1] <= STEP || self.deviation(before, &ends) <= STRAIGHT {
             legs.push(Leg { before, ends });
             return;
         }
         let middle = 0.5 * (before[0] + before[1]);
-        self.divide([before[0], middle], divisions - 1, legs);
-        self.divide([middle, before[1]], divisions - 1, legs);
+        self.divide([before[0], middle], legs);
+        self.divide([middle, before[1]], legs);
     }
 
     /// Largest deviation (rad, m) of a position from the straight motion between two configurations.
@@ -147,6 +152,22 @@ mod tests {
         assert!((total - 0.8).abs() < 1e-12);
         // beyond the history it stands
         assert_eq!(past.legs(30.0)[0].ends[0], [0.0]);
+    }
+
+    #[test]
+    fn a_short_motion_there_and_back_is_on_the_way() {
+        let mut past = PastStates::default();
+        for i in 0..1000 {
+            let q = if (700..=720).contains(&i) { 0.05 - 0.005 * (f64::from(i) - 710.0).abs() } else { 0.0 };
+            past.note(time(5 * i64::from(i)), &[q], &[false]);
+        }
+        for age in [1.5, 2.0, 2.9, 30.0] {
+            let legs = past.legs(age);
+            let farthest = legs.iter().flat_map(|leg| &leg.ends).map(|q| q[0]).fold(0.0, f64::greater);
+            assert!(farthest > 0.045, "{farthest} in {age} s");
+            let total: f64 = legs.iter().map(Leg::duration).sum();
+            assert!(legs.len() < 80 && (total - age).abs() < 1e-9, "{} legs", legs.len());
+        }
     }
 
     #[test]

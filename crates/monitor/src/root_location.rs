@@ -87,7 +87,7 @@ impl RootLocationWatch {
             Some(FrameMotion { way, taken, step })
         });
         let since_state = tracks().map(|(name, track)| {
-            track.since_state().largest_displacement(|pose| tracked.path.pose_with(name, pose))
+            track.since_state().displacement_about_root(|pose| tracked.path.pose_with(name, pose))
         });
         ObstacleMotion {
             frame: tracked.frame.to_owned(),
@@ -146,8 +146,7 @@ impl RootLocationWatch {
         }
         let lag = self.lag(now).as_secs_f64();
         if lag > ttl {
-            let source = "whoever puts obstacles where tf has them".to_owned();
-            return Err(Reason::StaleWorld { source, age: Some(lag), ttl });
+            return Err(Reason::ObstaclesLag { age: lag, ttl });
         }
         Ok(())
     }

@@ -55,14 +55,15 @@ impl SeparationRules {
     /// Distance (m) from which the robot may move at its full speed, beside any obstacle.
     #[must_use]
     pub fn range(&self) -> f64 {
-        self.range_of_measured(0.0)
+        self.range_of_measured(0.0, 0.0)
     }
 
-    /// The same, if no obstacle was measured to be faster than `measured` (m/s).
-    pub(super) fn range_of_measured(&self, measured: f64) -> f64 {
+    /// The same, if no obstacle was measured to be faster than `of_obstacles` (m/s), and no point of the robot than `of_robot`.
+    pub(super) fn range_of_measured(&self, of_obstacles: f64, of_robot: f64) -> f64 {
         let speeds = self.obstacle_speeds.iter().map(|(_, speed)| *speed);
-        let human_speed = speeds.fold(self.usual.human_speed.greater(measured), f64::greater);
-        SeparationSettings { human_speed, ..self.usual }.range()
+        let human_speed = speeds.fold(self.usual.human_speed.greater(of_obstacles), f64::greater);
+        let robot_speed = self.usual.robot_speed.greater(of_robot);
+        SeparationSettings { human_speed, robot_speed, ..self.usual }.range()
     }
 }
 
@@ -114,8 +115,10 @@ mod tests {
             [measured("cart_1", 0.4), measured("cart_1", 0.6), measured("anna", 1.0)],
             [0.5, 0.6, 1.6]
         );
-        assert!(
-            rules.range_of_measured(1.0) == rules.range() && rules.range_of_measured(3.0) > rules.range()
-        );
+        let slow = rules.range_of_measured(1.0, CELL.robot_speed);
+        assert!(slow == rules.range() && rules.range_of_measured(3.0, 0.0) > rules.range());
+        let robot_speed = 2.0 * CELL.robot_speed;
+        let fast = SeparationSettings { human_speed: 2.0, robot_speed, ..CELL };
+        assert_eq!(rules.range_of_measured(0.0, robot_speed), fast.range());
     }
 }

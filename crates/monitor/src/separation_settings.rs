@@ -24,7 +24,7 @@ pub struct SeparationSettings {
     pub human_speed: f64,
     /// Largest speed (m/s) at which commands may move any point of the robot, before they are scaled; above 0.
     pub robot_speed: f64,
-    /// Time (s) from a motion in the room until the robot begins to brake, `T`; above 0.
+    /// Time (s) from a motion in the environment until the robot begins to brake, `T`; above 0.
     pub reaction_time: f64,
     /// Deceleration (m/s²) that the robot reaches in every state, `a`; above 0.
     pub deceleration: f64,

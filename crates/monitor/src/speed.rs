@@ -3,12 +3,12 @@
 //!
 //! Each near pair requests a share: 1 from the slow-down distance on, 0 up to the stop distance, linear between them.
 //! The distance of an approaching pair is reduced by its motion in the reaction time, also from beyond the slow-down
-//! distance. In this time other points than the nearest ones may come nearer. So is the distance of an obstacle that may move, by its largest motion in that time. A pair that the robot
-//! moves apart requests no reduction. The least share counts. If the approach rate of a near pair
-//! is unknown, the share does not rise, except for a first state, which counts as at rest. The share falls once a
-//! number of states in a row, the trigger count, request less: to the largest of their requests. It rises once a number
-//! of states, the release count, request more: to the least of their requests. If the status is not FREE, it is 0 at
-//! once.
+//! distance; in this time other points than the nearest ones may come nearer. The distance to an obstacle that may move
+//! is reduced by its largest motion in that time, too. A pair that the robot moves apart requests no reduction. The least
+//! share counts. If the approach rate of a near pair is unknown, the share does not rise, except for a first state, which
+//! counts as at rest. The share falls once a number of states in a row, the trigger count, request less: to the largest
+//! of their requests. It rises once a number of states, the release count, request more: to the least of their requests.
+//! If the status is not FREE, it is 0 at once.
 //!
 //! With speed and separation monitoring, pairs with obstacles request the share of
 //! [`SeparationRules`](crate::SeparationRules) instead, unless the obstacle rests or the part of the robot

@@ -153,6 +153,13 @@ pub enum Reason {
         /// Age limit (s).
         ttl: f64,
     },
+    /// The node has not moved obstacles to where `tf` has them.
+    ObstaclesLag {
+        /// Time (s) for which it has not.
+        age: f64,
+        /// Limit (s) of that time.
+        ttl: f64,
+    },
     /// The last message of a sensor, the topic `source`, contains no points of the surroundings; `cause` has the reason
     /// with counts. `more` counts further such sensors.
     BlindCloud {
@@ -215,7 +222,7 @@ impl Reason {
             Self::Partial { .. } => "partial",
             Self::Contradiction { .. } | Self::MimicContradiction { .. } => "contradiction",
             Self::NoTransform { .. } => "no_transform",
-            Self::StaleWorld { .. } => "stale_world",
+            Self::StaleWorld { .. } | Self::ObstaclesLag { .. } => "stale_world",
             Self::BlindCloud { .. } => "blind_cloud",
             Self::RejectedObstacle { .. } => "rejected_obstacle",
             Self::LostMessages { .. } => "lost_messages",
@@ -288,7 +295,11 @@ impl Reason {
     fn fmt_incomplete(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::BlindCloud { source, cause, more } => {
-                write!(f, "the last message of {} shows nothing of the room: {cause}", quoted(source))?;
+                write!(
+                    f,
+                    "the last message of {} shows nothing of the environment: {cause}",
+                    quoted(source)
+                )?;
                 if *more > 0 {
                     write!(f, "; {more} more sensors are blind")?;
                 }
@@ -390,6 +401,10 @@ impl fmt::Display for Reason {
                 f,
                 "what {} saw is {age:.3} s old, and its time-to-live is {ttl} s: is the sensor running?",
                 quoted(source)
+            ),
+            Self::ObstaclesLag { age, ttl } => write!(
+                f,
+                "obstacles have not been moved to where tf has them for {age:.3} s, and transform_ttl is {ttl} s: give the node more time"
             ),
             Self::BlindCloud { .. }
             | Self::RejectedObstacle { .. }

@@ -128,7 +128,7 @@ impl TransformJoints {
     }
 
     /// Successive positions from the transforms that were received after the one with this number, in the order of reception; `None`
-    /// if some are not kept any more.
+    /// if some are not kept any more, or a joint has no position now.
     pub fn positions_since(
         &self,
         robot: &RobotModel,
@@ -138,9 +138,7 @@ impl TransformJoints {
         let mut states = Vec::new();
         for TransformJoint { joint, .. } in &self.transform_joints {
             let [parent, child] = frames(robot, *joint);
-            let (Some(path), Some(first)) = (tree.path(parent, child), robot.first_position(*joint)) else {
-                continue;
-            };
+            let (path, first) = (tree.path(parent, child)?, robot.first_position(*joint)?);
             for (number, pose) in poses_since(&path, tree, number)? {
                 let of_joint = robot.joint(*joint);
                 let placed = of_joint.kind.positions_at(&(of_joint.pose_pj.inverse() * pose));

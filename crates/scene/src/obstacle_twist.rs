@@ -1,6 +1,6 @@
 //! Obstacles whose pose and velocity a tracker measures.
 
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 use std::time::Duration;
 
 use clearance_geometry::math::{Pose, Vector};
@@ -10,6 +10,9 @@ use super::{ObjectChange, Operation, Scene, SceneContext, SceneRejection, Time};
 
 /// Time (s) by which the stamp of a state may be later than the clock. A later one is of a clock that was set back.
 const LARGEST_LEAD: f64 = 1.0;
+
+/// Largest number of poses that are kept of one obstacle.
+const MOST_POSES: usize = 2048;
 
 /// Pose and velocity of an obstacle of the world: `clearance_msgs/ObstacleState`.
 #[derive(Clone, Debug)]
@@ -75,6 +78,11 @@ impl Scene {
         self.twists.values().filter(|twist| self.world.id(&twist.name).is_some())
     }
 
+    /// Poses, in the root frame, that states gave obstacles since the last call, by name, oldest first; at most 2048 of each.
+    pub fn take_state_poses(&mut self) -> BTreeMap<String, Vec<Pose>> {
+        std::mem::take(&mut self.state_poses)
+    }
+
     /// Moves obstacles to their poses and notes their velocities. Returns one result for each state.
     pub(super) fn set_states(
         &mut self,
@@ -105,8 +113,9 @@ impl Scene {
         self.check_is_newest(id, *stamp, context.now)?;
         if !context.stands_still(&state.frame, self) {
             let frame = quoted(&state.frame);
-            let why =
-                format!("header.frame_id: {frame} moves with the robot: give states in a frame of the room");
+            let why = format!(
+                "header.frame_id: {frame} moves with the robot: give states in a frame that does not move with the robot"
+            );
             return Err(SceneRejection::of(id, why).of_pose());
         }
         self.change_object(&state.change(), context, &mut Vec::new())?;
@@ -114,6 +123,12 @@ impl Scene {
         let twist =
             ObstacleTwist { name: id.clone(), linear_o, angular_o, stamp: *stamp, received: *received };
         self.twists.insert(id.clone(), twist);
+        if let Some(obstacle) = self.world.obstacle_by_name(id) {
+            let poses = self.state_poses.entry(id.clone()).or_default();
+            if poses.len() < MOST_POSES {
+                poses.push(obstacle.pose_ro);
+            }
+        }
         Ok(())
     }
 

@@ -14,7 +14,7 @@ fn reasons() -> [(Reason, &'static str); 3] {
     [
         (
             Reason::BlindCloud { source, cause, more: 0 },
-            "'/camera' shows nothing of the room: it has no points",
+            "'/camera' shows nothing of the environment: it has no points",
         ),
         (Reason::RejectedObstacle { fault, more: 2 }, "object 'a': no shapes; and 2 more parts"),
         (Reason::LostMessages { topics: vec!["3 of collision_object".to_owned()] }, "3 of collision_object"),

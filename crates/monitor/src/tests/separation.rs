@@ -83,6 +83,19 @@ fn what_moves_towards_the_person_is_slowed_and_what_moves_away_is_not() {
     assert!(rate < -0.1 && away == 1.0, "{away} at {rate} m/s");
 }
 
+/// The tip approaches faster than commands of the settings may move it.
+#[test]
+fn the_scale_of_a_fast_robot_rises_without_a_jump() {
+    let scale = |x: f64| {
+        let mut monitor = beside(vec![ball("person", x, 0.0)], MONITORED, 1);
+        evaluation(&mut monitor, 0.0, BENT, &[0.0, -4.0]).speed_scale
+    };
+    let scales: Vec<f64> = (0..120).map(|i| scale(3.0 + 0.02 * f64::from(i))).collect();
+    assert!(scales[0] < 0.3 && scales[119] > 0.7, "{scales:?}");
+    let largest_step = scales.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+    assert!(largest_step < 0.03 && scales.is_sorted(), "{largest_step}");
+}
+
 /// Two persons that one sensor reports as one obstacle: the tip leaves the nearer one towards the other.
 #[test]
 fn what_leaves_one_part_of_an_obstacle_is_slowed_before_another() {

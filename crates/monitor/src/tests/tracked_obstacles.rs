@@ -13,11 +13,15 @@ const GAP: f64 = 1.0;
 
 /// A ball of 10 cm in front of the robot, and its velocity in the root frame at this time (s).
 fn cart(pose_ro: Pose, linear: [f64; 3], angular: [f64; 3], seconds: f64) -> Arc<Revision> {
+    let ball = Primitive::Sphere { radius: 0.1 };
+    cart_of(ball, pose_ro, [linear, angular], seconds)
+}
+
+fn cart_of(shape: Primitive, pose_ro: Pose, velocity: [[f64; 3]; 2], seconds: f64) -> Arc<Revision> {
     let mut world = World::default();
-    let ball = Shape::Primitive(Primitive::Sphere { radius: 0.1 });
-    world.add(Obstacle::of_shape("cart", pose_ro, ball)).unwrap();
+    world.add(Obstacle::of_shape("cart", pose_ro, Shape::Primitive(shape))).unwrap();
     let checker = CollisionChecker::new(robot(), &world, Settings::default()).unwrap();
-    let [linear_o, angular_o] = [linear, angular].map(|v| pose_ro.rotation.inverse() * Vector::from(v));
+    let [linear_o, angular_o] = velocity.map(|v| pose_ro.rotation.inverse() * Vector::from(v));
     let twist = ObstacleTwist {
         name: "cart".to_owned(),
         linear_o,
@@ -352,6 +356,28 @@ fn a_door_comes_round_in_the_reaction_time() {
 }
 
 /// A point at 0.5 m from the centre, once around between the pose and the state.
+/// The end of a bar that turns comes nearer within the reaction time.
+#[test]
+fn a_long_obstacle_that_turns_is_slowed_for_at_any_distance() {
+    let bar = Primitive::cuboid([0.1, 4.0, 0.1]).unwrap();
+    let speed = SpeedSettings {
+        world: SpeedDistances { slowdown: 0.3, stop: 0.1 },
+        reaction_time: 1.0,
+        release_count: 1,
+        trigger_count: 1,
+        ..SpeedSettings::default()
+    };
+    for gap in [0.5, 1.2, 1.4, 1.6, 1.8] {
+        let scale = |angular: f64| {
+            let pose = Pose::translation(2.2 + 0.05 + gap, 0.0, 0.0);
+            let revision = cart_of(bar, pose, [[0.0; 3], [0.0, 0.0, angular]], 1.0);
+            let settings = MonitorSettings { speed: speed.clone(), ..MonitorSettings::default() };
+            evaluated(revision, settings).speed_scale
+        };
+        assert_eq!([scale(0.0), scale(1.5)], [1.0, 0.0], "{gap}");
+    }
+}
+
 #[test]
 fn a_whole_turn_is_no_rest() {
     let world = SpeedDistances { slowdown: 3.0, stop: 0.5 };

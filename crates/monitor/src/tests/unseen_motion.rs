@@ -1,6 +1,6 @@
 //! Motions and contacts between two evaluated joint states that neither of the two shows.
 
-use clearance_geometry::math::{Pose, Vector};
+use clearance_geometry::math::{Pose, Vector, pose_from_xyz_rpy};
 use clearance_geometry::{Primitive, Shape};
 use clearance_motion::{ObstacleLimits, SpeedLimit};
 use clearance_scene::{Obstacle, ObstacleTwist, Transform, TransformTree};
@@ -21,6 +21,9 @@ const GANTRY: &str = r#"<robot name="gantry">
   </joint>
 </robot>"#;
 
+/// Radius (m) of the tool.
+const TOOL: f64 = 0.1;
+
 fn robot() -> Arc<RobotModel> {
     static ROBOT: OnceLock<Arc<RobotModel>> = OnceLock::new();
     let read = || Arc::new(RobotModel::from_urdf(GANTRY, &MeshFiles::default()).unwrap());
@@ -29,10 +32,19 @@ fn robot() -> Arc<RobotModel> {
 
 /// Balls of 20 cm with velocities along x (m/s), whose states have a time (s).
 fn among(balls: &[(&str, [f64; 2], f64, f64)], world_number: u64) -> Arc<Revision> {
+    let at = |&(name, [x, y], speed, seconds): &(_, [f64; 2], _, _)| {
+        (name, Pose::translation(x, y, 0.0), speed, seconds)
+    };
+    let balls: Vec<_> = balls.iter().map(at).collect();
+    Arc::new(among_turned(&balls, world_number))
+}
+
+/// As `among`, with the balls' poses.
+fn among_turned(balls: &[(&str, Pose, f64, f64)], world_number: u64) -> Revision {
     let mut world = World::default();
-    for (name, [x, y], ..) in balls {
+    for (name, pose_ro, ..) in balls {
         let ball = Shape::Primitive(Primitive::Sphere { radius: 0.2 });
-        world.add(Obstacle::of_shape(*name, Pose::translation(*x, *y, 0.0), ball)).unwrap();
+        world.add(Obstacle::of_shape(*name, *pose_ro, ball)).unwrap();
     }
     let checker = CollisionChecker::new(robot(), &world, Settings::default()).unwrap();
     let mut revision = Revision::new(checker, 1, world_number);
@@ -47,7 +59,7 @@ fn among(balls: &[(&str, [f64; 2], f64, f64)], world_number: u64) -> Arc<Revisio
             received: Duration::from_secs_f64(seconds.max(0.0)),
         })
         .collect();
-    Arc::new(revision)
+    revision
 }
 
 const POST: (&str, [f64; 2], f64, f64) = ("post", [1.0, 0.0], 0.0, 0.0);
@@ -92,6 +104,20 @@ fn messages_of_several_publishers_are_passed_over_in_their_order() {
     assert!(at_last(&[(1, &[("x", 0.1)]), (3, &[("y", 0.1)])]), "so little that the distances suffice");
     assert!(!at_last(&[(1, &[("x", 1.0), ("y", 0.0)]), (1, &[("y", 1.0), ("x", 1.0)])]), "another order");
     assert!(!at_last(&[(1, &[("x", 1.0), ("y", 0.0)]), (1, &[("y", 1.0)])]), "fewer names");
+}
+
+/// A driver that does not renew its stamp, or a coarse clock.
+#[test]
+fn a_message_with_the_stamp_and_positions_of_the_last_state_does_not_hide_what_was_passed_over() {
+    let mut monitor = gantry(MonitorSettings::default(), among(&[POST], 1));
+    let one = || placed(0.0, [0.0, 0.0]);
+    monitor.on_joint_state(one(), at(0.0));
+    let again = monitor.on_joint_state(one(), at(0.01));
+    assert_eq!(again.motion_since_previous, MotionSincePrevious::NotChecked(NoMotion::NoNewState));
+    monitor.receive(placed(0.0, [2.0, 0.0]), at(0.02));
+    assert!(!is_proven(&monitor.on_joint_state(one(), at(0.03))));
+    let again = monitor.on_joint_state(one(), at(0.04));
+    assert_eq!(again.motion_since_previous, MotionSincePrevious::NotChecked(NoMotion::NoNewState));
 }
 
 /// Transforms from map to base, through odom.
@@ -152,6 +178,32 @@ fn transforms_that_come_in_a_burst_are_part_of_the_motion() {
     assert!(!proven(&[[1.0, 0.0], [0.0, 0.0]]), "there and back");
     let many: Vec<[f64; 2]> = (0..600).map(|i| [1e-3 * f64::from(i % 2), 0.0]).collect();
     assert!(!proven(&many), "more than are kept");
+}
+
+/// A base that drives away and comes back while a transform above it is missing, or within one stamp.
+#[test]
+fn positions_from_tf_that_are_not_read_are_not_forgotten() {
+    let proven = |is_cut: bool, way: [f64; 2], seconds: [f64; 2]| {
+        let mut base = Base::new(MonitorSettings::default());
+        base.evaluated(0.0);
+        if is_cut {
+            base.insert("odom", "hall", 0.1, [0.0, 0.0]);
+            base.heartbeat(0.1);
+        }
+        base.drive(seconds[0], way);
+        if is_cut {
+            base.heartbeat(0.15);
+        }
+        base.drive(seconds[1], [0.0, 0.0]);
+        if is_cut {
+            base.heartbeat(0.2);
+            base.odom(0.2);
+        }
+        is_proven(&base.evaluated(0.25))
+    };
+    assert!(proven(false, [0.0, 0.0], [0.1, 0.2]));
+    assert!(!proven(true, [2.0, 0.0], [0.15, 0.2]));
+    assert!(!proven(false, [2.0, 0.0], [0.0, 0.0]), "the stamp of the first transform");
 }
 
 /// A slow transform on the way to the base does not end the time that its motion takes.
@@ -240,6 +292,68 @@ fn a_tracked_obstacle_is_not_forgotten_at_a_heartbeat() {
     assert!(!proven(&[(-2.0, 0.0)]), "its last state says that it stands");
     assert!(!proven(&[(2.0, -40.0), (-2.0, 0.0), (-2.0, 0.0)]));
     assert!(!proven(&[(-2.0, 0.0), (2.0, 0.0)]), "there and back");
+}
+
+/// Whether a motion is proven during which a cart has these worlds.
+fn is_proven_beside(settings: MonitorSettings, worlds: impl IntoIterator<Item = Revision>) -> bool {
+    let mut worlds = worlds.into_iter().map(Arc::new);
+    let mut monitor = gantry(settings, worlds.next().unwrap());
+    monitor.on_joint_state(placed(0.0, [0.0, 0.0]), at(0.0));
+    worlds.for_each(|revision| monitor.set_checker(revision));
+    is_proven(&monitor.on_joint_state(placed(0.1, [0.0, 0.0]), at(0.1)))
+}
+
+/// People walk about a robot, and turn with their way.
+#[test]
+fn a_tracked_obstacle_that_circles_the_root_moves() {
+    let proven = |yaw: f64| {
+        let turn = pose_from_xyz_rpy([0.0; 3], [0.0, 0.0, yaw]);
+        let poses = [Pose::identity(), turn].map(|turn| turn * Pose::translation(2.0, 0.0, 0.0));
+        let worlds =
+            (1..).zip(poses).map(|(number, pose)| among_turned(&[("cart", pose, 0.0, 0.05)], number));
+        is_proven_beside(MonitorSettings::default(), worlds)
+    };
+    assert!(proven(0.1));
+    assert!(!proven(std::f64::consts::PI));
+}
+
+#[test]
+fn the_trembling_of_a_tracker_does_not_replace_a_speed_limit() {
+    let limit = SpeedLimit { speed: 1.6, acceleration: 0.0 };
+    let settings = MonitorSettings {
+        obstacle_limits: Arc::new(ObstacleLimits { default: limit, ..ObstacleLimits::default() }),
+        obstacle_latency: 0.0,
+        ..MonitorSettings::default()
+    };
+    // the tool and the cart are spheres: 0.16 m are more than the gap
+    let proven = |gap: f64, places: &[f64]| {
+        let cart = |x: &f64| Pose::translation(x + gap + 0.2 + TOOL, 0.0, 0.0);
+        let worlds = (1..)
+            .zip(places.iter().map(cart))
+            .map(|(number, pose)| among_turned(&[("cart", pose, 0.0, 0.05)], number));
+        is_proven_beside(settings.clone(), worlds)
+    };
+    assert!(proven(0.3, &[0.0]) && proven(0.3, &[0.0, 0.002]));
+    assert!(!proven(0.05, &[0.0]) && !proven(0.05, &[0.0, 0.002]));
+}
+
+/// States that were applied together, and a message that ends the velocity.
+#[test]
+fn the_poses_of_an_obstacle_within_one_revision_are_kept() {
+    let pose = |x: f64| Pose::translation(x, 0.0, 0.0);
+    let proven = |passed: &[f64], is_tracked: bool| {
+        let first = among_turned(&[("cart", pose(2.0), 0.0, 0.0)], 1);
+        let mut second = among_turned(&[("cart", pose(2.0), 0.0, 0.05)], 2);
+        second.obstacle_poses.insert("cart".to_owned(), passed.iter().map(|x| pose(*x)).collect());
+        if !is_tracked {
+            second.obstacle_twists.clear();
+        }
+        is_proven_beside(MonitorSettings::default(), [first, second])
+    };
+    for is_tracked in [true, false] {
+        assert!(proven(&[2.0], is_tracked) && proven(&[2.1, 2.0], is_tracked));
+        assert!(!proven(&[-2.0, 2.0], is_tracked), "there and back");
+    }
 }
 
 fn looking_ahead(limit: SpeedLimit) -> MonitorSettings {

@@ -438,10 +438,11 @@ impl Loader {
         world: u64,
         SceneUpdateContext { now, parameters, .. }: &SceneUpdateContext,
     ) -> Result<Arc<Revision>, String> {
-        let scene = &self.scene.state;
         let before = lock(&self.active_scene).clone();
         let known = before.as_ref().map(|before| &before.revision.checker);
-        let checker = checker_of(robot, scene, self.mesh_model, parameters, known)?;
+        let checker = checker_of(robot, &self.scene.state, self.mesh_model, parameters, known)?;
+        let obstacle_poses = self.scene.state.take_state_poses();
+        let scene = &self.scene.state;
         let meshes = solid_meshes(&checker);
         self.logged_meshes.log(&meshes);
         let mut warnings = self.scene.warnings();
@@ -457,6 +458,7 @@ impl Loader {
             anchor_frames: scene.anchor_frames(robot),
             placed_at: Some(now.steady),
             obstacle_twists: scene.obstacle_twists().cloned().collect(),
+            obstacle_poses,
         });
         (self.model_revision, self.world_revision) = (model, world);
         *lock(&self.active_scene) = Some(Arc::new(ActiveScene {

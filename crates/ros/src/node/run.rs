@@ -345,6 +345,7 @@ fn what_is_built(parameters: &Parameters) -> impl PartialEq + use<> {
         (parameters.point_cloud_ttl, parameters.octomap_ttl, parameters.point_cloud_topics.clone()),
         (parameters.require_planning_scene, parameters.planning_scene_service.clone()),
         (parameters.blind_cloud, parameters.rejected_obstacle, parameters.lost_messages),
+        (parameters.obstacle_state_ttl, parameters.obstacle_limits()),
     )
 }
 
