@@ -19,7 +19,7 @@ from node_process import ROOT
 
 PAGE = "docs/reference/fail_safe.md"
 HEADING = "## Conditions"
-STATUS = {"UNKNOWN": {CollisionState.UNKNOWN}, "as found": {CollisionState.FREE, CollisionState.COLLIDING}}
+STATUS = {"UNKNOWN": {CollisionState.UNKNOWN}, "FREE or COLLIDING": {CollisionState.FREE, CollisionState.COLLIDING}}
 # What is published beside `~/state` when nothing is known.
 NOTHING_KNOWN = {
     "is_free": lambda data: not data,

@@ -41,6 +41,26 @@ def test_an_attached_object_moves_with_its_link(cell, scene):
     assert state.pairs_checked == 3
 
 
+def test_messages_of_two_topics_are_applied_in_the_order_of_their_reception(cell, scene):
+    """At once: other objects, the part on one topic, its attachment on another."""
+    scene.change(ball("wall", 2, 0.8, radius=0.38), ball("part", 9))
+    for turn in range(10):
+        name = f"part_{turn}"
+        others = [ball(f"other_{number}", 9 + number, turn) for number in range(4)]
+        after = cell.peer.now()
+        for message in [*others, ball(name, 2, 0.4, radius=0.05), attached("tip", name, ["tip"])]:
+            scene.publish(message)
+
+        def is_held(state, name=name):
+            return {("obstacle", "wall"), ("attached", name)} in colliding(state)
+
+        cell.states.wait_for(is_held, "the part in the tip, which is in the wall", after=after)
+        scene.publish(detachment(name))
+        scene.publish(removal(name))
+        cell.becomes(CollisionState.FREE, "a robot that holds nothing")
+        assert name not in scene.obstacles()
+
+
 def test_attach_move_detach(cell, scene):
     scene.change(ball("part", 2, 0.4, radius=0.05))
     state = cell.evaluate(**STRETCHED)

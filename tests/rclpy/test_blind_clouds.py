@@ -1,4 +1,4 @@
-"""Sensors that show nothing of the room: a blind sensor is no empty room."""
+"""Sensors that show nothing of the environment: a blind sensor is no empty room."""
 
 from math import inf, nan, pi
 from time import monotonic
@@ -32,7 +32,7 @@ def zeros(count):
     return np.zeros((count, 3))
 
 
-# Each shows nothing of the room: points, frame, and a word of the cause. The origin of `base` is inside of its link.
+# Each shows nothing of the environment: points, frame, and a word of the cause. The origin of `base` is inside of its link.
 BLIND = {
     "empty": ([], "base", "no points"),
     "all NaN": ([(nan, nan, nan)] * 5, "base", "none of its 5 points"),

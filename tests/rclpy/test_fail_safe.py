@@ -271,10 +271,10 @@ SCENARIOS = {
     "no message has ever named a joint of the robot": partial,
     "two publishers report different positions of a joint at about the same time": contradiction,
     "a mimic joint and its leader disagree (`mimic_contradiction: unknown`)": mimic_contradiction,
-    "a cloud or octomap shows nothing of the room (`blind_cloud: unknown`)": blind_cloud,
+    "a cloud or octomap shows nothing of the environment (`blind_cloud: unknown`)": blind_cloud,
     "a part of the world was rejected (`rejected_obstacle: unknown`)": rejected_obstacle,
     "messages about the world were lost (`lost_messages: unknown`)": lost_messages,
-    "messages about the world were received more than 0.1 s ago and are not in force": world_update,
+    "messages about the world were received more than 0.1 s ago and are not yet applied": world_update,
     "a cloud or octomap has expired, or a cloud has never arrived": stale_world,
     "an obstacle moves, and its last state is older than `obstacle_state_ttl`": lost_obstacle,
     "a whole scene is required and has not arrived": missing_scene,
@@ -286,7 +286,7 @@ SCENARIOS = {
     "a mimic joint and its leader disagree (`mimic_contradiction: warn`)": mimic,
     "`tf` has never located the root for obstacles in the virtual joint's frame": unlocated_root,
     "the joint state has no stamp": no_stamp,
-    "the last robot description was rejected, and the previous one counts": rejected_description,
+    "the last robot description was rejected, and the previous one stays in use": rejected_description,
 }
 
 
@@ -295,7 +295,7 @@ def test_every_line_has_a_scenario():
 
 
 # What does not prevent a judgement is brought about in a free pose, and in one that collides.
-POSES = {"UNKNOWN": {"": ZERO}, "as found": {"": ZERO, "_colliding": ONTO}}
+POSES = {"UNKNOWN": {"": ZERO}, "FREE or COLLIDING": {"": ZERO, "_colliding": ONTO}}
 CASES = {
     SCENARIOS[line.condition].__name__ + suffix: (line, pose)
     for line in table()
@@ -319,7 +319,7 @@ def test_the_line_holds(line, pose, peer, start, tmp_path):
     for state in heartbeats:
         said = situation.companions.of(state)
         assert said["is_free"] == (state.status == CollisionState.FREE)
-        assert line.is_free in ("as found", str(said["is_free"]).lower())
+        assert line.is_free in ("true or false", str(said["is_free"]).lower())
         if state.status == CollisionState.UNKNOWN:
             assert all(is_nothing(said[name]) for name, is_nothing in NOTHING_KNOWN.items()), said
             assert not state.distance_known

@@ -32,7 +32,7 @@ def test_a_world_that_grows_too_large_ends_the_node_and_is_named(cell):
     assert f"memory_limit is {limit} MiB" in state.reason
     (line,) = [line for line in cell.node.output().splitlines() if "grown since the robot was loaded" in line]
     assert f"memory_limit is {limit} MiB" in line
-    for component in ("robot model and world by", "network library and messages that wait by", "recording queue by 0 MiB"):
+    for component in ("bounding volumes of robot and world by", "other data of the world) by", "recording queue by 0 MiB"):
         assert component in line
 
 

@@ -10,10 +10,11 @@ import pytest
 from clearance_msgs.msg import CollisionState
 from moveit_msgs.msg import PlanningSceneWorld
 from octomap_msgs.msg import Octomap
+from rclpy.duration import Duration
 
 from octree import DEPTH, FREE, OCCUPIED, Octree
 from scene import ball, diff, full, matrix, pose
-from scene_client import SceneClient, bodies, colliding, distance
+from scene_client import KEPT, SceneClient, bodies, colliding, distance
 
 ACCURACY = 1e-6  # [m]
 NAME = "<octomap>"
@@ -37,6 +38,7 @@ def octree(*centres, resolution=0.1, state=OCCUPIED):
 
 
 NEAR = octree((2.25, 0.05, 0.05))
+FAR = octree((3, 3, 3))
 
 
 def both(test):
@@ -129,8 +131,21 @@ def test_a_diff_without_a_map_keeps_it_and_a_world_without_one_does_not(scene):
 
     state = scene.change(PlanningSceneWorld(collision_objects=[ball("a", 2.3, -0.3)]))
     assert near(state) is None
+
+
+def test_a_whole_scene_without_a_map_keeps_that_of_a_sensor_unless_a_client_applies_it(cell, scene):
+    """The scene of another node comes without the map of this node's sensor."""
+    whole = full(ball("a", 2.3, -0.3), allowed=matrix(("base", "upper"), ("upper", "tip")))
     scene.change(NEAR.message(), topic="octomap_binary")
-    assert near(scene.change(full(allowed=matrix(("base", "upper"), ("upper", "tip"))))) is None
+    assert near(scene.change(whole)) == pytest.approx(0.1, abs=ACCURACY)
+    assert scene.apply(whole)
+    assert near(cell.evaluate(**STRETCHED)) is None
+
+    # a map of a scene is a part of that scene
+    message = diff()
+    message.world.octomap = NEAR.message_with_pose(pose())
+    assert near(scene.change(message)) == pytest.approx(0.1, abs=ACCURACY)
+    assert near(scene.change(whole)) is None
 
 
 def test_a_diff_with_an_empty_map_takes_it_away(scene):
@@ -267,6 +282,38 @@ def test_a_broken_map_makes_the_state_unknown_until_one_is_right(cell, scene, fa
     cell.parameters.succeed(rejected_obstacle="unknown")
     scene.change(NEAR.message(), topic="octomap_binary")
     cell.states.wait_for(lambda state: state.status == CollisionState.FREE, "FREE", after=cell.peer.now())
+
+
+def test_an_older_map_does_not_replace_a_newer_one(cell, scene):
+    now = cell.peer.now()
+    scene.change(NEAR.message(stamp=now), topic="octomap_binary")
+    seen = cell.peer.now()
+    scene.rejected(FAR.message(stamp=now - Duration(seconds=30)), "older than that of the last octomap", topic="octomap_binary")
+    assert "octomap_binary" in cell.unknown("rejected_obstacle", after=seen).reason
+    state = scene.change(NEAR.message(stamp=now + Duration(seconds=0.1)), topic="octomap_binary")
+    assert (state.status, near(state)) == (CollisionState.FREE, pytest.approx(0.1, abs=ACCURACY))
+
+
+def test_two_publishers_of_maps_are_not_taken_for_one(cell):
+    topic = cell.node.relative("octomap_binary")
+    one, other = (cell.peer.node.create_publisher(Octomap, topic, KEPT) for _ in range(2))
+    cell.peer.wait_for(lambda: one.get_subscription_count() and other.get_subscription_count(), "the subscriptions")
+
+    def seen_in(status, maps, reason=""):
+        since = cell.peer.now()
+
+        def sent_and_seen():
+            for publisher, tree in maps:
+                publisher.publish(tree.message(stamp=cell.peer.now()))
+            return any(state.status == status and reason in state.reason for state in cell.states.after(since))
+
+        return sent_and_seen
+
+    cell.peer.wait_for(seen_in(CollisionState.FREE, [(one, NEAR)]), "FREE with one publisher")
+    in_turn = seen_in(CollisionState.UNKNOWN, [(one, NEAR), (other, FAR)], "several publishers send on this topic")
+    cell.peer.wait_for(in_turn, "UNKNOWN with two publishers")
+    # one of them ends
+    cell.peer.wait_for(seen_in(CollisionState.FREE, [(other, FAR)]), "FREE with one publisher again")
 
 
 def blank():

@@ -1,18 +1,28 @@
 //! Allowed collision matrix (ACM) of MoveIt: pairs that may touch.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::sync::Arc;
 
 use clearance_robot::RobotModel;
 use serde::Deserialize;
 
+use super::pair_entries::PairEntries;
+
 /// For pairs of names: whether they may touch. An entry for a pair takes precedence over the defaults of its names; where neither exists
-/// the pair is checked.
+/// the pair is checked. Copies share their content.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct AllowedCollisionMatrix {
-    entries: HashMap<(String, String), bool>,
-    /// Names that have entries.
-    named: HashSet<String>,
-    defaults: HashMap<String, bool>,
+    entries: Arc<PairEntries>,
+    defaults: Arc<HashMap<String, bool>>,
+}
+
+/// A name in a matrix.
+struct NameInMatrix<'m> {
+    name: &'m str,
+    /// Its index in the entries.
+    index: usize,
+    /// Its default, if it has one.
+    default: Option<bool>,
 }
 
 /// Errors in the entries of a matrix.
@@ -92,57 +102,66 @@ impl AllowedCollisionMatrix {
                 values: given.default_entry_values.len(),
             });
         }
-        let mut matrix = Self::default();
-        for (a, row) in names.iter().zip(&given.entry_values) {
+        let mut entries = PairEntries::default();
+        let indices: Vec<usize> = names.iter().map(|name| entries.add(name)).collect();
+        for ((a, &index_a), row) in names.iter().zip(&indices).zip(&given.entry_values) {
             if row.len() != names.len() {
                 return Err(MatrixError::Columns { row: a.clone(), columns: row.len(), names: names.len() });
             }
-            for (b, &allowed) in names.iter().zip(row) {
-                if matrix.entry(a, b).is_some_and(|earlier| earlier != allowed) {
+            for ((b, &index_b), &allowed) in names.iter().zip(&indices).zip(row) {
+                if entries.get(index_a, index_b).is_some_and(|earlier| earlier != allowed) {
                     return Err(MatrixError::Asymmetric { a: a.clone(), b: b.clone() });
                 }
-                matrix.set(a, b, allowed);
+                entries.set(index_a, index_b, allowed);
             }
         }
+        let mut defaults = HashMap::new();
         for (name, &allowed) in given.default_entry_names.iter().zip(&given.default_entry_values) {
-            if matrix.defaults.insert(name.clone(), allowed).is_some_and(|earlier| earlier != allowed) {
+            if defaults.insert(name.clone(), allowed).is_some_and(|earlier| earlier != allowed) {
                 return Err(MatrixError::Contradiction(name.clone()));
             }
         }
-        Ok(matrix)
+        Ok(Self { entries: Arc::new(entries), defaults: Arc::new(defaults) })
     }
 
     /// Sets whether `a` and `b` may touch.
     pub fn set(&mut self, a: &str, b: &str, allowed: bool) {
-        self.entries.insert(key(a, b), allowed);
-        for name in [a, b] {
-            if !self.named.contains(name) {
-                self.named.insert(name.to_owned());
-            }
-        }
+        let entries = Arc::make_mut(&mut self.entries);
+        let [a, b] = [a, b].map(|name| entries.add(name));
+        entries.set(a, b, allowed);
     }
 
     /// Sets the default of `name`: whether it may touch everything that it has no entry with, now and later.
     pub fn set_default(&mut self, name: &str, allowed: bool) {
-        self.defaults.insert(name.to_owned(), allowed);
+        Arc::make_mut(&mut self.defaults).insert(name.to_owned(), allowed);
     }
 
-    /// Removes all entries and defaults of some names, in one pass.
+    /// Removes all entries of some names, in one pass. Their defaults stay, as in `MoveIt`.
     pub fn forget(&mut self, names: &HashSet<&str>) {
-        self.entries.retain(|(a, b), _| !names.contains(a.as_str()) && !names.contains(b.as_str()));
-        self.named = self.entries.keys().flat_map(|(a, b)| [a, b]).cloned().collect();
-        self.defaults.retain(|name, _| !names.contains(name.as_str()));
+        if names.iter().any(|name| self.has_entries(name)) {
+            self.entries = Arc::new(self.entries.without(names));
+        }
     }
 
     /// The equivalent matrix of a planning scene; names are sorted.
     #[must_use]
     pub fn to_entries(&self) -> MatrixEntries {
-        let names: BTreeSet<&String> = self.named.iter().collect();
-        let row = |a: &&String| names.iter().map(|b| self.allows(a, b)).collect();
+        let named = self.entries.names().enumerate().map(|(index, name)| NameInMatrix {
+            name,
+            index,
+            default: self.defaults.get(name).copied(),
+        });
+        let mut names: Vec<NameInMatrix> = named.collect();
+        names.sort_unstable_by_key(|named| named.name);
+        let value = |a: &NameInMatrix, b: &NameInMatrix| {
+            let entry = self.entries.get(a.index, b.index);
+            entry.unwrap_or_else(|| allows_by_defaults(a.default, b.default))
+        };
+        let row = |a: &NameInMatrix| names.iter().map(|b| value(a, b)).collect();
         let defaults: BTreeMap<_, _> = self.defaults.iter().collect();
         MatrixEntries {
             entry_values: names.iter().map(row).collect(),
-            entry_names: names.into_iter().cloned().collect(),
+            entry_names: names.iter().map(|named| named.name.to_owned()).collect(),
             default_entry_names: defaults.keys().map(|name| (*name).clone()).collect(),
             default_entry_values: defaults.values().map(|allowed| **allowed).collect(),
         }
@@ -155,18 +174,24 @@ impl AllowedCollisionMatrix {
     }
 
     fn entry(&self, a: &str, b: &str) -> Option<bool> {
-        self.entries.get(&key(a, b)).copied()
+        self.entries.get(self.entries.index(a)?, self.entries.index(b)?)
     }
 
     /// All names that have entries or defaults; a name may occur twice.
     pub fn names(&self) -> impl Iterator<Item = &str> {
-        self.named.iter().chain(self.defaults.keys()).map(String::as_str)
+        self.entries.names().chain(self.defaults.keys().map(String::as_str))
     }
 
     /// True if a name has an entry or a default.
     #[must_use]
     pub fn mentions(&self, name: &str) -> bool {
-        self.defaults.contains_key(name) || self.named.contains(name)
+        self.defaults.contains_key(name) || self.has_entries(name)
+    }
+
+    /// True if a name has an entry with any name, whatever its default.
+    #[must_use]
+    pub fn has_entries(&self, name: &str) -> bool {
+        self.entries.index(name).is_some()
     }
 
     /// The default of a name: whether it may touch names without an entry.
@@ -178,17 +203,18 @@ impl AllowedCollisionMatrix {
     /// True if `a` and `b` may touch; false without an entry or default. If both names have defaults, both must allow it.
     #[must_use]
     pub fn allows(&self, a: &str, b: &str) -> bool {
-        self.entry(a, b).unwrap_or_else(|| match (self.defaults.get(a), self.defaults.get(b)) {
-            (Some(&a), Some(&b)) => a && b,
-            (Some(&one), None) | (None, Some(&one)) => one,
-            (None, None) => false,
-        })
+        let default = |name: &str| self.defaults.get(name).copied();
+        self.entry(a, b).unwrap_or_else(|| allows_by_defaults(default(a), default(b)))
     }
 }
 
-fn key(a: &str, b: &str) -> (String, String) {
-    let (a, b) = if a <= b { (a, b) } else { (b, a) };
-    (a.to_owned(), b.to_owned())
+/// True if the defaults of two names allow contact: both must, if both exist.
+fn allows_by_defaults(a: Option<bool>, b: Option<bool>) -> bool {
+    match (a, b) {
+        (Some(a), Some(b)) => a && b,
+        (Some(one), None) | (None, Some(one)) => one,
+        (None, None) => false,
+    }
 }
 
 /// Rows as `[true, false]` or as `moveit_msgs/AllowedCollisionEntry` with the field `enabled`.

@@ -45,6 +45,7 @@ mod obstacle;
 mod obstacle_twist;
 mod octomap;
 mod octomap_placement;
+mod pair_entries;
 mod pair_list;
 mod scene;
 mod scene_context;

@@ -192,7 +192,7 @@ impl Scene {
         self.kinds.remove(id);
         self.anchors.remove(id);
         self.twists.remove(id);
-        // as in MoveIt: the next object with this name is a different one
+        // as in MoveIt: the next object with this name is a different one; defaults of the name stay
         if let Some(matrix) = &mut self.matrix {
             matrix.forget(&HashSet::from([id]));
         }

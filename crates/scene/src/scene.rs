@@ -30,6 +30,8 @@ pub struct Scene {
     pub(super) frame_anchors: BTreeMap<String, Anchor>,
     /// By name of an obstacle: its velocity, which may be zero, if a message with its pose gave one. Any other change of its pose removes it.
     pub(super) twists: BTreeMap<String, ObstacleTwist>,
+    /// By name of an obstacle: its poses in the root frame after each of its states, oldest first, since they were last taken.
+    pub(super) state_poses: BTreeMap<String, Vec<Pose>>,
     /// Obstacles from sensors: only the sensor that added them removes them.
     pub sensed: BTreeSet<String>,
     /// The octomap, if it is that of a file.

@@ -205,7 +205,7 @@ pub struct SceneChange {
     pub link_scale: Vec<(String, f64)>,
     /// The obstacles.
     pub world: WorldChange,
-    /// True if the octomap stays although this is a whole scene, because the queried source has no octomap.
+    /// True if the octomap stays although this is a whole scene, because its source has no octomap.
     pub keeps_octomap: bool,
 }
 

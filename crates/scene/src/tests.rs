@@ -489,6 +489,24 @@ fn a_matrix_takes_the_place_of_the_one_before_and_loses_what_is_removed() {
     );
 }
 
+/// `AllowedCollisionMatrix::removeEntry` removes entries of pairs, and leaves default entries.
+#[test]
+fn defaults_of_a_removed_object_hold_for_the_next_one_of_its_name() {
+    let mut given = entries(&["a", "hand"], true);
+    given.default_entry_names = vec!["a".to_owned(), "hand".to_owned()];
+    given.default_entry_values = vec![false, true];
+    for removal in [remove("a"), remove("")] {
+        let mut cell = Cell::new();
+        cell.object(add("a", "", Pose::identity())).unwrap();
+        cell.scene(SceneChange { matrix: given.clone(), ..difference(vec![], vec![]) }).unwrap();
+        cell.object(removal).unwrap();
+        cell.object(add("a", "", Pose::identity())).unwrap();
+        let matrix = cell.scene.matrix.as_ref().unwrap();
+        assert!(!matrix.has_entries("a") && matrix.mentions("a") && !matrix.allows("a", "hand"));
+        assert!(matrix.allows("b", "hand"));
+    }
+}
+
 #[test]
 fn matrices_go_both_ways() {
     let mut given = entries(&["a", "b", "c"], false);

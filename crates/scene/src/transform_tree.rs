@@ -15,8 +15,8 @@ const MOST_FRAMES: usize = 10_000;
 /// Maximum number of ancestors that a search visits; ends searches in circles.
 const MOST_ABOVE: usize = 256;
 
-/// If the clock is set back by more than this (s), older transforms are accepted again.
-const SET_BACK: f64 = 1.0;
+/// Time (s) by which the stamp of a transform may be later than the clock. A later one is of a clock that was set back.
+const LARGEST_LEAD: f64 = 1.0;
 
 /// Maximum number of replaced transforms that are kept, for each frame and in all.
 const MOST_REPLACED: usize = 256;
@@ -67,11 +67,14 @@ impl ReplacedTransforms {
 
 impl TransformTree {
     /// Stores a transform, unless it is older than the stored one. Returns `false` when there are too many frames.
+    ///
+    /// As in tf2, an older transform never replaces a newer one, whatever its age.
     pub fn insert(&mut self, frame: &str, transform: Transform) -> bool {
         self.insert_received(frame, transform, None)
     }
 
-    /// As [`Self::insert`], with the time at which the transform was received, where it is known.
+    /// As [`Self::insert`], with the time at which the transform was received, where it is known. If the clock was set back since the
+    /// stored transform was received, an older one replaces it.
     #[expect(clippy::needless_pass_by_value, reason = "it is kept")]
     pub fn insert_received(&mut self, frame: &str, transform: Transform, received: Option<Time>) -> bool {
         let frame = frame.trim_start_matches('/');
@@ -84,8 +87,8 @@ impl TransformTree {
             return false;
         }
         let stamps = known.and_then(|known| known.transform.stamp).zip(transform.stamp);
-        let is_older = stamps
-            .is_some_and(|(known, new)| (0.0..SET_BACK).contains(&known.seconds_since(new)) && known != new);
+        let is_set_back = |known: Time| received.is_some_and(|now| known.seconds_since(now) > LARGEST_LEAD);
+        let is_older = stamps.is_some_and(|(known, new)| new < known && !is_set_back(known));
         if !is_older {
             let is_anew = stamps.is_some_and(|(known, new)| known != new);
             let is_alive = is_anew || known.is_some_and(|known| known.is_alive);

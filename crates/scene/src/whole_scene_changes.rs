@@ -87,7 +87,8 @@ impl Scene {
     }
 
     /// Adds fixed frames to the existing ones, as in `MoveIt`. A rejected frame is removed: it is safer to reject an object with its
-    /// frame than to place it by the frame's earlier pose.
+    /// frame than to place it by the frame's earlier pose. A frame that is placed in itself at zero is removed, too: this is how a
+    /// difference states that there is no such frame any more. `MoveIt` ignores such an entry.
     fn set_fixed_frames(&mut self, change: &SceneChange, context: &SceneContext, applied: &mut Applied) {
         for name in &change.unreadable_frames {
             self.remove_fixed_frame(name);

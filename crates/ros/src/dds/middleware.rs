@@ -109,7 +109,7 @@ impl Middleware {
         let inner = node
             .create_publisher(&topic, Some(profile))
             .map_err(error_with(format!("cannot publish {name}")))?;
-        self.peers.note(inner.guid(), name, &kind.of_message().dds_msg_type());
+        self.peers.note(inner.guid(), name, &kind.of_message().dds_msg_type(), None);
         Ok(Publisher { inner, name: name.clone(), priority: self.priority })
     }
 
@@ -124,10 +124,11 @@ impl Middleware {
         let mut node = lock(&self.node);
         let profile = quality.profile();
         let topic = self.topic(&node, name, kind, quality)?;
+        let requested = QosPolicies::from(&profile);
         let inner = node
             .create_subscription(&topic, Some(profile))
             .map_err(error_with(format!("cannot subscribe to {name}")))?;
-        self.peers.note(inner.guid(), name, &kind.of_message().dds_msg_type());
+        self.peers.note(inner.guid(), name, &kind.of_message().dds_msg_type(), Some(requested));
         if !matches!(quality, Quality::BestEffort | Quality::Bulk) {
             self.peers.note_reliably_read(format!("rt{name}"));
         }
@@ -236,6 +237,24 @@ impl Middleware {
             .filter(|writer| writer.publication_topic_data.topic_name == dds_topic)
             .filter(|writer| writer.writer_proxy.remote_writer_guid.prefix != own)
             .count()
+    }
+
+    /// Publishers of other nodes from which no subscription of this node to these topics can receive, as far as
+    /// discovery knows them: the reasons, sorted.
+    pub fn unreceivable_publishers(&self, topics: &[FullName]) -> Vec<String> {
+        let participant = self.context.domain_participant();
+        let own = participant.guid().prefix;
+        let why = |writer: &rustdds::discovery::DiscoveredWriterData| {
+            let data = &writer.publication_topic_data;
+            let name = data.topic_name.strip_prefix("rt")?;
+            let is_elsewhere = writer.writer_proxy.remote_writer_guid.prefix != own;
+            if !is_elsewhere || !topics.iter().any(|topic| topic.as_str() == name) {
+                return None;
+            }
+            self.peers.why_unreceivable(name, &data.type_name, &data.qos())
+        };
+        let reasons: BTreeSet<String> = participant.discovered_writers().iter().filter_map(why).collect();
+        reasons.into_iter().collect()
     }
 
     /// Whether this process sent the message.

@@ -24,6 +24,9 @@ const MOST_WARNINGS: usize = 1000;
 /// could make this node flood other machines.
 const MOST_ADDRESSES: usize = 16;
 
+/// Largest number of characters of a type name that are logged.
+const MOST_CHARACTERS: usize = 200;
+
 /// Endpoints of this node, to be compared with the endpoints of other nodes.
 pub struct Peers {
     /// The full name of the node.
@@ -65,6 +68,8 @@ impl MatchedReader {
 struct Endpoint {
     name: String,
     dds_type: String,
+    /// Quality of service that a subscription requests; `None` for a publisher.
+    requested: Option<QosPolicies>,
 }
 
 impl Peers {
@@ -80,10 +85,29 @@ impl Peers {
         }
     }
 
-    /// Registers a publisher or subscription of this node.
-    pub fn note(&self, guid: GUID, name: &FullName, dds_type: &str) {
-        let endpoint = Endpoint { name: name.to_string(), dds_type: dds_type.to_owned() };
+    /// Registers a publisher or subscription of this node, with the quality of service that a subscription requests.
+    pub fn note(&self, guid: GUID, name: &FullName, dds_type: &str, requested: Option<QosPolicies>) {
+        let endpoint = Endpoint { name: name.to_string(), dds_type: dds_type.to_owned(), requested };
         lock(&self.endpoints).insert(guid, endpoint);
+    }
+
+    /// Why no subscription of this node to a topic can receive from a publisher of this type and quality of service;
+    /// `None` if one can, or if there is no subscription.
+    pub fn why_unreceivable(&self, topic: &str, dds_type: &str, offered: &QosPolicies) -> Option<String> {
+        let endpoints = lock(&self.endpoints);
+        let subscriptions = || endpoints.values().filter(move |endpoint| endpoint.name == topic);
+        let requested = || subscriptions().filter_map(|endpoint| endpoint.requested.as_ref());
+        let of_another_type =
+            |endpoint: &&Endpoint| endpoint.requested.is_some() && endpoint.dds_type != dds_type;
+        if let Some(ours) = subscriptions().find(of_another_type) {
+            return Some(other_type(topic, dds_type, &ours.dds_type));
+        }
+        if requested().any(|requested| offered.compliance_failure_wrt(requested).is_none()) {
+            return None;
+        }
+        // any of the subscriptions, but always the same
+        let requested = requested().map(in_words).max()?;
+        Some(incompatible_publisher(topic, &in_words(offered), &requested))
     }
 
     /// Registers a DDS topic that this node reads reliably.
@@ -272,29 +296,31 @@ impl Peers {
                 offered_qos,
             } => {
                 let name = name(local_reader)?;
-                self.note_incompatible(&endpoints, *local_reader, *remote_writer).then(|| {
-                    format!(
-                        "a publisher of {name} is incompatible with this node: it offers {}, but this node \
-                         requests {}",
-                        in_words(offered_qos),
-                        in_words(requested_qos),
-                    )
-                })
+                self.note_incompatible(&endpoints, *local_reader, *remote_writer)
+                    .then(|| incompatible_publisher(&name, &in_words(offered_qos), &in_words(requested_qos)))
             }
             DomainParticipantStatusEvent::ReaderDetected { reader: peer }
             | DomainParticipantStatusEvent::WriterDetected { writer: peer } => {
                 let name = peer.topic_name.strip_prefix("rt")?;
                 let ours = endpoints.values().find(|e| e.name == name)?;
-                (ours.dds_type != peer.type_name).then(|| {
-                    format!(
-                        "{name} has the type {} elsewhere, but {} here: they cannot exchange messages",
-                        peer.type_name, ours.dds_type
-                    )
-                })
+                (ours.dds_type != peer.type_name).then(|| other_type(name, &peer.type_name, &ours.dds_type))
             }
             _ => None,
         }
     }
+}
+
+fn incompatible_publisher(name: &str, offered: &str, requested: &str) -> String {
+    format!(
+        "a publisher of {name} is incompatible with this node: it offers {offered}, but this node requests \
+         {requested}"
+    )
+}
+
+fn other_type(name: &str, elsewhere: &str, here: &str) -> String {
+    // the network gives it, in whatever length
+    let elsewhere: String = elsewhere.escape_debug().take(MOST_CHARACTERS).collect();
+    format!("{name} has the type {elsewhere} elsewhere, but {here} here: they cannot exchange messages")
 }
 
 /// Unicast IPv4 addresses at which an endpoint receives, at most `MOST_ADDRESSES`. Its locators also include shared
@@ -374,7 +400,7 @@ mod tests {
         const READER: u8 = 0x04;
         const WRITER: u8 = 0x03;
         let peers = Peers::new(Reach::Localhost, "/", "node");
-        let of = |name: &str| Endpoint { name: name.to_owned(), dds_type: String::new() };
+        let of = |name: &str| Endpoint { name: name.to_owned(), dds_type: String::new(), requested: None };
         let endpoints = HashMap::from([
             (entity(1, READER), of("/octomap_binary")),
             (entity(2, READER), of("/octomap_binary")),
@@ -386,6 +412,46 @@ mod tests {
         };
         assert!(!is_unreadable(1, 8) && !is_unreadable(1, 9));
         assert!(is_unreadable(2, 8) && is_unreadable(3, 8));
+    }
+
+    #[test]
+    fn publishers_that_no_subscription_receives_from_are_named() {
+        use rustdds::QosPolicyBuilder;
+        use rustdds::policy::{Durability, Reliability};
+        const READER: u8 = 0x04;
+        let reliable = Reliability::Reliable { max_blocking_time: rustdds::Duration::ZERO };
+        let qos = |reliability, durability| {
+            QosPolicyBuilder::new().reliability(reliability).durability(durability).build()
+        };
+        let of = |name: &str, requested| Endpoint {
+            name: name.to_owned(),
+            dds_type: "Octomap".to_owned(),
+            requested,
+        };
+        let (volatile, latched) = (Durability::Volatile, Durability::TransientLocal);
+        let peers = Peers::new(Reach::Localhost, "/", "node");
+        lock(&peers.endpoints).extend([
+            (entity(1, READER), of("/octomap_binary", Some(qos(reliable, volatile)))),
+            (entity(2, READER), of("/octomap_binary", Some(qos(reliable, latched)))),
+            (entity(3, READER), of("/map", Some(qos(reliable, latched)))),
+            (entity(4, 0x03), of("/state", None)),
+        ]);
+        let why =
+            |topic: &str, kind: &str, offered: &QosPolicies| peers.why_unreceivable(topic, kind, offered);
+        assert_eq!(why("/octomap_binary", "Octomap", &qos(reliable, volatile)), None);
+        assert_eq!(why("/octomap_binary", "Octomap", &qos(reliable, latched)), None);
+        assert_eq!(why("/state", "Float64", &qos(reliable, latched)), None, "this node publishes it");
+        assert_eq!(why("/nothing", "Octomap", &qos(reliable, volatile)), None);
+        let text = why("/map", "Octomap", &qos(reliable, volatile)).unwrap();
+        assert!(
+            text.contains("/map is incompatible") && text.contains("offers reliable, volatile"),
+            "{text}"
+        );
+        let best_effort = qos(Reliability::BestEffort, latched);
+        let text = why("/octomap_binary", "Octomap", &best_effort).unwrap();
+        assert!(text.ends_with("this node requests reliable, volatile"), "{text}");
+        let text = why("/octomap_binary", "Float64", &qos(reliable, latched)).unwrap();
+        assert!(text.contains("has the type Float64 elsewhere, but Octomap here"), "{text}");
     }
 
     #[test]

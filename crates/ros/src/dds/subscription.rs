@@ -20,6 +20,8 @@ pub struct Origin {
     pub publisher: SourceId,
     /// When it was received.
     pub received: Instant,
+    /// The same time (ns, system clock), as the middleware's thread read it: orders messages of several topics.
+    pub arrival: u64,
     /// Sequence number among the publisher's messages; `None` for a message that no network carried.
     pub number: Option<i64>,
 }
@@ -28,7 +30,7 @@ impl Origin {
     /// For a message of this process, received now.
     #[must_use]
     pub fn here(publisher: SourceId) -> Self {
-        Self { publisher, received: Instant::now(), number: None }
+        Self { publisher, received: Instant::now(), arrival: system_time(), number: None }
     }
 
     /// Time between the reception and now.
@@ -80,14 +82,26 @@ impl<M: Message + 'static> Subscription<M> {
         }
     }
 
-    /// The next message, if one was received already.
+    /// The next message, if one was received already. A message that cannot be decoded is logged and skipped.
     pub fn try_next(&self) -> Option<(M, Origin)> {
+        loop {
+            if let Ok(received) = self.try_next_or_undecodable()? {
+                return Some(received);
+            }
+        }
+    }
+
+    /// The next message, if one was received already. A message that cannot be decoded is logged and returned as an error.
+    pub fn try_next_or_undecodable(&self) -> Option<Result<(M, Origin), Undecodable>> {
         let _lent = self.priority.lend();
         loop {
             match self.inner.take() {
                 Ok(Some((_, info))) if self.is_overtaken(&info) => {}
-                Ok(taken) => return taken.map(|(message, info)| (message, origin(&info))),
-                Err(error) => self.log_decode_error(&error),
+                Ok(taken) => return taken.map(|(message, info)| Ok((message, origin(&info)))),
+                Err(error) => {
+                    self.log_decode_error(&error);
+                    return Some(Err(Undecodable));
+                }
             }
         }
     }
@@ -106,6 +120,12 @@ impl<M: Message + 'static> Subscription<M> {
     }
 }
 
+/// Now (ns, system clock).
+pub fn system_time() -> u64 {
+    let since_epoch = UNIX_EPOCH.elapsed().unwrap_or_default();
+    u64::try_from(since_epoch.as_nanos()).unwrap_or(u64::MAX)
+}
+
 fn origin(info: &ros2_client::MessageInfo) -> Origin {
     // the middleware's thread records the system time once the message is complete; no earlier time is available
     let since_epoch = info.received_timestamp().and_then(|t| u64::try_from(t.to_nanos()).ok());
@@ -115,6 +135,7 @@ fn origin(info: &ros2_client::MessageInfo) -> Origin {
     Origin {
         publisher: SourceId(info.publisher_gid().to_bytes16()),
         received: now.checked_sub(waited).unwrap_or(now),
+        arrival: since_epoch.unwrap_or_else(system_time),
         number: Some(info.sequence_number()),
     }
 }

@@ -34,7 +34,7 @@ pub fn check_environment(
         if let Some(value) = set(name) {
             findings.push(wrong(
                 "environment",
-                format!("{name} is '{value}', which this node does not heed: peers are found by multicast"),
+                format!("{name} is '{value}', which has no effect on this node: it finds peers by multicast"),
             ));
         }
     }

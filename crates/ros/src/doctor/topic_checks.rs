@@ -30,7 +30,7 @@ pub fn robot_model(
         findings.push(wrong(
             about,
             format!(
-                "nobody published it (latched) in domain {domain}: start robot_state_publisher, give --urdf FILE, or look at the namespace \
+                "no message (latched) was received in domain {domain}: start robot_state_publisher, give --urdf FILE, or look at the namespace \
                  (--ros-args -r __ns:=/NAME) and ROS_DOMAIN_ID"
             ),
         ));
@@ -107,7 +107,7 @@ pub fn check_clock(received: &ReceivedTopics, environment: Environment) -> Findi
         None => wrong(
             "clock",
             format!(
-                "use_sim_time is set, and nobody published /clock in domain {}: is the simulator running, or the bag played with --clock?",
+                "use_sim_time is set, and no message was received on /clock in domain {}: is the simulator running, or the bag played with --clock?",
                 environment.domain
             ),
         ),
@@ -139,7 +139,7 @@ pub fn check_joint_states(input: JointStateCheck<'_>) -> Vec<Finding> {
         return vec![wrong(
             about,
             format!(
-                "nobody published one in {seconds} s in domain {domain}: is the driver running, under this name and namespace \
+                "no message was received in {seconds} s in domain {domain}: is the driver running, under this name and namespace \
                  (--ros-args -r joint_states:=NAME)?"
             ),
         )];

@@ -1,5 +1,5 @@
-//! Conversion of evaluations to ROS messages, except markers and diagnostics; and of joint state messages to monitor
-//! input.
+//! Conversion of evaluations to `CollisionState` messages, and of their pairs and distances to the messages in them.
+
 use clearance_checker::{CollisionChecker, CollisionReport, PairDistance, PairKind};
 use clearance_monitor::{
     BodyKind, ContactHistory, ContactsOfPair, Evaluation, MotionSincePrevious, NamedPair, PASSED_THROUGH,

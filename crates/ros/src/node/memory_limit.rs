@@ -198,18 +198,20 @@ impl Components {
     fn usage(&self, used: u64) -> Usage {
         let scene = self.scene.lock().unwrap_or_else(PoisonError::into_inner).clone();
         let hierarchies = scene.map_or(0, |scene| scene.revision.checker.hierarchy_size().0);
-        let model_and_world = u64::try_from(hierarchies).unwrap_or(u64::MAX);
+        let hierarchies = u64::try_from(hierarchies).unwrap_or(u64::MAX);
         let recording = u64::try_from(self.recording.waiting_bytes()).unwrap_or(u64::MAX);
-        let rest = used.saturating_sub(model_and_world).saturating_sub(recording);
-        Usage { model_and_world, recording, rest }
+        let rest = used.saturating_sub(hierarchies).saturating_sub(recording);
+        Usage { hierarchies, recording, rest }
     }
 }
 
 /// Memory in bytes per component.
 #[derive(Clone, Copy, Debug, Default)]
 struct Usage {
-    model_and_world: u64,
+    /// Bounding volumes of the robot and of the obstacles in use.
+    hierarchies: u64,
     recording: u64,
+    /// Memory of all other components, which is not measured for each of them.
     rest: u64,
 }
 
@@ -218,9 +220,12 @@ impl Usage {
     fn growth_since(&self, before: &Self) -> String {
         let grown = |now: u64, then: u64| now.saturating_sub(then) / MIB;
         let mut growth = [
-            ("robot model and world", grown(self.model_and_world, before.model_and_world)),
+            ("bounding volumes of robot and world", grown(self.hierarchies, before.hierarchies)),
             ("recording queue", grown(self.recording, before.recording)),
-            ("network library and messages that wait", grown(self.rest, before.rest)),
+            (
+                "the rest (messages that wait or are processed, network library, other data of the world)",
+                grown(self.rest, before.rest),
+            ),
         ];
         growth.sort_by_key(|(_, grown)| std::cmp::Reverse(*grown));
         let parts: Vec<_> = growth.iter().map(|(name, grown)| format!("{name} by {grown} MiB")).collect();
@@ -242,12 +247,13 @@ mod tests {
 
     #[test]
     fn what_grew_most_is_named_first() {
-        let before = Usage { model_and_world: 900 * MIB, recording: 0, rest: 100 * MIB };
-        let now = Usage { model_and_world: 910 * MIB, recording: MIB, rest: 700 * MIB };
+        let before = Usage { hierarchies: 900 * MIB, recording: 0, rest: 100 * MIB };
+        let now = Usage { hierarchies: 910 * MIB, recording: MIB, rest: 700 * MIB };
         assert_eq!(
             now.growth_since(&before),
-            "grown since the robot was loaded: network library and messages that wait by 600 MiB, \
-             robot model and world by 10 MiB, recording queue by 1 MiB"
+            "grown since the robot was loaded: the rest (messages that wait or are processed, network library, \
+             other data of the world) by 600 MiB, bounding volumes of robot and world by 10 MiB, recording queue \
+             by 1 MiB"
         );
     }
 

@@ -436,7 +436,7 @@ pub static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(|| {
             "s",
             (0.0, 10.0),
             |p| &mut p.ssm_reaction_time,
-            "Time from a motion in the room until the robot begins to brake; must be above 0 for speed_mode ssm.",
+            "Time from a motion in the environment until the robot begins to brake; must be above 0 for speed_mode ssm.",
         ),
         Declaration {
             range: Range::ObstacleSpeeds,

@@ -381,6 +381,7 @@ impl Writer {
                 (by.name(), before(at, now, (*received_at).into()))
             }
             RecordedCommand::Semantic => ("robot_description_semantic", at),
+            RecordedCommand::UnreceivablePublishers => ("~/unreceivable_publishers", at),
             _ => ("robot_description", at),
         };
         let topic = self.topics.named(topic);

@@ -129,6 +129,8 @@ pub enum RecordedCommand {
     /// The content of the display changed.
     Display,
     ClearOctomap,
+    /// Publishers from which the node cannot receive appeared or disappeared. The message has one line for each.
+    UnreceivablePublishers,
     /// A message about the world that could not be decoded.
     Unreadable {
         by: SceneSource,
@@ -143,6 +145,9 @@ pub enum RecordedCommand {
         /// Number of messages that were lost right before it.
         #[serde(default)]
         lost: u64,
+        /// Whether several publishers sent on its topic, which has to have one. Earlier versions did not detect it.
+        #[serde(default, rename = "shared")]
+        is_shared: bool,
     },
 }
 

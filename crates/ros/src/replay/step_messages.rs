@@ -10,7 +10,7 @@ use crate::recording::mcap_file::RawMessage;
 use crate::recording::step::{Clocks, RecordedCommand, SceneSource};
 use crate::scene::command_conversion::{
     attached_command, clear_octomap, object_command, octomap_command, scene_command, states_command,
-    undecodable_command, world_command,
+    undecodable_command, unreceivable_command, world_command,
 };
 use crate::scene::loader_command::LoaderCommand;
 use crate::scene::scene_command::SceneCommand;
@@ -69,10 +69,14 @@ pub(super) fn read_command(
         RecordedCommand::Display => LoaderCommand::Display,
         RecordedCommand::Frames => LoaderCommand::Frames,
         RecordedCommand::ClearOctomap => LoaderCommand::Scene(Box::new(clear_octomap())),
+        RecordedCommand::UnreceivablePublishers => {
+            let publishers = text(messages)?.lines().map(str::to_owned).collect();
+            LoaderCommand::Scene(Box::new(unreceivable_command(publishers)))
+        }
         RecordedCommand::Unreadable { by } => LoaderCommand::Scene(Box::new(undecodable_command(by))),
-        RecordedCommand::Scene { by, received_at, unknown_is_occupied, lost } => {
+        RecordedCommand::Scene { by, received_at, unknown_is_occupied, lost, is_shared } => {
             let command = read_scene_command(by, received_at, unknown_is_occupied, messages)?;
-            LoaderCommand::Scene(Box::new(command.after(lost)))
+            LoaderCommand::Scene(Box::new(command.after(lost).of_shared_topic(is_shared)))
         }
     })
 }

@@ -199,6 +199,7 @@ impl Cell {
             received_at: received_at.into(),
             unknown_is_occupied: false,
             lost: 0,
+            is_shared: false,
         };
         let command = LoaderCommand::Scene(Box::new(object_command(&message)));
         self.process(vec![(command, step, Some(original))], None);

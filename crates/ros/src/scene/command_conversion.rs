@@ -107,6 +107,12 @@ pub fn undecodable_command(by: SceneSource) -> SceneCommand {
     }
 }
 
+/// Command that reports publishers from which the node cannot receive: what is wrong with each.
+#[must_use]
+pub fn unreceivable_command(publishers: Vec<String>) -> SceneCommand {
+    SceneCommand::on("publishers").with_unreceivable(publishers)
+}
+
 #[must_use]
 pub fn clear_octomap() -> SceneCommand {
     SceneCommand::on(CLEAR_OCTOMAP).with_update(SceneUpdate::Octomap(None))

@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use clearance_geometry::math::Extremes;
 use clearance_monitor::cloud::SelfFilter;
-use clearance_monitor::{Now, Observation, WorldSource};
+use clearance_monitor::{Now, Observation, Time, WorldSource};
 use clearance_robot::RobotModel;
 use clearance_scene::{
     DroppedParts, GapSubject, OCTOMAP, ObstacleTwist, Scene, SceneContext, SceneRejection, SceneUpdate,
@@ -21,6 +21,7 @@ use crate::log_rate_limiter::LogRateLimiter;
 use crate::monitor_events::cloud_report::CloudReports;
 use crate::parameters::parameter_set::Parameters;
 use crate::recording::step::SceneSource;
+use crate::scene::cloud_inbox::delay_of;
 use crate::scene::file_obstacles::FileObstacles;
 use crate::scene::lost_messages::LostMessages;
 use crate::scene::missing_objects::MissingObjects;
@@ -38,19 +39,29 @@ const MOST_LISTED: usize = 20;
 /// Name of the octomap as a world source.
 pub const OCTOMAP_SOURCE: &str = OCTOMAP;
 
+/// What is known of the last octomap.
+#[derive(Default)]
+struct OctomapState {
+    /// Last observation of the octomap; `None` if none was received since it was cleared.
+    seen: Option<Observation>,
+    /// Stamp of the last octomap, if it was received on a topic.
+    stamp: Option<Time>,
+    /// Whether the octomap was dropped, and must be received again.
+    is_missing: bool,
+    /// Whether the last octomap, which may have been rejected, was part of a scene.
+    is_of_scene: bool,
+    /// Whether the current octomap contains any known space.
+    shows_environment: bool,
+    /// Why the last octomap of a topic shows nothing of the environment; `None` if it is usable.
+    why_blind: Option<String>,
+}
+
 /// Stores the scene; owned by the loader's thread.
 #[derive(Default)]
 pub struct LoaderScene {
     pub state: Scene,
     pub octomap: Option<Arc<OctomapWithPose>>,
-    /// Last observation of the octomap; `None` if none was received since it was cleared.
-    octomap_seen: Option<Observation>,
-    /// Whether the octomap was dropped, and must be received again.
-    is_octomap_missing: bool,
-    /// Whether the current octomap contains any known space.
-    octomap_shows_room: bool,
-    /// Why the last octomap of a topic shows nothing of the environment; `None` if it is usable.
-    blind_octomap: Option<String>,
+    octomap_state: OctomapState,
     clouds: BTreeMap<String, TopicCloud>,
     filter: Option<SelfFilter>,
     /// Orders that arrived before there was a robot.
@@ -67,6 +78,8 @@ pub struct LoaderScene {
     ineffective: Vec<String>,
     missing: MissingObjects,
     lost: LostMessages,
+    /// What is wrong with publishers of the world's topics from which the node cannot receive.
+    unreceivable: Vec<String>,
     /// Rate limiter for messages with faults.
     rate_limiter: LogRateLimiter,
     /// Sources whose data was removed because it was too old.
@@ -131,8 +144,11 @@ impl LoaderScene {
     }
 
     /// Stores a command until there is a robot.
-    pub fn store(&mut self, command: SceneCommand) {
-        if command.is_waited_for() {
+    pub fn store(&mut self, mut command: SceneCommand) {
+        if let Some(unreceivable) = command.unreceivable.take() {
+            // these need no robot
+            self.unreceivable = unreceivable;
+        } else if command.is_waited_for() {
             log::warn!("{}: there is no robot model yet", command.source);
             if let Some(update) = &command.update {
                 self.missing.note_unused(command.source, update, "there was no robot model yet");
@@ -172,11 +188,26 @@ impl LoaderScene {
         robot: &Arc<RobotModel>,
         update_context: &SceneUpdateContext,
     ) -> bool {
-        let SceneCommand { source, mut update, mut rejections, lost, mut octomap, done, .. } = command;
+        let SceneCommand {
+            source, mut update, mut rejections, lost, mut octomap, unreceivable, done, ..
+        } = command;
+        if let Some(unreceivable) = unreceivable {
+            self.unreceivable = unreceivable;
+            return false;
+        }
         self.lost.note(source, lost);
+        if let Some(rejection) = self.late_octomap(update.as_ref(), octomap.as_ref(), update_context.now) {
+            rejections.push(rejection);
+            (update, octomap) = (None, None);
+        }
+        self.note_octomap_source(source, octomap.is_some() || rejections.iter().any(is_of_octomap));
+        if let Some(update) = &mut update {
+            self.keep_octomap(source, update);
+        }
         if self.check_blindness(source, update.as_ref()) && update_context.parameters.blind_makes_unknown() {
             // the last map that showed something stays in use
-            self.octomap_seen = octomap.take().map(|(_, observation)| observation);
+            self.octomap_state.seen = octomap.take().map(|(_, observation)| observation);
+            self.octomap_state.stamp = self.octomap_state.seen.map(|seen| seen.stamp);
             update = None;
         }
         let before = self.state.world.obstacle_by_name(OCTOMAP).cloned();
@@ -205,7 +236,7 @@ impl LoaderScene {
         }
         self.note_rejections(source, &rejections, update.as_ref());
         if let Some(update) = &update {
-            self.whole.on_update(update);
+            self.whole.on_update(update, source);
             self.lost.on_update(update);
             if update.is_whole() {
                 self.invalid_parts.clear();
@@ -249,6 +280,23 @@ impl LoaderScene {
         self.state.follow_anchor_frames(&context)
     }
 
+    /// Notes whether an octomap is part of a scene.
+    fn note_octomap_source(&mut self, source: &str, has_octomap: bool) {
+        let topics = [SceneSource::OctomapBinary, SceneSource::OctomapFull];
+        if has_octomap {
+            self.octomap_state.is_of_scene = topics.iter().all(|topic| topic.name() != source);
+        }
+    }
+
+    /// Keeps the octomap of a sensor or of a file when another node publishes a whole scene without one: that node
+    /// does not know it. As in `MoveIt`, the octomap of an earlier scene is removed.
+    fn keep_octomap(&self, source: &str, update: &mut SceneUpdate) {
+        let SceneUpdate::Scene(scene) = update else { return };
+        if source == SceneSource::PlanningScene.name() && !self.octomap_state.is_of_scene {
+            scene.keeps_octomap |= scene.world.octomap.is_none();
+        }
+    }
+
     /// Stores a new octomap, or that there is none.
     fn note_octomap(
         &mut self,
@@ -256,18 +304,32 @@ impl LoaderScene {
         rejections: &[SceneRejection],
         update: Option<&SceneUpdate>,
     ) {
-        let is_rejected = |rejection: &SceneRejection| {
-            rejection.gap.as_ref().is_some_and(|gap| gap.subject == GapSubject::Octomap)
-        };
-        if rejections.iter().any(is_rejected) {
+        if rejections.iter().any(is_of_octomap) {
             return;
         }
         let Some(update) = update.filter(|update| update.changes_octomap()) else { return };
         self.dropped.retain(|name| name != OCTOMAP_SOURCE);
-        self.is_octomap_missing = false;
-        self.octomap_shows_room = octomap.is_some() && update.has_known_cells();
-        self.octomap_seen = octomap.as_ref().map(|(_, observation)| *observation);
+        self.octomap_state.is_missing = false;
+        self.octomap_state.shows_environment = octomap.is_some() && update.has_known_cells();
+        self.octomap_state.seen = octomap.as_ref().map(|(_, observation)| *observation);
+        let is_of_topic = matches!(update, SceneUpdate::Octomap(_));
+        self.octomap_state.stamp = self.octomap_state.seen.filter(|_| is_of_topic).map(|seen| seen.stamp);
         self.octomap = octomap.filter(|(map, _)| !map.octomap.data.is_empty()).map(|(map, _)| Arc::new(map));
+    }
+
+    /// Rejects an octomap that is older than the last one of a topic, as of a second sensor or on a slow way: the newer one remains.
+    fn late_octomap(
+        &self,
+        update: Option<&SceneUpdate>,
+        octomap: Option<&(OctomapWithPose, Observation)>,
+        now: Now,
+    ) -> Option<SceneRejection> {
+        let (_, observation) = octomap.filter(|_| matches!(update, Some(SceneUpdate::Octomap(_))))?;
+        let delay = delay_of(observation.stamp, self.octomap_state.stamp?, now)?;
+        Some(SceneRejection::of_octomap(format!(
+            "octomap: header.stamp is {delay:.3} s older than that of the last octomap, which remains; give the node the maps of one \
+             publisher"
+        )))
     }
 
     /// Records and returns whether the octomap of a topic shows nothing, after one that showed something, also one of a
@@ -276,14 +338,15 @@ impl LoaderScene {
         let Some(update) = update.filter(|update| update.changes_octomap()) else { return false };
         let is_of_sensor = matches!(update, SceneUpdate::Octomap(Some(_)));
         let has_file_octree = self.state.file_octree().is_some();
-        let showed_room = self.octomap_shows_room || self.blind_octomap.is_some() || has_file_octree;
-        let is_blind = is_of_sensor && !update.has_known_cells() && showed_room;
+        let showed_environment =
+            self.octomap_state.shows_environment || self.octomap_state.why_blind.is_some() || has_file_octree;
+        let is_blind = is_of_sensor && !update.has_known_cells() && showed_environment;
         let cause = || {
             let hint = "; if the octree of the world files is to stay, remap this topic";
             let hint = if has_file_octree { hint } else { "" };
             format!("the octree of {source} has no leaf, neither occupied nor free{hint}")
         };
-        self.blind_octomap = is_blind.then(cause);
+        self.octomap_state.why_blind = is_blind.then(cause);
         is_blind
     }
 
@@ -344,7 +407,7 @@ impl LoaderScene {
     fn miss_dropped(&mut self) {
         for name in std::mem::take(&mut self.dropped) {
             if name == OCTOMAP_SOURCE {
-                self.is_octomap_missing = true;
+                self.octomap_state.is_missing = true;
             } else if let Some(cloud) = self.clouds.get_mut(&name) {
                 cloud.seen = None;
             }
@@ -370,12 +433,12 @@ impl LoaderScene {
             seen: self.clouds.get(topic).and_then(|cloud| cloud.seen),
             ttl: parameters.point_cloud_ttl,
         };
-        let expires = self.octomap_seen.is_some() && parameters.octomap_ttl > 0.0;
+        let expires = self.octomap_state.seen.is_some() && parameters.octomap_ttl > 0.0;
         // the octree of a file does not expire
         let is_of_file = self.state.file_octree().is_some();
-        let octomap = (!is_of_file && (expires || self.is_octomap_missing)).then(|| WorldSource {
+        let octomap = (!is_of_file && (expires || self.octomap_state.is_missing)).then(|| WorldSource {
             name: OCTOMAP_SOURCE.to_owned(),
-            seen: self.octomap_seen.filter(|_| !self.is_octomap_missing),
+            seen: self.octomap_state.seen.filter(|_| !self.octomap_state.is_missing),
             ttl: parameters.octomap_ttl,
         });
         parameters.point_cloud_topics.iter().map(cloud).chain(octomap).collect()
@@ -417,4 +480,9 @@ impl LoaderScene {
         }
         self.clouds.iter().map(|(topic, cloud)| (topic.clone(), cloud.report.clone())).collect()
     }
+}
+
+/// Whether a part was rejected that is about the octomap.
+fn is_of_octomap(rejection: &SceneRejection) -> bool {
+    rejection.gap.as_ref().is_some_and(|gap| gap.subject == GapSubject::Octomap)
 }

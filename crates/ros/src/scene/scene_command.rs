@@ -22,6 +22,8 @@ pub struct SceneCommand {
     pub lost: u64,
     /// The received octomap, and its observation time.
     pub octomap: Option<(OctomapWithPose, Observation)>,
+    /// What is wrong with publishers from which the node cannot receive, if they changed.
+    pub unreceivable: Option<Vec<String>>,
     /// Notified when the change is in use; true if all of it was applied.
     pub done: Option<Sender<bool>>,
     /// The original message, if recording is on.
@@ -37,6 +39,7 @@ impl SceneCommand {
             rejections: Vec::new(),
             lost: 0,
             octomap: None,
+            unreceivable: None,
             done: None,
             original: None,
         }
@@ -70,10 +73,32 @@ impl SceneCommand {
         Self { lost, ..self }
     }
 
+    /// Rejects an octomap if several publishers send on its topic: it would replace that of another one.
+    #[must_use]
+    pub fn of_shared_topic(mut self, is_shared: bool) -> Self {
+        if let Some((RecordedCommand::Scene { is_shared: recorded, .. }, _)) = &mut self.original {
+            *recorded = is_shared;
+        }
+        if !is_shared {
+            return self;
+        }
+        let why = format!(
+            "octomap: several publishers send on this topic, and each map would replace that of the other: give the node one publisher \
+             (ros2 topic info -v {} lists them)",
+            self.source
+        );
+        Self { update: None, octomap: None, rejections: vec![SceneRejection::of_octomap(why)], ..self }
+    }
+
     #[must_use]
     pub fn with_octomap(self, octomap: OctomapWithPose, observation: Observation) -> Self {
         let holds_one = !octomap.octomap.id.is_empty();
         Self { octomap: holds_one.then_some((octomap, observation)), ..self }
+    }
+
+    #[must_use]
+    pub fn with_unreceivable(self, publishers: Vec<String>) -> Self {
+        Self { unreceivable: Some(publishers), ..self }
     }
 
     /// Attaches the original message, if recording is on.

@@ -19,10 +19,11 @@ use crate::recording::recorder_handle::OriginalMessage;
 use crate::recording::step::{RecordedCommand, SceneSource};
 use crate::scene::command_conversion::{
     attached_command, object_command, octomap_command, scene_command, states_command, undecodable_command,
-    world_command,
+    unreceivable_command, world_command,
 };
 use crate::scene::loader_command::LoaderCommand;
 use crate::scene::scene_command::SceneCommand;
+use crate::scene::scene_message_reader::lacks_content;
 use crate::scene::shared_state::SharedState;
 use crate::threading::mailbox;
 
@@ -33,7 +34,7 @@ pub struct SceneCommandSender {
     events: mailbox::Sender<MonitorEvent>,
     /// Number of received messages about objects.
     object_changes: Cell<u64>,
-    /// Whether messages about objects were lost since the last query.
+    /// Whether messages about objects were lost, or lacked content, since the last query.
     is_lost: Cell<bool>,
 }
 
@@ -74,7 +75,7 @@ impl SceneCommandSender {
         self.object_changes.get()
     }
 
-    /// Whether messages about objects were lost since the last call.
+    /// Whether messages about objects were lost, or lacked content, since the last call.
     pub fn take_lost(&self) -> bool {
         self.is_lost.take()
     }
@@ -104,8 +105,9 @@ impl SceneCommandSender {
         let SharedState { store, clock, recording, .. } = &self.shared;
         let (received_at, unknown_is_occupied) = (clock.read(), store.get().unknown_is_occupied());
         let original = recording.is_on().then(|| {
+            let received_at = received_at.into();
             let step =
-                RecordedCommand::Scene { by, received_at: received_at.into(), unknown_is_occupied, lost: 0 };
+                RecordedCommand::Scene { by, received_at, unknown_is_occupied, lost: 0, is_shared: false };
             (step, Some(keep(message.clone())))
         });
         let command = read(message, unknown_is_occupied, received_at).with_original(original);
@@ -134,6 +136,15 @@ impl SceneCommandSender {
             .with_original(is_recorded.then_some((RecordedCommand::Unreadable { by }, None)))
     }
 
+    /// Command that reports publishers from which the node cannot receive.
+    pub fn unreceivable(&self, publishers: Vec<String>) -> SceneCommand {
+        let original = self.shared.recording.is_on().then(|| {
+            let text = OriginalMessage::Text(publishers.join("\n"));
+            (RecordedCommand::UnreceivablePublishers, Some(text))
+        });
+        unreceivable_command(publishers).with_original(original)
+    }
+
     pub fn object(&self, message: CollisionObject) -> SceneCommand {
         let keep = |m| OriginalMessage::Object(Box::new(m));
         self.command(SceneSource::CollisionObject, message, keep, |m, _, _| object_command(&m))
@@ -157,6 +168,10 @@ impl SceneCommandSender {
 
     /// Command to apply a whole or partial scene.
     pub fn scene(&self, by: SceneSource, message: PlanningScene) -> SceneCommand {
+        if by == SceneSource::PlanningScene && lacks_content(&message) {
+            // the service has it
+            self.is_lost.set(true);
+        }
         let read =
             |m, unknown_is_occupied, received_at| scene_command(by, m, unknown_is_occupied, received_at);
         self.command(by, message, |m| OriginalMessage::Scene(Box::new(m)), read)

@@ -180,6 +180,21 @@ pub fn scene_change(message: &PlanningScene, unknown_is_occupied: bool) -> Conve
     Converted { change, rejections }
 }
 
+/// Whether a scene has objects without shapes, or a matrix without entries: a node publishes them in place of
+/// those that are too large for a topic. They are rejected.
+#[must_use]
+pub fn lacks_content(message: &PlanningScene) -> bool {
+    let has_no_shapes = |object: &CollisionObject| {
+        object.primitives.is_empty() && object.meshes.is_empty() && object.planes.is_empty()
+    };
+    let attached = message.robot_state.attached_collision_objects.iter().map(|attached| &attached.object);
+    let appended = attached.filter(|object| object.operation == CollisionObject::APPEND);
+    let objects = message.world.collision_objects.iter();
+    let added = objects.filter(|object| object.operation == CollisionObject::ADD);
+    let matrix = &message.allowed_collision_matrix;
+    appended.chain(added).any(has_no_shapes) || matrix.entry_values.len() < matrix.entry_names.len()
+}
+
 fn fixed_frame(message: &TransformStamped) -> Result<FixedFrame, SceneRejection> {
     (check_name_length(&message.child_frame_id))
         .map_err(|why| SceneRejection::new(format!("fixed_frame_transforms: {why}")))?;

@@ -1,6 +1,6 @@
 //! Conversion of the scene to `moveit_msgs`.
 
-use clearance_geometry::math::Pose;
+use clearance_geometry::math::{Extremes, Pose};
 use clearance_geometry::{Primitive, Shape, TriangleMesh};
 use clearance_robot::{Configuration, RobotModel};
 use clearance_scene::AllowedCollisionMatrix as Matrix;
@@ -75,10 +75,9 @@ impl SceneMessages<'_> {
         &self.robot.link(self.robot.root()).name
     }
 
-    /// Obstacles without those of points and voxels, which a `CollisionObject` message cannot represent.
+    /// Obstacles that a `CollisionObject` message can represent.
     pub fn objects(&self) -> impl Iterator<Item = &Obstacle> {
-        let is_sensor_data = |s: &ObstacleShape| matches!(s.shape, Shape::Points(_) | Shape::Voxels(_));
-        self.scene.world.obstacles().filter(move |o| !o.shapes.iter().any(is_sensor_data))
+        self.scene.world.obstacles().filter(|object| is_representable(object))
     }
 
     /// The octree of a world file, while it is the octomap.
@@ -172,18 +171,14 @@ impl SceneMessages<'_> {
         message
     }
 
-    fn fixed_frames(&self) -> Vec<TransformStamped> {
+    /// Fixed frames, and the planning frame in itself.
+    pub fn fixed_frames(&self) -> Vec<TransformStamped> {
         let stamped = |name: &str, pose: &Pose| {
             // as in MoveIt, the header names the frame, and the child is the planning frame that it is placed in. If
             // the planning frame is not at the root, the frame is the child, as in tf
-            let (header, child) = match self.planning_frame() {
-                Some(planning_frame) => (name, planning_frame),
-                None => (self.root(), name),
-            };
-            TransformStamped {
-                header: Header { frame_id: header.to_owned(), ..Header::default() },
-                child_frame_id: child.to_owned(),
-                transform: transform_message(pose),
+            match self.planning_frame() {
+                Some(planning_frame) => transform_stamped(name, planning_frame, pose),
+                None => transform_stamped(self.root(), name, pose),
             }
         };
         let own = stamped(self.planning_frame().unwrap_or(self.root()), &Pose::identity());
@@ -221,11 +216,16 @@ impl SceneMessages<'_> {
     }
 
     /// Allowed collision matrix in use: from the scene, otherwise from the SRDF.
-    fn matrix(&self) -> AllowedCollisionMatrix {
-        let entries = match &self.scene.matrix {
+    pub fn matrix(&self) -> AllowedCollisionMatrix {
+        let mut entries = match &self.scene.matrix {
             Some(matrix) => matrix.to_entries(),
             None => Matrix::of_robot(self.robot).to_entries(),
         };
+        if entries.entry_names.is_empty() {
+            // receivers ignore a matrix without names; an entry of a link with itself has no effect
+            entries.entry_names.push(self.root().to_owned());
+            entries.entry_values.push(vec![false]);
+        }
         AllowedCollisionMatrix {
             entry_names: entries.entry_names,
             entry_values: (entries.entry_values.into_iter())
@@ -236,21 +236,37 @@ impl SceneMessages<'_> {
         }
     }
 
-    /// Padding and scale of every link with geometry.
-    fn link_sizes(&self) -> (Vec<LinkPadding>, Vec<LinkScale>) {
-        let solid = || self.robot.links().iter().filter(|link| !link.collisions.is_empty());
-        let of = |sizes: &std::collections::HashMap<String, f64>, name: &str, default| {
-            sizes.get(name).copied().unwrap_or(default)
-        };
-        let padding = solid().map(|link| LinkPadding {
-            link_name: link.name.clone(),
-            padding: of(&self.scene.link_padding, &link.name, self.padding),
-        });
-        let scale = solid().map(|link| LinkScale {
-            link_name: link.name.clone(),
-            scale: of(&self.scene.link_scale, &link.name, 1.0),
-        });
-        (padding.collect(), scale.collect())
+    /// Padding and scale of every link: those of links without geometry hold for the objects that they carry.
+    pub fn link_sizes(&self) -> (Vec<LinkPadding>, Vec<LinkScale>) {
+        let Scene { link_padding, link_scale, .. } = self.scene;
+        // as in the checks, the parameter is the least padding
+        let padding = |name: &str| link_padding.get(name).copied().unwrap_or_default().greater(self.padding);
+        let scale = |name: &str| link_scale.get(name).copied().unwrap_or(1.0);
+        let links = || self.robot.links().iter().map(|link| &link.name);
+        let paddings =
+            links().map(|name| LinkPadding { link_name: name.clone(), padding: padding(name) }).collect();
+        let scales = links().map(|name| LinkScale { link_name: name.clone(), scale: scale(name) }).collect();
+        (paddings, scales)
+    }
+}
+
+/// Whether a `CollisionObject` message can represent an obstacle. It has no points and no voxels.
+#[must_use]
+pub fn is_representable(obstacle: &Obstacle) -> bool {
+    !obstacle.shapes.iter().any(|placed| matches!(placed.shape, Shape::Points(_) | Shape::Voxels(_)))
+}
+
+/// Entry of a fixed frame that is no longer there: a frame in itself.
+#[must_use]
+pub fn removed_frame(name: &str) -> TransformStamped {
+    transform_stamped(name, name, &Pose::identity())
+}
+
+fn transform_stamped(frame: &str, child_frame: &str, pose: &Pose) -> TransformStamped {
+    TransformStamped {
+        header: Header { frame_id: frame.to_owned(), ..Header::default() },
+        child_frame_id: child_frame.to_owned(),
+        transform: transform_message(pose),
     }
 }
 

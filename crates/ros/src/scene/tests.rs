@@ -32,8 +32,9 @@ use crate::scene::scene_checker::checker_of;
 use crate::scene::scene_message_reader::{object_change, scene_change};
 use crate::scene::scene_message_writer::{SceneMessages, scene_message};
 use crate::services::state_validity::{ValidityContext, state_validity};
-use crate::topics::monitored_scene;
+use crate::topics::monitored_scene::{self, KnownNames};
 
+mod published_scenes;
 mod validity;
 mod world_sources;
 
@@ -307,9 +308,10 @@ fn differences_of_scenes_lead_from_one_to_the_other() {
 
     // objects that do not fit into one message follow in others
     let many = (0..2000).map(|i| ball(&format!("thing {i}"), at(f64::from(i), 0.0, 5.0), 0.1, "")).collect();
-    let whole = monitored_scene::whole(&in_force(scene(&[difference(many, vec![])]), vec![]));
-    assert!(whole.len() > 1 && !whole[0].is_diff && whole[1..].iter().all(|message| message.is_diff));
-    assert_eq!(whole.iter().map(|message| message.world.collision_objects.len()).sum::<usize>(), 2000);
+    let many = in_force(scene(&[difference(many, vec![])]), vec![]);
+    let complete = monitored_scene::complete(&KnownNames::default(), None, &many);
+    assert!(complete.len() > 1 && complete.iter().all(|message| message.is_diff));
+    assert_eq!(complete.iter().map(|message| message.world.collision_objects.len()).sum::<usize>(), 2000);
 }
 
 #[test]

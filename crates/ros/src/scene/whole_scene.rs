@@ -1,10 +1,11 @@
-//! Tracks whether the complete scene was received, where the parameters require it: from messages, or from the queried
-//! service.
+//! Tracks whether the complete scene was received, where the parameters require it: from messages, or, if a
+//! service is queried, from that service alone.
 
 use clearance_monitor::WorldSource;
 use clearance_scene::SceneUpdate;
 
 use crate::parameters::parameter_set::Parameters;
+use crate::recording::step::SceneSource;
 
 /// Name of the awaited source, if no service is queried.
 const ANY_SOURCE: &str = "planning_scene, apply_planning_scene or planning_scene_world";
@@ -16,8 +17,8 @@ enum Completeness {
     Nothing,
     /// All obstacles.
     World,
-    /// Also the attached objects and the allowed collisions.
-    Scene,
+    /// The scene of the queried service.
+    Response,
 }
 
 /// Completeness of the received messages, and of the part that is in use.
@@ -41,11 +42,12 @@ impl WholeScene {
         }
     }
 
-    pub fn on_update(&mut self, update: &SceneUpdate) {
+    /// Processes an update that was received from this topic or service.
+    pub fn on_update(&mut self, update: &SceneUpdate, source: &str) {
         self.received = self.received.max(match update {
-            SceneUpdate::World(_) => Completeness::World,
-            whole if whole.is_whole() => Completeness::Scene,
-            _ => Completeness::Nothing,
+            part if !part.is_whole() => Completeness::Nothing,
+            _ if source == SceneSource::GetPlanningScene.name() => Completeness::Response,
+            _ => Completeness::World,
         });
     }
 
@@ -66,7 +68,7 @@ impl WholeScene {
             match (parameters.planning_scene_service.as_str(), parameters.require_planning_scene) {
                 ("", false) => return None,
                 ("", true) => (Completeness::World, ANY_SOURCE),
-                (service, _) => (Completeness::Scene, service),
+                (service, _) => (Completeness::Response, service),
             };
         (self.received < needed).then(|| WorldSource {
             name: source.to_owned(),
@@ -85,6 +87,9 @@ mod tests {
         SceneUpdate::Scene(Box::new(SceneChange { is_diff, ..SceneChange::default() }))
     }
 
+    const TOPIC: &str = "planning_scene";
+    const SERVICE: &str = "planning_scene_service";
+
     fn asking(service: &str, require_planning_scene: bool) -> Parameters {
         let planning_scene_service = service.to_owned();
         Parameters { planning_scene_service, require_planning_scene, ..Parameters::default() }
@@ -98,12 +103,16 @@ mod tests {
     fn a_world_is_enough_unless_a_service_is_queried() {
         let mut whole = WholeScene::default();
         assert_eq!(awaited(&whole, &asking("", false)), None);
-        whole.on_update(&scene(true));
+        whole.on_update(&scene(true), TOPIC);
         assert_eq!(awaited(&whole, &asking("", true)).as_deref(), Some(ANY_SOURCE));
-        whole.on_update(&SceneUpdate::World(Box::default()));
+        whole.on_update(&SceneUpdate::World(Box::default()), "planning_scene_world");
         assert_eq!(awaited(&whole, &asking("", true)), None);
-        assert_eq!(awaited(&whole, &asking("/a", false)).as_deref(), Some("/a"));
-        whole.on_update(&scene(false));
+        // messages of topics may be older than the response, or have a part of the scene
+        for source in [TOPIC, "apply_planning_scene"] {
+            whole.on_update(&scene(false), source);
+            assert_eq!(awaited(&whole, &asking("/a", false)).as_deref(), Some("/a"));
+        }
+        whole.on_update(&scene(false), SERVICE);
         assert_eq!(awaited(&whole, &asking("/a", true)), None);
     }
 
@@ -111,10 +120,10 @@ mod tests {
     fn scenes_that_are_not_in_force_or_precede_another_service_do_not_count() {
         let (mut whole, a, b) = (WholeScene::default(), asking("/a", false), asking("/b", false));
         whole.set_service("/a");
-        whole.on_update(&scene(false));
+        whole.on_update(&scene(false), SERVICE);
         whole.restore();
         assert!(awaited(&whole, &a).is_some());
-        whole.on_update(&scene(false));
+        whole.on_update(&scene(false), SERVICE);
         whole.note_in_use();
         whole.restore();
         whole.set_service("/a");

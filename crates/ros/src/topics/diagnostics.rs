@@ -175,7 +175,7 @@ fn cloud_values(topic: &str, report: &CloudReport) -> Vec<KeyValue> {
         values.push(("last cloud not taken", fault.clone()));
     }
     if let Some(cause) = &report.blind {
-        values.push(("last cloud shows nothing of the room", cause.clone()));
+        values.push(("last cloud shows nothing of the environment", cause.clone()));
     }
     let named = |(key, value): (&str, String)| KeyValue { key: format!("{topic}: {key}"), value };
     values.into_iter().map(named).collect()

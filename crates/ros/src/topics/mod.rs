@@ -14,3 +14,5 @@ pub mod scene_topics; // subscriptions of scenes, octomaps, clouds and transform
 pub mod shared_topic; // detects several publishers on a topic
 pub mod simulation_clock; // `/clock`
 pub mod swept_volume_markers; // content of `~/swept_volume`
+pub mod topic_merger; // messages of several topics in the order of reception
+pub mod unreceivable_publishers; // warnings about publishers of another type or quality of service

@@ -1,11 +1,17 @@
-//! Publisher of `monitored_planning_scene`: first the whole scene, then its changes.
+//! Publisher of `monitored_planning_scene`: first all of the scene, then its changes.
+//!
+//! A scene that does not fit into one message is published as differences that add up to it. A whole scene with a
+//! part of the objects would remove the others from the worlds of subscriptions.
 
-use std::collections::HashSet;
+mod scene_content;
+
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
+use clearance_scene::AllowedCollisionMatrix as Matrix;
 use clearance_scene::{AttachedObject, Obstacle};
 use ros2_interfaces_jazzy_serde::moveit_msgs::msg::{
-    CollisionObject, PlanningScene, PlanningSceneComponents,
+    AllowedCollisionMatrix, PlanningScene, PlanningSceneComponents,
 };
 
 use crate::dds::middleware::Middleware;
@@ -15,20 +21,50 @@ use crate::dds::quality::Quality;
 use crate::dds::type_name::TypeName;
 use crate::names::Names;
 use crate::scene::active_scene::ActiveScene;
-use crate::scene::scene_message_writer::{SceneMessages, scene_message};
+use crate::scene::scene_message_writer::{SceneMessages, is_representable, removed_frame, scene_message};
+use crate::topics::monitored_scene::scene_content::{LONGEST, SceneContent, fits, object_size};
 
-/// Largest message (bytes): `RustDDS` loses messages of more than about 250 kB.
-const LONGEST: usize = 200_000;
+/// Number of messages that are kept for later subscriptions.
+const KEPT: usize = 100;
 
-/// Number of differences published between two whole scenes. A subscription that comes later receives a whole scene and
-/// all differences after it.
+/// Maximum number of differences between two publications of all of the scene.
 const DIFFERENCES: usize = 80;
 
-/// Publishes every change of the scene. Octomaps and clouds are too large and are not published.
+/// Components of a whole scene. Octomaps and clouds are too large and are not published.
+const EVERYTHING: u32 = PlanningSceneComponents::SCENE_SETTINGS
+    | PlanningSceneComponents::TRANSFORMS
+    | PlanningSceneComponents::ROBOT_STATE_ATTACHED_OBJECTS
+    | PlanningSceneComponents::ALLOWED_COLLISION_MATRIX
+    | PlanningSceneComponents::LINK_PADDING_AND_SCALING
+    | PlanningSceneComponents::WORLD_OBJECT_GEOMETRY;
+
+/// Publishes every change of the scene.
 pub struct MonitoredScene {
     publisher: Publisher<PlanningScene>,
+    /// The last published scene; `None` at first, and after a message was dropped.
     last: Option<Arc<ActiveScene>>,
-    since_whole: usize,
+    /// Names of all that subscriptions may have after a message was dropped.
+    uncertain: UncertainNames,
+    /// Number of messages of the last publication of all of the scene.
+    complete: usize,
+    /// Number of differences since then.
+    since_complete: usize,
+}
+
+/// Names in a scene that subscriptions have.
+#[derive(Debug, Default)]
+pub struct KnownNames<'s> {
+    objects: Vec<&'s str>,
+    attached: Vec<&'s str>,
+    frames: Vec<&'s str>,
+}
+
+/// Names in scenes of which some messages were dropped.
+#[derive(Debug, Default)]
+struct UncertainNames {
+    objects: BTreeSet<String>,
+    attached: BTreeSet<String>,
+    frames: BTreeSet<String>,
 }
 
 impl MonitoredScene {
@@ -36,30 +72,73 @@ impl MonitoredScene {
         let kind = TypeName::new("moveit_msgs", "PlanningScene");
         let name = names.resolve("monitored_planning_scene")?;
         let publisher = middleware.publisher(&name, kind, Quality::Kept)?;
-        Ok(Self { publisher, last: None, since_whole: 0 })
+        let uncertain = UncertainNames::default();
+        Ok(Self { publisher, last: None, uncertain, complete: 0, since_complete: 0 })
     }
 
     /// Publishes the changes of a scene since the last call.
     pub fn publish(&mut self, scene: &Arc<ActiveScene>) {
-        let before = self.last.replace(Arc::clone(scene));
-        let messages = match before {
-            Some(before) if self.since_whole < DIFFERENCES && is_of_same_robot(&before, scene) => {
-                let messages = differences(&before, scene);
-                self.since_whole += messages.len();
-                messages
+        let before = self.last.take();
+        let messages = self.messages(before.as_deref(), scene);
+        // a later message may remove what a dropped one replaces
+        if messages.into_iter().all(|message| self.publisher.publish(message)) {
+            self.last = Some(Arc::clone(scene));
+            return;
+        }
+        log::warn!(
+            "monitored_planning_scene: a change was dropped, because a subscription does not keep up: the next \
+             change publishes all of the scene"
+        );
+        if let Some(before) = before {
+            self.uncertain = UncertainNames::default();
+            self.uncertain.add(&before);
+        }
+        self.uncertain.add(scene);
+    }
+
+    /// The changes of a scene, or from time to time all of it.
+    fn messages(&mut self, before: Option<&ActiveScene>, scene: &ActiveScene) -> Vec<PlanningScene> {
+        if let Some(before) = before.filter(|before| is_of_same_robot(before, scene)) {
+            let messages = differences(before, scene);
+            if self.since_complete + messages.len() <= most_differences(self.complete) {
+                self.since_complete += messages.len();
+                return messages;
             }
-            _ => {
-                self.since_whole = 0;
-                whole(scene)
-            }
-        };
-        let published = messages.into_iter().map(|message| self.publisher.publish(message));
-        if published.filter(|published| !published).count() > 0 {
-            log::warn!(
-                "monitored_planning_scene: a change was dropped, because a subscription does not keep up: the next \
-                 change publishes the whole scene"
-            );
-            self.last = None;
+        }
+        let known = before.map_or_else(|| self.uncertain.names(), KnownNames::of);
+        let messages = complete(&known, before, scene);
+        (self.complete, self.since_complete) = (messages.len(), 0);
+        messages
+    }
+}
+
+impl<'s> KnownNames<'s> {
+    /// Those of a scene that was published.
+    #[must_use]
+    pub fn of(scene: &'s ActiveScene) -> Self {
+        let (world, frames) = (&scene.scene.world, &scene.scene.fixed_frames);
+        let objects = world.obstacles().filter(|object| is_representable(object));
+        Self {
+            objects: objects.map(|object| object.name.as_str()).collect(),
+            attached: world.attached().iter().map(|object| object.name.as_str()).collect(),
+            frames: frames.keys().map(String::as_str).collect(),
+        }
+    }
+}
+
+impl UncertainNames {
+    fn add(&mut self, scene: &ActiveScene) {
+        let KnownNames { objects, attached, frames } = KnownNames::of(scene);
+        self.objects.extend(objects.into_iter().map(str::to_owned));
+        self.attached.extend(attached.into_iter().map(str::to_owned));
+        self.frames.extend(frames.into_iter().map(str::to_owned));
+    }
+
+    fn names(&self) -> KnownNames<'_> {
+        KnownNames {
+            objects: self.objects.iter().map(String::as_str).collect(),
+            attached: self.attached.iter().map(String::as_str).collect(),
+            frames: self.frames.iter().map(String::as_str).collect(),
         }
     }
 }
@@ -68,83 +147,111 @@ fn is_of_same_robot(a: &ActiveScene, b: &ActiveScene) -> bool {
     a.revision.model == b.revision.model
 }
 
-/// The whole scene without octomaps. Objects that do not fit into the first message follow as differences.
-pub fn whole(scene: &ActiveScene) -> Vec<PlanningScene> {
-    type C = PlanningSceneComponents;
+/// Maximum number of differences after a publication of all of the scene in `complete` messages. A later
+/// subscription receives both, unless the scene takes more than half of the messages that are kept.
+fn most_differences(complete: usize) -> usize {
+    let left = KEPT.saturating_sub(complete);
+    if left < KEPT / 2 { DIFFERENCES } else { DIFFERENCES.min(left) }
+}
+
+/// All of the scene: a whole scene if it fits into one message, otherwise differences. `known`: names that
+/// subscriptions may have; `last`: the scene that they have, if it is known.
+pub fn complete(known: &KnownNames, last: Option<&ActiveScene>, scene: &ActiveScene) -> Vec<PlanningScene> {
     let writer = writer(scene);
-    let components = C::SCENE_SETTINGS
-        | C::TRANSFORMS
-        | C::ROBOT_STATE_ATTACHED_OBJECTS
-        | C::ALLOWED_COLLISION_MATRIX
-        | C::LINK_PADDING_AND_SCALING;
-    let first = scene_message(&writer, components);
-    let size = first.robot_state.attached_collision_objects.iter().map(|o| size(&o.object)).sum::<usize>()
-        + matrix_size(&first);
-    let objects = writer.objects().map(|o| writer.object_message(o)).collect();
-    split(first, size, objects)
+    let whole = scene_message(&writer, EVERYTHING);
+    if fits(&whole) {
+        return vec![whole];
+    }
+    let last = last.filter(|last| is_of_same_robot(last, scene));
+    let is_unchanged =
+        |object: &Obstacle| last.is_some_and(|last| differs_at_most_in_pose(last, scene, object));
+    let objects = writer.objects().zip(whole.world.collision_objects).map(|(object, message)| {
+        // subscriptions that have a large object from a service keep it
+        let is_too_large = object_size(&message) > LONGEST;
+        if is_too_large && is_unchanged(object) { writer.move_message(object) } else { message }
+    });
+    let mut content = removals(known, scene);
+    content.frames.extend(whole.fixed_frame_transforms);
+    let content = SceneContent {
+        robot_model_name: whole.robot_model_name,
+        attached: whole.robot_state.attached_collision_objects,
+        objects: objects.collect(),
+        matrix: whole.allowed_collision_matrix,
+        link_padding: whole.link_padding,
+        link_scale: whole.link_scale,
+        ..content
+    };
+    content.into_differences()
 }
 
 /// Messages with the differences between two scenes; none if the scenes are equal.
 pub fn differences(before: &ActiveScene, after: &ActiveScene) -> Vec<PlanningScene> {
-    let (old, new) = (writer(before), writer(after));
-    let mut first = PlanningScene { is_diff: true, ..PlanningScene::default() };
-    first.robot_state.is_diff = true;
-    let blank = first.clone();
-    let attached =
-        |o: &&Arc<AttachedObject>| !before.scene.world.attached().iter().any(|known| Arc::ptr_eq(known, o));
-    let attached_messages =
-        after.scene.world.attached().iter().filter(attached).map(|o| new.attached_message(o));
-    let is_detached = |o: &&Arc<AttachedObject>| after.scene.world.attached_by_name(&o.name).is_none();
-    let detached = || before.scene.world.attached().iter().filter(is_detached);
-    let detachments = detached().map(|o| {
-        let mut message = old.attached_message(o);
-        message.object =
-            CollisionObject { id: o.name.clone(), operation: CollisionObject::REMOVE, ..Default::default() };
-        message
-    });
-    first.robot_state.attached_collision_objects = detachments.chain(attached_messages).collect();
+    let writer = writer(after);
+    let mut content = removals(&KnownNames::of(before), after);
+    let is_known =
+        |o: &&Arc<AttachedObject>| before.scene.world.attached().iter().any(|known| Arc::ptr_eq(known, o));
+    let attached = after.scene.world.attached().iter().filter(|object| !is_known(object));
+    content.attached = attached.map(|object| writer.attached_message(object)).collect();
     if before.scene.matrix != after.scene.matrix {
-        first.allowed_collision_matrix =
-            scene_message(&new, PlanningSceneComponents::ALLOWED_COLLISION_MATRIX).allowed_collision_matrix;
+        content.matrix = writer.matrix();
     }
     let sizes = |scene: &ActiveScene| {
         (scene.scene.link_padding.clone(), scene.scene.link_scale.clone(), scene.parameters.padding)
     };
     if sizes(before) != sizes(after) {
-        let message = scene_message(&new, PlanningSceneComponents::LINK_PADDING_AND_SCALING);
-        (first.link_padding, first.link_scale) = (message.link_padding, message.link_scale);
+        (content.link_padding, content.link_scale) = writer.link_sizes();
     }
     if before.scene.fixed_frames != after.scene.fixed_frames {
-        first.fixed_frame_transforms =
-            scene_message(&new, PlanningSceneComponents::TRANSFORMS).fixed_frame_transforms;
+        content.frames.extend(writer.fixed_frames());
     }
-    let published: HashSet<&str> = new.objects().map(|o| o.name.as_str()).collect();
-    // a detached object stays in a subscriber's world, until it is removed there
-    let known = old.objects().map(|o| &o.name).chain(detached().map(|o| &o.name));
-    let removed = known.filter(|name| !published.contains(name.as_str())).map(|name| CollisionObject {
-        id: name.clone(),
-        operation: CollisionObject::REMOVE,
-        ..CollisionObject::default()
-    });
-    let changed = |o: &Obstacle| match before.scene.world.obstacle_by_name(&o.name) {
-        Some(known) if std::ptr::eq(known.as_ref(), o) => None,
-        Some(known) if is_same_but_for_pose(known, o) && old.kind(&o.name) == new.kind(&o.name) => {
-            Some(new.move_message(o))
-        }
-        _ => Some(new.object_message(o)),
+    let changed = |object: &Obstacle| match before.scene.world.obstacle_by_name(&object.name) {
+        Some(known) if std::ptr::eq(known.as_ref(), object) => None,
+        _ if differs_at_most_in_pose(before, after, object) => Some(writer.move_message(object)),
+        _ => Some(writer.object_message(object)),
     };
-    let objects = removed.chain(new.objects().filter_map(changed)).collect::<Vec<_>>();
-    if first == blank && objects.is_empty() {
-        return Vec::new();
-    }
-    let size = first.robot_state.attached_collision_objects.iter().map(|o| size(&o.object)).sum::<usize>()
-        + matrix_size(&first);
-    split(first, size, objects)
+    content.objects = writer.objects().filter_map(changed).collect();
+    content.into_differences()
 }
 
-/// Whether an object has at most moved. Copies of an object share their shapes.
-fn is_same_but_for_pose(a: &Obstacle, b: &Obstacle) -> bool {
-    Arc::ptr_eq(&a.shapes, &b.shapes) && a.subframes == b.subframes
+/// Removals of the parts that subscriptions may have and a scene does not.
+fn removals(known: &KnownNames, scene: &ActiveScene) -> SceneContent {
+    let world = &scene.scene.world;
+    let is_held = |name: &str| world.attached_by_name(name).is_some();
+    let is_object = |name: &str| world.obstacle_by_name(name).is_some_and(|object| is_representable(object));
+    let owned = |name: &&str| (*name).to_owned();
+    // a detached object stays in a subscriber's world, until it is removed there
+    let held = known.attached.iter().filter(|name| !known.objects.contains(name));
+    let in_world = known.objects.iter().chain(held);
+    let removed: Vec<String> =
+        in_world.filter(|name| !is_object(name) && !is_held(name)).map(owned).collect();
+    let frames = known.frames.iter().filter(|name| !scene.scene.fixed_frames.contains_key(**name));
+    SceneContent {
+        detached: known.attached.iter().filter(|name| !is_held(name)).map(owned).collect(),
+        matrix_after_removals: matrix_after_removals(scene, &removed),
+        removed,
+        frames: frames.map(|name| removed_frame(name)).collect(),
+        ..SceneContent::default()
+    }
+}
+
+/// The matrix, if the scene keeps entries of removed objects; otherwise one without names. A world keeps them when
+/// another world without the object replaces it. Subscriptions receive a removal, which takes the entries away.
+fn matrix_after_removals(scene: &ActiveScene, removed: &[String]) -> AllowedCollisionMatrix {
+    let writer = writer(scene);
+    let matrix = || scene.scene.matrix.clone().unwrap_or_else(|| Matrix::of_robot(writer.robot));
+    let is_kept = |matrix: Matrix| removed.iter().any(|name| matrix.has_entries(name));
+    if removed.is_empty() || !is_kept(matrix()) {
+        return AllowedCollisionMatrix::default();
+    }
+    writer.matrix()
+}
+
+/// Whether an object of a scene has at most moved since another scene. Copies of an object share their shapes.
+fn differs_at_most_in_pose(before: &ActiveScene, after: &ActiveScene, object: &Obstacle) -> bool {
+    let kind = |scene: &ActiveScene| scene.scene.kinds.get(&object.name).cloned().unwrap_or_default();
+    before.scene.world.obstacle_by_name(&object.name).is_some_and(|known| {
+        Arc::ptr_eq(&known.shapes, &object.shapes) && known.subframes == object.subframes
+    }) && kind(before) == kind(after)
 }
 
 fn writer(scene: &ActiveScene) -> SceneMessages<'_> {
@@ -157,51 +264,19 @@ fn writer(scene: &ActiveScene) -> SceneMessages<'_> {
     }
 }
 
-/// Splits objects into as many messages as necessary. The first message also has the other fields.
-fn split(first: PlanningScene, size_of_first: usize, objects: Vec<CollisionObject>) -> Vec<PlanningScene> {
-    let mut messages = vec![first];
-    let mut total = size_of_first;
-    for mut object in objects {
-        let mut bytes = size(&object);
-        if bytes > LONGEST {
-            log::warn!(
-                "monitored_planning_scene: object '{}' is too large: it is published without its shapes",
-                object.id
-            );
-            object.primitives.clear();
-            object.primitive_poses.clear();
-            object.meshes.clear();
-            object.mesh_poses.clear();
-            bytes = size(&object);
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_later_subscription_receives_all_of_the_scene_and_all_changes_after_it() {
+        for complete in 1..=KEPT / 2 {
+            let differences = most_differences(complete);
+            assert!(complete + differences <= KEPT && differences >= KEPT / 2, "{complete}");
         }
-        if total + bytes > LONGEST {
-            let mut next = PlanningScene { is_diff: true, ..PlanningScene::default() };
-            next.robot_state.is_diff = true;
-            messages.push(next);
-            total = 0;
+        // larger scenes are published as often as small ones
+        for complete in [KEPT / 2 + 1, KEPT, 3 * KEPT] {
+            assert_eq!(most_differences(complete), DIFFERENCES);
         }
-        total += bytes;
-        messages.last_mut().expect("there is a first").world.collision_objects.push(object);
     }
-    messages
-}
-
-/// Upper bound on the size (bytes) of an object in a message.
-fn size(object: &CollisionObject) -> usize {
-    const POSE: usize = 56;
-    const REST: usize = 200;
-    let primitives: usize = object.primitives.iter().map(|p| 24 + 8 * p.dimensions.len() + POSE).sum();
-    let meshes: usize =
-        object.meshes.iter().map(|m| 16 + 12 * m.triangles.len() + 24 * m.vertices.len() + POSE).sum();
-    let subframes: usize = object.subframe_names.iter().map(|name| name.len() + 8 + POSE).sum();
-    let words =
-        object.id.len() + object.header.frame_id.len() + object.type_.key.len() + object.type_.db.len();
-    REST + words + primitives + meshes + subframes + object.planes.len() * (32 + POSE)
-}
-
-fn matrix_size(scene: &PlanningScene) -> usize {
-    let matrix = &scene.allowed_collision_matrix;
-    let names: usize =
-        matrix.entry_names.iter().chain(&matrix.default_entry_names).map(|n| n.len() + 16).sum();
-    names + matrix.entry_names.len() * matrix.entry_names.len()
 }

@@ -1,8 +1,10 @@
 //! Subscriptions of the world topics. Messages become commands of the loader; transforms are stored in the tree
 //! directly.
 
+use std::cell::RefCell;
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::rc::Rc;
+use std::sync::{Arc, PoisonError};
 use std::time::{Duration, Instant};
 
 use futures_lite::{FutureExt, future};
@@ -20,7 +22,7 @@ use crate::dds::middleware::Middleware;
 use crate::dds::middleware_error::MiddlewareError;
 use crate::dds::quality::Quality;
 use crate::dds::sequence_gaps::SequenceGaps;
-use crate::dds::subscription::{Origin, Subscription};
+use crate::dds::subscription::{Origin, Subscription, Undecodable, system_time};
 use crate::dds::type_name::TypeName;
 use crate::messages::clearance_msgs::ObstacleStates;
 use crate::names::Names;
@@ -34,6 +36,8 @@ use crate::scene::shared_state::SharedState;
 use crate::scene::transform_messages::note_transforms;
 use crate::topics::scene_requester::{RequestContext, SceneRequester};
 use crate::topics::shared_topic::SharedTopic;
+use crate::topics::topic_merger::{Arrival, MergedTopic, Next, TopicMerger};
+use crate::topics::unreceivable_publishers;
 
 /// The two octomap topics.
 const OCTOMAP_SOURCES: [SceneSource; 2] = [SceneSource::OctomapBinary, SceneSource::OctomapFull];
@@ -61,6 +65,28 @@ struct CloudSubscription {
     clouds: Subscription<PointCloud2>,
     /// When it was created.
     since: Instant,
+    /// Its last publishers.
+    publishers: RefCell<SharedTopic>,
+}
+
+/// Converts a message to a command, unless it is a duplicate.
+type Conversion<'t> = Box<dyn FnOnce() -> Option<SceneCommand> + 't>;
+
+/// A topic whose messages change the scene.
+struct SceneTopic<'t, M, F> {
+    topics: &'t SceneTopics,
+    by: SceneSource,
+    subscription: &'t Subscription<M>,
+    sequence_gaps: RefCell<SequenceGaps>,
+    /// Converts a message, with its origin and the number of messages that were lost right before it.
+    read: Rc<F>,
+}
+
+/// An octomap topic with two subscriptions, which receive the same messages.
+#[derive(Default)]
+struct OctomapTopic {
+    detector: DuplicateDetector,
+    publishers: SharedTopic,
 }
 
 /// Detects duplicates on a topic with two subscriptions, which must not count twice.
@@ -125,72 +151,74 @@ impl SceneTopics {
 
     /// Receives messages. Never returns.
     pub async fn receive(&self) {
-        let detectors: [Mutex<DuplicateDetector>; 2] = Default::default();
-        let sender = &self.sender;
-        let objects = self.receive_topic(SceneSource::CollisionObject, &self.objects, |m, lost| {
-            Some(sender.after(sender.object(m), lost))
-        });
-        let attached = self.receive_topic(SceneSource::AttachedCollisionObject, &self.attached, |m, lost| {
-            Some(sender.after(sender.attached(m), lost))
-        });
-        let states =
-            self.receive_topic(SceneSource::ObstacleStates, &self.states, |m, _| Some(sender.states(m)));
-        let worlds =
-            self.receive_topic(SceneSource::PlanningSceneWorld, &self.worlds, |m, _| Some(sender.world(m)));
-        let scenes = self.receive_topic(SceneSource::PlanningScene, &self.scenes, |m, lost| {
-            Some(sender.after(sender.scene(SceneSource::PlanningScene, m), lost))
-        });
-        let octomap = |topic: usize, subscription: usize| {
-            let last = &detectors[topic];
-            self.receive_topic(OCTOMAP_SOURCES[topic], &self.octomaps[topic][subscription], move |m, _| {
-                let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
-                last.is_new(subscription, &m).then(|| sender.octomap(OCTOMAP_SOURCES[topic], m))
-            })
-        };
-        let objects = future::zip(future::zip(objects, attached), states);
-        let scenes = future::zip(objects, future::zip(worlds, scenes));
-        let octomaps =
-            future::zip(future::zip(octomap(0, 0), octomap(0, 1)), future::zip(octomap(1, 0), octomap(1, 1)));
         let transforms = future::zip(
             self.receive_transforms(&self.tf, false),
             self.receive_transforms(&self.tf_static, true),
         );
-        let requests = RequestContext { middleware: &self.middleware, names: &self.names, sender };
-        let others = future::zip(self.receive_clouds(), SceneRequester::default().run(requests));
-        future::zip(future::zip(scenes, octomaps), future::zip(transforms, others)).await;
+        let requests =
+            RequestContext { middleware: &self.middleware, names: &self.names, sender: &self.sender };
+        let checks =
+            future::zip(SceneRequester::default().run(requests), unreceivable_publishers::report(requests));
+        let others = future::zip(self.receive_clouds(), checks);
+        future::zip(self.receive_scenes(), future::zip(transforms, others)).await;
     }
 
-    /// Converts messages to commands. `read` receives the number of messages that were lost right before each.
-    async fn receive_topic<M: Message + 'static>(
-        &self,
-        by: SceneSource,
-        topic: &Subscription<M>,
-        read: impl Fn(M, u64) -> Option<SceneCommand>,
-    ) {
-        let mut sequence_gaps = SequenceGaps::default();
+    /// Sends the messages of all scene topics to the loader, in the order of their reception.
+    async fn receive_scenes(&self) {
+        let octomap_topics: [RefCell<OctomapTopic>; 2] = Default::default();
+        let mut topics = TopicMerger::new(self.scene_topics(&octomap_topics));
         loop {
-            let Ok((message, Origin { publisher, number, received })) = topic.next_or_undecodable().await
-            else {
-                self.sender.note_update(Instant::now());
-                if !self.sender.send(LoaderCommand::Scene(Box::new(self.sender.undecodable(by)))).await {
+            for convert in topics.next().await {
+                let Some(command) = convert() else {
+                    self.sender.note_update_withdrawn();
+                    continue;
+                };
+                if !self.sender.send(LoaderCommand::Scene(Box::new(command))).await {
                     return;
                 }
-                continue;
-            };
-            if self.middleware.is_own(publisher) {
-                // this node's own scene, if both topics have the same name
-                continue;
-            }
-            let lost = number.map_or(0, |number| sequence_gaps.missing_before(publisher, number));
-            self.sender.note_update(received);
-            let Some(command) = read(message, lost) else {
-                self.sender.note_update_withdrawn();
-                continue;
-            };
-            if !self.sender.send(LoaderCommand::Scene(Box::new(command))).await {
-                return;
             }
         }
+    }
+
+    /// All topics whose messages change the scene.
+    fn scene_topics<'t>(
+        &'t self,
+        octomap_topics: &'t [RefCell<OctomapTopic>; 2],
+    ) -> Vec<Box<dyn MergedTopic<Conversion<'t>> + 't>> {
+        let sender = &self.sender;
+        let mut topics: Vec<Box<dyn MergedTopic<Conversion<'t>> + 't>> = vec![
+            self.scene_topic(SceneSource::CollisionObject, &self.objects, |m, _, lost| {
+                Some(sender.after(sender.object(m), lost))
+            }),
+            self.scene_topic(SceneSource::AttachedCollisionObject, &self.attached, |m, _, lost| {
+                Some(sender.after(sender.attached(m), lost))
+            }),
+            self.scene_topic(SceneSource::ObstacleStates, &self.states, |m, _, _| Some(sender.states(m))),
+            self.scene_topic(SceneSource::PlanningSceneWorld, &self.worlds, |m, _, _| Some(sender.world(m))),
+            self.scene_topic(SceneSource::PlanningScene, &self.scenes, |m, _, lost| {
+                Some(sender.after(sender.scene(SceneSource::PlanningScene, m), lost))
+            }),
+        ];
+        for (number, topic) in octomap_topics.iter().enumerate() {
+            for subscription in 0..2 {
+                let octomaps = &self.octomaps[number][subscription];
+                topics.push(self.scene_topic(OCTOMAP_SOURCES[number], octomaps, move |m, origin, _| {
+                    let is_shared = topic.borrow_mut().note(subscription, &m, origin)?;
+                    Some(sender.octomap(OCTOMAP_SOURCES[number], m).of_shared_topic(is_shared))
+                }));
+            }
+        }
+        topics
+    }
+
+    fn scene_topic<'t, M: Message + 'static>(
+        &'t self,
+        by: SceneSource,
+        subscription: &'t Subscription<M>,
+        read: impl Fn(M, &Origin, u64) -> Option<SceneCommand> + 't,
+    ) -> Box<dyn MergedTopic<Conversion<'t>> + 't> {
+        let sequence_gaps = RefCell::default();
+        Box::new(SceneTopic { topics: self, by, subscription, sequence_gaps, read: Rc::new(read) })
     }
 
     async fn receive_transforms(&self, topic: &Subscription<TFMessage>, fixed: bool) {
@@ -250,18 +278,17 @@ impl SceneTopics {
         let kind = TypeName::new("sensor_msgs", "PointCloud2");
         let since = Instant::now();
         let clouds = self.middleware.subscription(&self.names.resolve(topic)?, kind, Quality::Bulk)?;
-        Ok(CloudSubscription { clouds, since })
+        Ok(CloudSubscription { clouds, since, publishers: RefCell::default() })
     }
 
     async fn receive_cloud_topic(&self, topic: &str, subscription: &CloudSubscription) {
-        let mut shared_topic = SharedTopic::default();
         loop {
             let (cloud, origin) = subscription.clouds.next().await;
             if origin.received < subscription.since {
                 // the network library keeps it for a topic that was watched before
                 continue;
             }
-            let is_shared = shared_topic.note(origin.publisher, origin.received);
+            let is_shared = subscription.publishers.borrow_mut().note(origin.publisher, origin.received);
             let (received_at, since) = (self.sender.shared.clock.read(), origin.received);
             let message = CloudMessage { cloud: Arc::new(cloud), received_at, since, is_shared };
             if !self.sender.shared.clouds.put(topic, message) {
@@ -271,6 +298,64 @@ impl SceneTopics {
                 return;
             }
         }
+    }
+}
+
+impl<'t, M, F> SceneTopic<'t, M, F>
+where
+    M: Message + 'static,
+    F: Fn(M, &Origin, u64) -> Option<SceneCommand> + 't,
+{
+    /// Notes a message; `None` if it is this node's own.
+    fn note(&self, taken: Result<(M, Origin), Undecodable>) -> Option<Arrival<Conversion<'t>>> {
+        let (by, sender) = (self.by, &self.topics.sender);
+        let Ok((message, origin)) = taken else {
+            sender.note_update(Instant::now());
+            let item: Conversion = Box::new(move || Some(sender.undecodable(by)));
+            return Some(Arrival { received: system_time(), item });
+        };
+        let Origin { publisher, number, received, arrival } = origin;
+        if self.topics.middleware.is_own(publisher) {
+            // this node's own scene, if both topics have the same name
+            return None;
+        }
+        let missing = |number| self.sequence_gaps.borrow_mut().missing_before(publisher, number);
+        let lost = number.map_or(0, missing);
+        sender.note_update(received);
+        let read = Rc::clone(&self.read);
+        Some(Arrival { received: arrival, item: Box::new(move || read(message, &origin, lost)) })
+    }
+}
+
+impl<'t, M, F> MergedTopic<Conversion<'t>> for SceneTopic<'t, M, F>
+where
+    M: Message + 'static,
+    F: Fn(M, &Origin, u64) -> Option<SceneCommand> + 't,
+{
+    fn next(&self) -> Next<'_, Conversion<'t>> {
+        Box::pin(async {
+            loop {
+                if let Some(arrival) = self.note(self.subscription.next_or_undecodable().await) {
+                    return arrival;
+                }
+            }
+        })
+    }
+
+    fn try_next(&self) -> Option<Arrival<Conversion<'t>>> {
+        loop {
+            if let Some(arrival) = self.note(self.subscription.try_next_or_undecodable()?) {
+                return Some(arrival);
+            }
+        }
+    }
+}
+
+impl OctomapTopic {
+    /// Whether several publishers send on the topic; `None` for the other subscription's copy of the last message.
+    fn note(&mut self, subscription: usize, message: &Octomap, origin: &Origin) -> Option<bool> {
+        let is_new = self.detector.is_new(subscription, message);
+        is_new.then(|| self.publishers.note(origin.publisher, origin.received))
     }
 }
 

@@ -6,6 +6,9 @@ use clearance_files::ply_format::{ByteOrder, NumberKind};
 use super::lzf;
 use super::points::{CloudError, CloudPoints, Column, Columns};
 
+/// Most zeros after the data (bytes): the Point Cloud Library adds up to one page.
+const LONGEST_PADDING: usize = 64 << 10;
+
 /// The header.
 #[derive(Debug, Default)]
 struct Header {
@@ -55,7 +58,7 @@ pub(super) fn is_pcd(bytes: &[u8]) -> bool {
 }
 
 /// # Errors
-/// If the header is incomplete or contradictory, or the data holds fewer points than it declares.
+/// If the header is incomplete or contradictory, or the data holds fewer or more points than it declares.
 pub(super) fn read(bytes: &[u8]) -> Result<CloudPoints, CloudError> {
     let (header, storage, data) = Header::read(bytes)?;
     let fields = header.fields()?;
@@ -76,22 +79,31 @@ pub(super) fn read(bytes: &[u8]) -> Result<CloudPoints, CloudError> {
 impl Header {
     fn read(bytes: &[u8]) -> Result<(Self, Storage, &[u8]), CloudError> {
         let mut header = Self::default();
+        let mut seen = Vec::<String>::new();
         let mut rest = bytes;
         while let Some((line, after)) = next_line(rest) {
             rest = after;
             let mut words = line.split_whitespace();
             let Some(key) = words.next() else { continue };
             let values: Vec<&str> = words.collect();
+            // the oldest files have COLUMNS
+            let key = if key == "COLUMNS" { "FIELDS" } else { key };
+            if seen.iter().any(|other| other == key) {
+                return Err(CloudError(format!("the header has {key} twice: leave one of them out")));
+            }
+            if !key.starts_with('#') {
+                seen.push(key.to_owned());
+            }
             match key {
                 "DATA" => return Ok((header, storage(&values)?, rest)),
                 "VERSION" => {}
-                "FIELDS" | "COLUMNS" => header.names = values.iter().map(|&v| v.to_owned()).collect(),
+                "FIELDS" => header.names = values.iter().map(|&v| v.to_owned()).collect(),
                 "SIZE" => header.sizes = numbers(key, &values)?,
                 "COUNT" => header.counts = numbers(key, &values)?,
                 "TYPE" => header.types = values.iter().filter_map(|v| v.chars().next()).collect(),
-                "WIDTH" => header.width = numbers(key, &values)?.first().copied(),
-                "HEIGHT" => header.height = numbers(key, &values)?.first().copied(),
-                "POINTS" => header.points = numbers(key, &values)?.first().copied(),
+                "WIDTH" => header.width = only_number(key, &values)?,
+                "HEIGHT" => header.height = only_number(key, &values)?,
+                "POINTS" => header.points = only_number(key, &values)?,
                 "VIEWPOINT" => header.viewpoint = numbers(key, &values)?.try_into().ok(),
                 _ if key.starts_with('#') => {}
                 _ => return Err(CloudError(format!("the header has {}, which no PCD has", quoted(key)))),
@@ -172,6 +184,15 @@ fn numbers<T: std::str::FromStr>(key: &str, values: &[&str]) -> Result<Vec<T>, C
         .collect()
 }
 
+/// The number of a line that may have only one; `None` if it has none.
+fn only_number(key: &str, values: &[&str]) -> Result<Option<usize>, CloudError> {
+    match numbers::<usize>(key, values)?[..] {
+        [] => Ok(None),
+        [number] => Ok(Some(number)),
+        [..] => Err(CloudError(format!("{key} has {} values, but must have one", values.len()))),
+    }
+}
+
 fn number_kind(kind: char, size: usize) -> Option<NumberKind> {
     Some(match (kind, size) {
         ('I', 1) => NumberKind::I8,
@@ -220,8 +241,7 @@ fn read_ascii(
             continue;
         }
         if read == count {
-            cloud.remarks.push(format!("more follows after the {count} points that it announces"));
-            break;
+            return Err(surplus("a line follows", count));
         }
         if line.len() != numbers {
             return Err(CloudError(format!(
@@ -258,10 +278,30 @@ fn read_binary(
             data.len()
         )));
     }
-    if data.len() > expected {
-        cloud.remarks.push(format!("{} bytes follow the last point", data.len() - expected));
-    }
+    cloud.remarks.extend(padding(&data[expected..], count)?);
     cloud.read(data, &Columns { xyz, order: ByteOrder::Little }, count)
+}
+
+/// A remark on zeros and blanks after the data.
+///
+/// # Errors
+/// If there is anything else: the header is wrong, and points would be missing.
+fn padding(left: &[u8], count: usize) -> Result<Option<String>, CloudError> {
+    let follow = if left.len() == 1 { "byte follows" } else { "bytes follow" };
+    let is_padding = left.iter().all(|b| *b == 0 || b.is_ascii_whitespace());
+    match left.len() {
+        0 => Ok(None),
+        length if is_padding && length <= LONGEST_PADDING => {
+            Ok(Some(format!("{length} {follow} the last point: zeros or blanks")))
+        }
+        length => Err(surplus(&format!("{length} {follow}"), count)),
+    }
+}
+
+fn surplus(what_follows: &str, count: usize) -> CloudError {
+    CloudError(format!(
+        "{what_follows} after the {count} points that its header announces: the header is wrong, or two files were joined"
+    ))
 }
 
 /// Compressed data: all numbers of the first field, then all of the second and so on, compressed as a whole, without padding.
@@ -297,6 +337,7 @@ fn read_compressed(
             "{count} points take {total} bytes, but the compressed data holds {unpacked}"
         )));
     }
+    cloud.remarks.extend(padding(&data[8 + packed.len()..], count)?);
     let bytes = lzf::unpack(packed, unpacked)?;
     let xyz = coordinates(fields)?.map(|(field, kind)| {
         let place = fields.iter().position(|f| std::ptr::eq(f, field)).unwrap_or_default();

@@ -78,7 +78,18 @@ fn poses_of(texts: &[PoseText], field: &str) -> Result<Vec<Pose>, String> {
     texts.iter().enumerate().map(|(i, text)| text.pose(&format!("{field}[{i}]"))).collect()
 }
 
+/// The value of a `byte` field as `ros2 topic echo` writes it: a control character, as in "\0".
+fn byte(text: &str) -> Option<i64> {
+    let mut characters = text.chars();
+    let only = characters.next().filter(|c| c.is_control() && characters.next().is_none())?;
+    Some(i64::from(u32::from(only)))
+}
+
 fn operation_of(text: OperationText) -> Result<Operation, String> {
+    let text = match text {
+        OperationText::Name(name) => byte(&name).map_or(OperationText::Name(name), OperationText::Number),
+        number @ OperationText::Number(_) => number,
+    };
     let known = match &text {
         OperationText::Number(number) => Operation::from_number(*number),
         OperationText::Name(name) => match name.to_ascii_lowercase().as_str() {

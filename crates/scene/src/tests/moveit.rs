@@ -154,6 +154,22 @@ fn fixed_frames_are_added_to_those_that_are_known() {
     }
 }
 
+/// `Transforms::setTransform` ignores such an entry with an error in the log.
+#[test]
+fn a_frame_in_itself_at_zero_removes_the_frame() {
+    let frame = |name: &str, parent: &str, z| FixedFrame {
+        name: name.to_owned(),
+        parent: parent.to_owned(),
+        pose_pf: at(0.0, 0.0, z),
+    };
+    let with = |frames| SceneChange { fixed_frames: frames, ..difference(vec![], vec![]) };
+    let mut cell = Cell::new();
+    cell.scene(with(vec![frame("a", "base", 2.0), frame("b", "base", 2.0)])).unwrap();
+    cell.scene(with(vec![frame("a", "a", 0.0), frame("c", "c", 0.0)])).unwrap();
+    cell.refuses_object(add("probe", "a", Pose::identity()), "unknown frame 'a'");
+    cell.object(add("probe", "b", Pose::identity())).unwrap();
+}
+
 /// `Transforms::setTransform` accepts only frames in the planning frame: a frame that moves with the robot is not fixed.
 #[test]
 fn a_fixed_frame_does_not_move_with_the_robot() {

@@ -73,3 +73,26 @@ fn what_is_not_kept_is_not_passed_over_in_silence() {
     tree.insert("base", Transform { parent: "map".to_owned(), pose_pf, stamp: Some(seconds(11.0)) });
     assert_eq!(since(&tree, "base", read).unwrap(), [99.0]);
 }
+
+#[test]
+fn an_older_transform_replaces_a_newer_one_only_if_the_clock_was_set_back() {
+    // stamps and times of reception (s) of two transforms; returns the stamp of the stored one
+    let stored = |[first, second]: [(f64, Option<f64>); 2]| {
+        let mut tree = TransformTree::default();
+        for (time, received) in [first, second] {
+            let (parent, pose_pf) = ("map".to_owned(), Pose::translation(time, 0.0, 0.0));
+            let transform = Transform { parent, pose_pf, stamp: Some(seconds(time)) };
+            assert!(tree.insert_received("base", transform, received.map(seconds)));
+        }
+        since(&tree, "base", tree.stored()).unwrap()
+    };
+    for late in [99.9, 99.0, 98.9, 95.0, 1.0] {
+        assert_eq!(stored([(100.0, Some(100.0)), (late, Some(100.2))]), [100.0], "{late}");
+        assert_eq!(stored([(100.0, None), (late, None)]), [100.0], "{late} without a clock");
+    }
+    for again in [4.9, 98.0] {
+        assert_eq!(stored([(100.0, Some(100.0)), (again, Some(again))]), [again], "the clock was set back");
+    }
+    assert_eq!(stored([(500.0, Some(100.0)), (100.1, Some(100.1))]), [100.1], "a stamp of another clock");
+    assert_eq!(stored([(100.9, Some(100.0)), (100.1, Some(100.1))]), [100.9], "within the largest lead");
+}

@@ -23,6 +23,7 @@ impl Cell {
             received_at: received_at.into(),
             unknown_is_occupied: false,
             lost: 0,
+            is_shared: false,
         };
         let command = LoaderCommand::Scene(Box::new(states_command(&message, received_at)));
         self.process(vec![(command, step, Some(OriginalMessage::States(Box::new(message))))], None);

@@ -26,7 +26,7 @@ impl LoaderScene {
             .clouds
             .iter()
             .filter_map(|(topic, cloud)| Some((topic.as_str(), cloud.report.blind.as_deref()?)));
-        of_clouds.chain(self.blind_octomap.as_deref().map(|cause| (OCTOMAP_SOURCE, cause)))
+        of_clouds.chain(self.octomap_state.why_blind.as_deref().map(|cause| (OCTOMAP_SOURCE, cause)))
     }
 
     fn blind(&self) -> Option<Reason> {
@@ -48,12 +48,13 @@ impl LoaderScene {
         })
     }
 
-    /// Rejected parts of the last messages, and the parts that are still missing in the scene because of rejections.
+    /// Rejected parts of the last messages, the parts that are still missing in the scene because of rejections, and publishers from
+    /// which the node cannot receive.
     #[must_use]
     pub fn faults(&self) -> Vec<String> {
         let missing = self.missing.faults().filter(|fault| !self.faults.contains(fault));
         let blind = self.blind_sensors().map(|(source, cause)| {
-            format!("the last message of '{source}' shows nothing of the room: {cause}")
+            format!("the last message of '{source}' shows nothing of the environment: {cause}")
         });
         self.faults
             .iter()
@@ -66,6 +67,7 @@ impl LoaderScene {
             .chain(missing)
             .chain(self.cloud_faults())
             .chain(blind)
+            .chain(self.unreceivable.iter().cloned())
             .collect()
     }
 }

@@ -5,7 +5,7 @@ use clearance_scene::{OCTOMAP, Octomap as Octree, OctomapPlacement, SceneChange,
 
 use super::*;
 use crate::recording::step::SceneSource;
-use crate::scene::command_conversion::{clear_octomap, octomap_command};
+use crate::scene::command_conversion::{clear_octomap, octomap_command, scene_command, unreceivable_command};
 use crate::scene::file_obstacles::FileObstacles;
 use crate::scene::loader_scene::LoaderScene;
 use crate::scene::scene_command::SceneCommand;
@@ -30,9 +30,80 @@ fn files() -> Scene {
 
 /// A map from a topic, received at `received_at`.
 fn map(data: &[u8], received_at: Now) -> SceneCommand {
+    octomap_command(SceneSource::OctomapBinary, message(data), false, received_at)
+}
+
+fn message(data: &[u8]) -> Octomap {
     let data = data.iter().map(|byte| byte.cast_signed()).collect();
-    let map = Octomap { id: "OcTree".to_owned(), binary: true, resolution: 0.1, data, ..Octomap::default() };
-    octomap_command(SceneSource::OctomapBinary, map, false, received_at)
+    Octomap { id: "OcTree".to_owned(), binary: true, resolution: 0.1, data, ..Octomap::default() }
+}
+
+/// The fault of a rejected obstacle that makes the state UNKNOWN.
+fn rejected(scene: &LoaderScene) -> Option<String> {
+    match scene.incomplete(&Parameters::default())? {
+        Reason::RejectedObstacle { fault, .. } => Some(fault),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn an_older_map_is_rejected_unless_the_clock_was_set_back() {
+    let (robot, parameters) = (robot(), Parameters::default());
+    let at = |seconds: i32| Now {
+        ros: Some(Time::from_nanoseconds(i64::from(seconds) * 1_000_000_000)),
+        steady: Duration::from_secs(5),
+    };
+    // whether a map with this stamp (s) is taken at this time (s)
+    let taken = |scene: &mut LoaderScene, stamp: i32, now: i32| {
+        let mut map = message(&LEAF);
+        map.header.stamp.sec = stamp;
+        let command = octomap_command(SceneSource::OctomapFull, map, false, at(now));
+        scene.apply(command, &robot, &SceneUpdateContext::first(&parameters, at(now)))
+    };
+    let mut scene = LoaderScene::default();
+    assert!(taken(&mut scene, 100, 100));
+    for late in [99, 70] {
+        assert!(!taken(&mut scene, late, 101));
+        let fault = rejected(&scene).unwrap();
+        assert!(
+            fault.starts_with("octomap_full") && fault.contains("older than that of the last"),
+            "{fault}"
+        );
+        assert!(scene.octomap.is_some());
+    }
+    assert!(taken(&mut scene, 100, 102) && rejected(&scene).is_none(), "the other topic has the same map");
+    assert!(taken(&mut scene, 5, 5) && rejected(&scene).is_none(), "the clock was set back");
+    assert!(!taken(&mut scene, 4, 6));
+
+    // a map of a scene has no stamp
+    let context = SceneUpdateContext::first(&parameters, at(7));
+    let mut whole = PlanningScene::default();
+    whole.world.octomap.octomap = message(&LEAF);
+    let whole = scene_command(SceneSource::PlanningScene, whole, false, at(7));
+    assert!(scene.apply(whole, &robot, &context));
+    assert!(taken(&mut scene, 3, 8) && rejected(&scene).is_none());
+    scene.apply(clear_octomap(), &robot, &context);
+    assert!(taken(&mut scene, 2, 9), "there was none");
+    // a blind map is the last one, too
+    let mut blank = message(&[]);
+    blank.header.stamp.sec = 10;
+    let blank = octomap_command(SceneSource::OctomapBinary, blank, false, at(10));
+    assert!(!scene.apply(blank, &robot, &SceneUpdateContext::first(&parameters, at(10))));
+    assert!(!taken(&mut scene, 9, 11));
+}
+
+#[test]
+fn maps_of_several_publishers_in_turn_are_rejected() {
+    let (robot, parameters) = (robot(), Parameters::default());
+    let context = SceneUpdateContext::first(&parameters, now());
+    let mut scene = LoaderScene::default();
+    assert!(scene.apply(map(&LEAF, now()).of_shared_topic(false), &robot, &context));
+    assert!(!scene.apply(map(&LEAF, now()).of_shared_topic(true), &robot, &context));
+    let fault = rejected(&scene).unwrap();
+    assert!(fault.starts_with("octomap_binary") && fault.contains("several publishers send"), "{fault}");
+    assert!(fault.contains("ros2 topic info -v octomap_binary") && scene.octomap.is_some(), "{fault}");
+    assert!(scene.apply(map(&LEAF, now()).of_shared_topic(false), &robot, &context));
+    assert_eq!(rejected(&scene), None);
 }
 
 #[test]
@@ -55,6 +126,64 @@ fn an_empty_map_is_blind_after_the_octree_of_a_file() {
     assert!(scene.apply(map(&LEAF, now()), &robot, &context));
     assert!(scene.incomplete(&parameters).is_none() && scene.state.file_octree().is_none());
     assert_eq!(scene.sources(&expiring).len(), 1);
+}
+
+#[test]
+fn publishers_from_which_the_node_cannot_receive_are_warnings_while_they_exist() {
+    let (robot, parameters) = (robot(), Parameters::default());
+    let context = SceneUpdateContext::first(&parameters, now());
+    let warning = ["a publisher of /collision_object is incompatible".to_owned()];
+    let mut scene = LoaderScene::default();
+    // before there is a robot
+    scene.store(unreceivable_command(warning.to_vec()));
+    assert_eq!((scene.faults(), scene.take_waiting().count()), (warning.to_vec(), 0));
+    scene.apply(map(&LEAF, now()), &robot, &context);
+    assert_eq!(scene.faults(), warning);
+    assert!(scene.incomplete(&parameters).is_none());
+    assert!(!scene.apply(unreceivable_command(Vec::new()), &robot, &context));
+    assert_eq!(scene.faults(), [""; 0]);
+}
+
+/// A whole scene, with an octomap or without one.
+fn whole_scene(by: SceneSource, octomap: Option<Octomap>) -> SceneCommand {
+    let mut whole = PlanningScene::default();
+    whole.world.octomap.octomap = octomap.unwrap_or_default();
+    scene_command(by, whole, false, now())
+}
+
+#[test]
+fn a_whole_scene_without_an_octomap_keeps_that_of_a_sensor_or_file() {
+    let (robot, parameters) = (robot(), Parameters::default());
+    let context = SceneUpdateContext::first(&parameters, now());
+    let expiring = Parameters { octomap_ttl: 1.0, ..Parameters::default() };
+    let has_map = |scene: &LoaderScene| scene.state.world.id(OCTOMAP).is_some();
+    let whole = || whole_scene(SceneSource::PlanningScene, None);
+
+    let mut scene = LoaderScene::default();
+    scene.apply(map(&LEAF, now()), &robot, &context);
+    scene.apply(whole(), &robot, &context);
+    assert!(has_map(&scene) && scene.octomap.is_some());
+    assert_eq!(scene.sources(&expiring).len(), 1);
+    // a rejected map of the sensor is missing until the sensor sends another one
+    scene.apply(map(&[0b01], now()), &robot, &context);
+    scene.apply(whole(), &robot, &context);
+    assert!(rejected(&scene).is_some());
+    scene.apply(map(&LEAF, now()), &robot, &context);
+    assert_eq!(rejected(&scene), None);
+
+    // as in MoveIt, an octomap of a scene is a part of that scene
+    scene.apply(whole_scene(SceneSource::PlanningScene, Some(message(&LEAF))), &robot, &context);
+    assert!(has_map(&scene));
+    scene.apply(whole(), &robot, &context);
+    assert!(!has_map(&scene) && scene.octomap.is_none());
+
+    let mut scene = LoaderScene::default();
+    scene.replace_scene(files(), &robot, &context);
+    scene.apply(whole(), &robot, &context);
+    assert!(scene.state.file_octree().is_some() && scene.state.world.id("shelf").is_none());
+    // a client that applies a scene sets all of it
+    scene.apply(whole_scene(SceneSource::ApplyPlanningScene, None), &robot, &context);
+    assert!(!has_map(&scene));
 }
 
 #[test]

@@ -146,6 +146,65 @@ fn the_viewpoint_is_reported_and_not_applied() {
 }
 
 #[test]
+fn more_points_than_announced_are_rejected() {
+    let fields = vec![("x", 'F', 4, 1), ("y", 'F', 4, 1), ("z", 'F', 4, 1)];
+    for form in ["ascii", "binary", "binary_compressed"] {
+        for count in [0, 1, 3] {
+            let points = vec![[1.0, 2.0, 3.0]; count];
+            let file = Written { points, fields: fields.clone(), form }.file();
+            let with = |more: &[u8]| read_cloud(&[&file[..], more].concat());
+            let more: [&[u8]; 4] = [b"0.5 0.5 0.5\n", b"x", &[1; 12], &[0, 0, 128, 63]];
+            for more in more {
+                let message = with(more).unwrap_err().to_string();
+                let words = format!("after the {count} points that its header announces");
+                assert!(message.contains(&words), "{form}: {message}");
+            }
+            for blank in [&b"\n"[..], b" \r\n\n"] {
+                let cloud = with(blank).unwrap();
+                assert_eq!(cloud.points.len(), count, "{form}");
+                assert_eq!(cloud.remarks.len(), usize::from(form != "ascii"), "{:?}", cloud.remarks);
+            }
+            // as the Point Cloud Library fills up pages
+            if form != "ascii" {
+                let cloud = with(&[0; 4096]).unwrap();
+                assert!(
+                    cloud.remarks[0].starts_with("4096 bytes follow the last point"),
+                    "{:?}",
+                    cloud.remarks
+                );
+                assert!(with(&vec![0; LONGEST_PADDING + 1]).is_err());
+            }
+        }
+    }
+}
+
+#[test]
+fn lines_of_the_header_stand_once() {
+    let header = [
+        "VERSION 0.7",
+        "FIELDS x y z",
+        "SIZE 4 4 4",
+        "TYPE F F F",
+        "COUNT 1 1 1",
+        "WIDTH 1",
+        "HEIGHT 1",
+        "VIEWPOINT 0 0 0 1 0 0 0",
+        "POINTS 1",
+    ];
+    let text = |lines: &[&str]| format!("{}\nDATA ascii\n1 2 3\n", lines.join("\n"));
+    assert_eq!(read_cloud(text(&header).as_bytes()).unwrap().points, [[1.0, 2.0, 3.0]]);
+    for line in header.into_iter().chain(["COLUMNS y x z"]) {
+        let message = read_cloud(text(&[&header[..], &[line]].concat()).as_bytes()).unwrap_err().to_string();
+        let key = line.split(' ').next().unwrap().replace("COLUMNS", "FIELDS");
+        assert!(message.contains(&format!("{key} twice")), "{message}");
+    }
+    let comments = [&["# a", "# a"][..], &header].concat();
+    assert!(read_cloud(text(&comments).as_bytes()).is_ok());
+    let two = text(&header).replace("WIDTH 1", "WIDTH 1 2");
+    assert!(read_cloud(two.as_bytes()).unwrap_err().to_string().contains("WIDTH has 2 values"));
+}
+
+#[test]
 fn faults_are_named() {
     for (text, word) in [
         ("VERSION 0.7\nDATA ascii\n".to_owned(), "POINTS"),

@@ -115,6 +115,33 @@ world:
     assert!(!loader.scene.matrix.unwrap().mentions("b"));
 }
 
+/// `operation` is a `byte`, which `ros2 topic echo` writes as a character.
+#[test]
+fn operations_are_read_as_echo_writes_bytes() {
+    let scene = |add: &str, append: &str| {
+        let ball = |operation: &str| {
+            format!("{{id: a, operation: {operation}, primitives: [{{type: 2, dimensions: [0.1]}}]}}")
+        };
+        let (add, append) = (ball(add), ball(append));
+        read(&format!("world:\n  collision_objects:\n  - {add}\n  - {append}\n"))
+    };
+    for (add, append) in [
+        ("0", "2"),
+        (r#""\0""#, r#""\x02""#),
+        (r#""\x00""#, r#""\u0002""#),
+        ("!!binary AA==", "!!binary Ag=="),
+        ("!!binary \"AA==\"", "APPEND"),
+    ] {
+        let loader = scene(add, append).unwrap_or_else(|e| panic!("{add}, {append}: {e}"));
+        assert_eq!(loader.scene.world.obstacle_by_name("a").unwrap().shapes.len(), 2, "{add}, {append}");
+    }
+    for (operation, words) in [(r#""\x04""#, "'4' is none"), (r#""\0\0""#, "is none"), ("'0'", "'0' is none")]
+    {
+        let message = scene("0", operation).unwrap_err().to_string();
+        assert!(message.contains("'a'") && message.contains(words), "{operation}: {message}");
+    }
+}
+
 #[test]
 fn files_add_to_each_other_and_only_diffs_replace() {
     let ball = |x: f64| {

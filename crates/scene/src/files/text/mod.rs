@@ -1,16 +1,16 @@
 //! YAML format of a planning scene: `moveit_msgs` field names, with the short forms that MoveIt's tools write (lists for vectors, names
 //! for shape types).
 
-mod numbers;
 mod object;
+mod pose_text;
 
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
 use crate::MatrixEntries;
 
-pub use numbers::{PoseText, TransformText};
 pub use object::{AttachedText, HeaderText, KindText, MeshText, ObjectText, OperationText, PrimitiveText};
+pub use pose_text::{PoseText, TransformText};
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]

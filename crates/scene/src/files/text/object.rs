@@ -3,7 +3,7 @@
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
-use super::numbers::{PoseText, XyzText};
+use super::pose_text::{PoseText, XyzText};
 
 /// `moveit_msgs/CollisionObject`
 #[derive(Debug, Default, Deserialize)]

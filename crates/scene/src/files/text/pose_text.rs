@@ -32,7 +32,8 @@ pub enum XyzText {
     Map(Named<XyzMap>),
 }
 
-/// Components that have names. Without this, a list would be read as components in their order, and a short one completed.
+/// Components that have names. Without this, a list would be read as components in their order, and a short one
+/// completed.
 #[derive(Debug, Clone, Copy)]
 pub struct Named<T>(T);
 
