@@ -1,3 +1,5 @@
+//! Fuzz target: PLY point clouds.
+
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| clearance_fuzz::inputs::ply_cloud(data));

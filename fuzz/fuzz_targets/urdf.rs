@@ -1,3 +1,5 @@
+//! Fuzz target: URDF robot descriptions.
+
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| clearance_fuzz::inputs::urdf(data));

@@ -21,7 +21,7 @@ use super::run_args::{internal, positive, print_line};
 ///
 /// Distances are proven bounds of the largest distance of one geometry from the other. Closed meshes and primitives are solid.
 ///
-/// Exit codes: 0 no error; 1 at least one error; 2 bad input.
+/// Exit codes: 0 no error; 1 at least one error, or with --strict a warning; 2 bad input.
 #[derive(Args)]
 pub struct LintArgs {
     /// URDF file of the robot

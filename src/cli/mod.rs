@@ -1,7 +1,7 @@
 //! Commands of the `clearance` program.
 //!
 //! Exit codes: 0: everything in the query is free; 1: completed, and something is not free; 2: bad input; 3: internal error.
-//! The node also has 4: ended by a signal, before its orderly end was complete.
+//! The node also has 4: ended by a signal, before its orderly end was complete; and 5: more memory than `memory_limit`.
 
 mod acm;
 mod acm_output;
@@ -33,6 +33,8 @@ mod node;
 mod output_files;
 mod plan;
 mod progress;
+#[cfg(feature = "ros")]
+mod recorded_arguments;
 mod recover;
 #[cfg(feature = "ros")]
 mod replay;

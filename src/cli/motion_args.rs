@@ -47,8 +47,8 @@ pub struct MotionInputArgs {
     /// A list "obstacle_limits" of a "speed" in m/s and an "acceleration" in m/s2, by "name" or for all others, lets obstacles move in
     /// addition: the proof then holds for every such motion. "obstacle_latency" in s: their poses are older than the start.
     ///
-    /// Times are those of the trajectory, which then needs time_from_start. A twist starts at time 0. At its first pose an obstacle is
-    /// at its pose in the world. A straight motion lasts from time 0 to 1, so a twist is the displacement during the whole motion.
+    /// Times are those of the trajectory, which then needs time_from_start. A twist starts at time 0. The first pose must be
+    /// the obstacle's pose in the world. A straight motion lasts from time 0 to 1, so a twist is the displacement during the whole motion.
     #[arg(long, value_name = "FILE")]
     moving: Option<PathBuf>,
 }

@@ -13,7 +13,7 @@ use log::LevelFilter;
 use super::exit_status::ExitStatus;
 use super::failure::Failure;
 use super::model_args::{ModelArgs, WorldArgs};
-use super::replay::GivenFiles;
+use super::recorded_arguments::RecordedArguments;
 use super::view_args::ViewArgs;
 
 /// Without --urdf the robot description is received from the topic `robot_description`.
@@ -61,8 +61,8 @@ pub fn run(args: &NodeArgs, level: LevelFilter) -> Result<ExitStatus, Failure> {
         None => None,
     };
     let view = args.view.open()?;
-    let files = GivenFiles::new(&args.model.robot, &args.world);
-    let command_line = CommandLineInputs { arguments: files.to_json(), files: files.all(), meshes };
+    let recorded = RecordedArguments::new(&args.model.robot, &args.world);
+    let command_line = CommandLineInputs { arguments: recorded.to_json(), files: recorded.files(), meshes };
     clearance_ros::run(NodeOptions {
         startup,
         announcement,

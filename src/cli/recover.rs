@@ -140,8 +140,17 @@ impl RecoverArgs {
         };
         let options = self.group.as_ref().map(of_group).transpose()?.unwrap_or_default();
         let joint = |name: &String| {
-            let unknown = || Failure::Input(format!("--locked: the robot has no joint '{name}'"));
-            robot.joint_by_name(name).ok_or_else(unknown)
+            let of_position = name.rsplit_once('/').and_then(|(joint, _)| robot.joint_by_name(joint));
+            let is_position = robot.position_names().contains(name);
+            robot.joint_by_name(name).ok_or_else(|| match of_position.filter(|_| is_position) {
+                Some(joint) => {
+                    let joint = &robot.joint(joint).name;
+                    Failure::Input(format!(
+                        "--locked: '{name}' is a position of joint '{joint}': give the joint"
+                    ))
+                }
+                None => Failure::Input(format!("--locked: the robot has no joint '{name}'")),
+            })
         };
         Ok(RecoveryOptions {
             locked: self.locked.iter().map(joint).collect::<Result<Vec<JointId>, Failure>>()?,

@@ -1,17 +1,13 @@
 //! `clearance replay`: runs a recording of the node again, without a network.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use clap::Args;
-use clearance::robot::{MeshFiles, RobotModel, RobotText};
-use clearance_ros::{Archive, Outcome, Prepared, recorded_path, save_part};
-use serde::{Deserialize, Serialize};
-use serde_json::Value as Json;
+use clearance_ros::{Archive, Outcome, save_part};
 
 use super::exit_status::ExitStatus;
 use super::failure::Failure;
-use super::model_args::{MeshArg, RobotArgs, UnknownSpace, WorldArgs};
+use super::recorded_arguments::prepare;
 use super::run_args::{Format, internal, print_line};
 
 /// Number of results before the different one to keep in a test; the smallest that reproduces the difference is used.
@@ -33,20 +29,6 @@ pub struct ReplayArgs {
     /// Output format
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
-}
-
-/// Command line arguments in a recording: names of files, which are attached to it.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
-#[serde(default)]
-pub struct GivenFiles {
-    urdf: Option<PathBuf>,
-    srdf: Option<PathBuf>,
-    mesh: Option<MeshArg>,
-    world: Vec<PathBuf>,
-    cloud: Vec<PathBuf>,
-    point_radius: Option<f64>,
-    unknown_space: UnknownSpace,
-    ignore: Vec<String>,
 }
 
 pub fn run(args: &ReplayArgs) -> Result<ExitStatus, Failure> {
@@ -129,79 +111,4 @@ fn save_test(file: &Path, folder: &Path, outcome: &Outcome) -> Result<PathBuf, F
         std::fs::remove_file(&to).map_err(input_failure)?;
     }
     Err(Failure::Internal("no part of the recording shows the difference again".to_owned()))
-}
-
-impl GivenFiles {
-    pub fn new(robot: &RobotArgs, world: &WorldArgs) -> Self {
-        let recorded = |paths: &[PathBuf]| paths.iter().map(|path| recorded_path(path)).collect();
-        Self {
-            urdf: robot.urdf.as_deref().map(recorded_path),
-            srdf: robot.srdf.as_deref().map(recorded_path),
-            mesh: robot.mesh,
-            world: recorded(&world.world),
-            cloud: recorded(&world.cloud),
-            point_radius: world.point_radius,
-            unknown_space: world.unknown_space,
-            ignore: world.ignore.clone(),
-        }
-    }
-
-    pub fn to_json(&self) -> Json {
-        // paths that are not UTF-8 have no names in a recording
-        serde_json::to_value(self).unwrap_or_default()
-    }
-
-    /// All files in the arguments.
-    pub fn all(&self) -> Vec<PathBuf> {
-        (self.urdf.iter()).chain(&self.srdf).chain(&self.world).chain(&self.cloud).cloned().collect()
-    }
-}
-
-/// Prepares the node's input from the recording alone.
-fn prepare(archive: Archive) -> Result<Prepared, String> {
-    let given: GivenFiles = serde_json::from_value(archive.given.clone())
-        .map_err(|error| format!("what the node was given is no such thing of this version: {error}"))?;
-    let archive = Arc::new(archive);
-    let mesh_files = match given.urdf.as_deref().and_then(Path::parent) {
-        Some(folder) => archive.meshes().beside_urdf(folder),
-        None => archive.meshes(),
-    };
-    let robot = given.robot(&archive, &mesh_files)?;
-    let mesh_model = RobotArgs { mesh: given.mesh, ..RobotArgs::default() }.mesh_model();
-    let world = WorldArgs {
-        world: given.world,
-        cloud: given.cloud,
-        point_radius: given.point_radius,
-        unknown_space: given.unknown_space,
-        ignore: given.ignore,
-    };
-    let files = mesh_files.clone();
-    Ok(Prepared {
-        robot,
-        mesh_files,
-        surroundings: Box::new(move |robot| {
-            let read = |path: &Path| archive.file(path).map(|bytes| bytes.to_vec());
-            world.load_with(robot, &files, &read, &mut Vec::new()).map_err(|failure| failure.to_string())
-        }),
-        mesh_model,
-    })
-}
-
-impl GivenFiles {
-    fn robot(&self, archive: &Archive, mesh_files: &MeshFiles) -> Result<Option<RobotModel>, String> {
-        let read = |path: &Path| -> Result<String, String> {
-            let bytes = archive.file(path)?;
-            String::from_utf8(bytes.to_vec()).map_err(|error| format!("{}: {error}", path.display()))
-        };
-        let Some(urdf_path) = &self.urdf else { return Ok(None) };
-        let urdf = read(urdf_path)?;
-        let srdf = self.srdf.as_deref().map(read).transpose()?;
-        let text = RobotText {
-            urdf: &urdf,
-            urdf_name: urdf_path.to_str(),
-            srdf: srdf.as_deref(),
-            srdf_name: self.srdf.as_deref().and_then(Path::to_str),
-        };
-        RobotModel::from_text(&text, mesh_files).map(Some).map_err(|error| error.to_string())
-    }
 }

@@ -28,7 +28,8 @@ use super::shapes;
 /// The spheres of a link contain all triangles of its collision geometry and the inside of closed meshes and primitives. The excess is the
 /// largest distance of a point of the spheres from the link: its upper bound is proven.
 ///
-/// Exit codes: 0 done; with --measure, 1 if a part of the surface is certainly in no sphere; 2 bad input.
+/// Exit codes: 0 done; 1 if --deadline ended the search above --excess or, with --measure, if a part of the surface is certainly in no
+/// sphere; 2 bad input.
 #[derive(Args)]
 pub struct SpheresArgs {
     #[command(flatten)]

@@ -1,8 +1,12 @@
 //! Tests of the pages: links, anchors and file names are valid, the book lists every page, every page names its
-//! readers, lines are short, and the table of parameters has the defaults of `config/clearance.yaml`.
+//! readers, lines are short, the table of parameters has the defaults of `config/clearance.yaml`, and the table of options
+//! names the commands that have them.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Component, Path, PathBuf};
+
+#[cfg(feature = "ros")]
+use crate::program::clearance;
 
 /// Folders without pages of this project.
 const NO_PAGES: [&str; 4] = ["target", "node_modules", "dist", "shared"];
@@ -277,4 +281,57 @@ fn the_table_of_parameters_has_the_defaults_of_the_parameter_file() {
         })
         .collect();
     assert_eq!(listed, declared);
+}
+
+/// Every command of the program.
+#[cfg(feature = "ros")]
+const COMMANDS: [&str; 13] = [
+    "check", "motion", "recover", "plan", "acm", "spheres", "verify", "lint", "view", "bench", "node",
+    "doctor", "replay",
+];
+
+/// The first word of each code span.
+#[cfg(feature = "ros")]
+fn words_in_code(text: &str) -> Vec<&str> {
+    text.split('`').skip(1).step_by(2).filter_map(|span| span.split_whitespace().next()).collect()
+}
+
+/// Whether the help of a command has a line for an option.
+#[cfg(feature = "ros")]
+fn has_option(help: &str, option: &str) -> bool {
+    help.lines().any(|line| {
+        let line = line.trim_start();
+        // a short form may stand before
+        let long = line.split_once(", ").filter(|(short, _)| short.len() == 2).map_or(line, |(_, long)| long);
+        long.split([' ', '[']).next() == Some(option)
+    })
+}
+
+#[cfg(feature = "ros")]
+#[test]
+fn the_table_of_options_names_the_commands_that_have_them() {
+    let help = |command| String::from_utf8_lossy(&clearance(&[command, "--help"]).stdout).into_owned();
+    let helps = COMMANDS.map(|command| (command, help(command)));
+    let page = &pages()[Path::new("docs/plan/states.md")];
+    let (_, section) = page.split_once("## Options of several commands").unwrap();
+    let table =
+        section.lines().skip_while(|line| !line.starts_with('|')).take_while(|line| line.starts_with('|'));
+    let mut found = vec![];
+    let mut count = 0;
+    for row in table.filter(|row| row.starts_with("| `")) {
+        let cells: Vec<&str> = row.split(" | ").collect();
+        let (commands, exceptions) = cells[1].split_once(';').unwrap_or((cells[1], ""));
+        let (named, exempt) = (words_in_code(commands), words_in_code(exceptions));
+        for option in words_in_code(cells[0]) {
+            for (command, help) in &helps {
+                count += 1;
+                let is_listed = named.contains(command) != commands.starts_with("all");
+                if !exempt.contains(command) && is_listed != has_option(help, option) {
+                    found.push(format!("{option}: {command} is listed: {is_listed}"));
+                }
+            }
+        }
+    }
+    assert!(count > 200, "only {count}");
+    nothing_found(&found);
 }

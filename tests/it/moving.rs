@@ -239,6 +239,39 @@ fn a_certificate_with_limits_is_for_these_or_lower_ones() {
     }
 }
 
+/// Only differences of poses count: with another first pose, another motion would be proven.
+#[test]
+fn the_first_pose_is_the_one_in_the_world() {
+    let through = |name: &str, position: &str, more: &str| {
+        let pose = format!("position: {position}{more}");
+        Case::new(&format!(
+            "moving_obstacles: [{{name: {name}, poses: [{{time: 0, {pose}}}, {{time: 1, {pose}}}]}}]"
+        ))
+    };
+    for (name, position) in
+        [("ball", "[2, 2, 0]"), ("ball", "[2, 2.0000005, 0]"), ("bar", "[0, -4, 0]"), ("two", "[0, 0, 0]")]
+    {
+        let output = through(name, position, "").motion(&STILL);
+        assert_eq!(output.status.code(), Some(0), "{name}: {output:?}");
+    }
+    for (name, position, more, words) in [
+        // a predicted pose at the robot's tip
+        ("ball", "[2, 0, 0]", "", ["'ball'", "first pose is [2, 0, 0]", "the world has it at [2, 2, 0]"]),
+        ("ball", "[2, 2.000002, 0]", "", ["'ball'", "first pose is [2, 2.000002, 0]", "make the pose"]),
+        ("bar", "[0, -4, 0]", ", orientation: [0, 0, 1, 0]", ["'bar'", "[0, 0, 1, 0]", "[0, 0, 0, 1]"]),
+        // the shapes are there, the object is not
+        ("two", "[9, 0, 0]", "", ["'two'", "first pose is [9, 0, 0]", "the world has it at [0, 0, 0]"]),
+    ] {
+        through(name, position, more).assert_refused(&STILL, &words);
+    }
+    // old scenes have the pose at the shape, and none at the object
+    let case = through("ball", "[2, 2, 0]", "");
+    let old = WORLD.replace("pose: {position: [2, 2, 0]}", "primitive_poses: [{position: [2, 2, 0]}]");
+    assert_ne!(old, WORLD);
+    case.write("world.yaml", &old);
+    assert_eq!(case.motion(&STILL).status.code(), Some(0));
+}
+
 #[test]
 fn broken_files_are_rejected_by_name() {
     let cases: [(&str, &[&str]); 21] = [
@@ -271,7 +304,7 @@ fn broken_files_are_rejected_by_name() {
             &["'ball'", "two poses"],
         ),
         (
-            "moving_obstacles: [{name: ball, poses: [{time: 0, position: [0, 0, 0]}, {time: 0.5, position: [0, 0, 0]}]}]",
+            "moving_obstacles: [{name: ball, poses: [{time: 0, position: [2, 2, 0]}, {time: 0.5, position: [0, 0, 0]}]}]",
             &["'ball'", "from time 0 to 0.5", "from 0 to 1"],
         ),
         (

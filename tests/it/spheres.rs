@@ -188,6 +188,19 @@ fn bad_sizes_are_rejected() {
 }
 
 #[test]
+fn a_depth_that_is_not_reached_is_an_error() {
+    let folder = folder();
+    let link = r#"<link name="cube"><collision><geometry><box size="0.001 0.001 0.001"/></geometry></collision></link>"#;
+    folder.write("t.urdf", &format!("<robot name='r'>{link}</robot>"));
+    let output = folder.run(&["spheres", "--urdf", "t.urdf", "--inner", "--excess", "0.000001"]);
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(
+        output.status.code() == Some(2) && text.contains("link 'cube': no cover with an excess"),
+        "{text}"
+    );
+}
+
+#[test]
 fn a_cover_does_not_depend_on_the_number_of_threads() {
     let robot = RobotModel::load(&folder().path("r.urdf"), None, &[]).unwrap();
     for size in [CoverSize::PerLink(3), CoverSize::Total(5), CoverSize::Excess(0.04)] {

@@ -1,5 +1,7 @@
 //! Adds entries to the text of an SRDF; everything that the text has stays as it is.
 
+use clearance_robot::xml_attribute;
+
 /// A new `disable_collisions` element.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SrdfEntry {
@@ -30,7 +32,7 @@ pub fn add_disabled_pairs(
     entries: &[SrdfEntry],
 ) -> Result<String, SrdfTextError> {
     let Some(text) = srdf else {
-        let robot = escaped(robot);
+        let robot = xml_attribute(robot);
         let lines = lines(entries, INDENT, "\n");
         return Ok(format!("<?xml version=\"1.0\"?>\n<robot name=\"{robot}\">\n{lines}</robot>\n"));
     };
@@ -64,13 +66,9 @@ fn lines(entries: &[SrdfEntry], indent: &str, line_end: &str) -> String {
 
 impl SrdfEntry {
     fn element(&self) -> String {
-        let [link1, link2] = [&self.link1, &self.link2].map(|name| escaped(name));
+        let [link1, link2] = [&self.link1, &self.link2].map(|name| xml_attribute(name));
         format!("<disable_collisions link1=\"{link1}\" link2=\"{link2}\" reason=\"{}\"/>", self.reason)
     }
-}
-
-fn escaped(name: &str) -> String {
-    name.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
 }
 
 fn is_tag(tag: &str, start: &str) -> bool {
@@ -120,6 +118,8 @@ fn end_of_tag(tag: &str) -> usize {
 
 #[cfg(test)]
 mod tests {
+    use clearance_robot::{MeshFiles, RobotModel, RobotText};
+
     use super::*;
 
     fn entry() -> [SrdfEntry; 1] {
@@ -145,6 +145,40 @@ mod tests {
         }
         let new = add_disabled_pairs(Some(texts[0]), "r", &entry()).unwrap();
         assert!(new.contains(&format!("\n  {ELEMENT}\n</robot>\n<!-- end")), "{new}");
+    }
+
+    /// A reader replaces a plain line break by a blank: the entry would be about another link.
+    #[test]
+    fn entries_are_read_back_with_every_character_of_a_name() {
+        let names = ["base", "a&#10;b", "a b", "a&#9;b", "a&#x85;b", "a&#x2028;b", "a&quot;&amp;&lt;>'b"];
+        let link = |name: &str| format!("<link name=\"{name}\"/>");
+        let joint = |name: &str| {
+            format!(
+                "<joint name=\"to {name}\" type='fixed'><parent link='base'/><child link=\"{name}\"/></joint>"
+            )
+        };
+        let links = names.map(link).concat();
+        let joints: String = names[1..].iter().map(|name| joint(name)).collect();
+        let urdf = format!("<robot name='r'>{links}{joints}</robot>");
+        let read = |srdf: Option<&str>| {
+            let text = RobotText { urdf: &urdf, srdf, ..RobotText::default() };
+            RobotModel::from_text(&text, &MeshFiles::default()).unwrap()
+        };
+        let robot = read(None);
+        for link in robot.links() {
+            for other in robot.links().iter().filter(|other| other.name > link.name) {
+                let (link1, link2) = (link.name.clone(), other.name.clone());
+                let entries = [SrdfEntry { link1, link2, reason: "Never" }];
+                for before in [None, Some("<robot name='r'/>")] {
+                    let model = read(Some(&add_disabled_pairs(before, "r", &entries).unwrap()));
+                    assert!(model.warnings().is_empty(), "{:?}", model.warnings());
+                    let [pair] = &model.srdf().unwrap().disabled_pairs[..] else { panic!("one pair") };
+                    let mut found = [pair.a, pair.b].map(|id| &model.link(id).name);
+                    found.sort_unstable();
+                    assert_eq!(found, [&link.name, &other.name]);
+                }
+            }
+        }
     }
 
     #[test]

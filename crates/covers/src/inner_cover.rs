@@ -65,8 +65,8 @@ impl<'s> InnerCover<'s> {
         best
     }
 
-    /// Few balls inside, such that points deeper than `depth` (m) are in one of them. Proven unless [`MOST_ADDED`] balls do not
-    /// suffice or the limit ends the search.
+    /// Few balls inside, such that points deeper than `depth` (m) are in one of them, unless [`MOST_ADDED`] balls do not suffice or the limit
+    /// ends the search: the caller must check this.
     pub fn of_depth(&self, depth: f64) -> Vec<Ball> {
         let found = self.search_depth(depth);
         self.own_spheres(found.len()).unwrap_or(found)

@@ -222,11 +222,13 @@ fn share_rest(searches: &[LinkSearch], aims: &mut [Aim], links: &mut [LinkCover]
 }
 
 /// Spheres that lie inside the closed meshes and primitives of each link; a link without an inside has none. The size is a count, or a depth
-/// (m) instead of an excess: of few spheres, such that few points inside are deeper than this and in no sphere. [`LinkCover::error`] bounds
-/// the depth that is left. If the limit ends the search, the spheres that were found so far are returned, and the bound holds for them.
+/// (m) instead of an excess: of few spheres, such that all points inside that are deeper than this are in a sphere. [`LinkCover::error`]
+/// bounds the depth that is left. If the limit ends the search, the spheres that were found so far are returned, and the bound holds for
+/// them.
 ///
 /// # Errors
-/// If a count or the depth is not positive, if the size is a total, or if a link has geometry that has no inside by definition.
+/// If a count or the depth is not positive, if the size is a total, if no cover of the depth is found, or if a link has geometry that has
+/// no inside by definition.
 pub fn inner_sphere_cover(
     robot: &RobotModel,
     size: &CoverSize,
@@ -250,14 +252,21 @@ pub fn inner_sphere_cover(
         });
         let depth = uncovered_depth(solid, &balls, &DEPTH, limit);
         let is_cut = search_limit.is_over() || limit.is_over();
+        if let Aim::Excess(excess) = aim
+            && depth.upper > excess
+            && !is_cut
+        {
+            return Err(CoverError::NotReached { link: robot.link(*link).name.clone(), excess });
+        }
         let sphere = |ball: &Ball| CoverSphere { centre: ball.centre, radius: ball.radius, excess: 0.0 };
         on_link(*link);
-        LinkCover {
+        Ok(LinkCover {
             link: *link,
             spheres: balls.iter().map(sphere).collect(),
             error: [depth.lower, depth.upper],
             is_cut,
-        }
+        })
     };
-    Ok(SphereCover { links: solids(robot, size)?.par_iter().map(cover).collect() })
+    let links = solids(robot, size)?.par_iter().map(cover).collect::<Result<_, _>>()?;
+    Ok(SphereCover { links })
 }

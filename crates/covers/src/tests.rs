@@ -13,7 +13,7 @@ use crate::cover_shape::{CoverShape, PosedShape, ShapeSize};
 use crate::excess::{ConvexShape, ball_excess};
 use crate::inner_cover::{InnerCover, uncovered_depth};
 use crate::link_solid::LinkSolid;
-use crate::options::CoverSize;
+use crate::options::{CoverError, CoverSize};
 use crate::outer_cover::{Aim, BoundedBall, OuterCover, ProvenCover, around, largest_excess};
 use crate::primitive_mesh::inscribed_mesh;
 use crate::samples::directions;
@@ -231,6 +231,24 @@ fn inner_balls_are_inside() {
         let left = uncovered_depth(&solid, &search.of_depth(depth), &accuracy, &limit);
         assert!(left.upper <= depth, "{name}: {left:?}");
     }
+}
+
+#[test]
+fn an_inner_cover_that_leaves_deeper_points_out_is_an_error() {
+    let urdf = r#"<robot name="r"><link name="a"><collision><geometry><box size="0.001 0.001 0.001"/></geometry></collision>
+        </link></robot>"#;
+    let robot = RobotModel::from_urdf(urdf, &MeshFiles::default()).unwrap();
+    let cover =
+        |depth| inner_sphere_cover(&robot, &CoverSize::Excess(depth), &SearchLimit::default(), &|_| ());
+    let found = cover(3e-4).unwrap();
+    assert!(found.largest_error() <= 3e-4 && !found.is_cut(), "{found:?}");
+    // less than the bounds of the search can prove
+    let missed = cover(1e-6).unwrap_err();
+    assert_eq!(missed, CoverError::NotReached { link: "a".to_owned(), excess: 1e-6 });
+    // a search that the limit ends has a result
+    let limit = SearchLimit::default();
+    limit.stop();
+    assert!(inner_sphere_cover(&robot, &CoverSize::Excess(1e-6), &limit, &|_| ()).unwrap().is_cut());
 }
 
 #[test]

@@ -63,7 +63,9 @@ pub fn shortest_turns(
                 }
             }
         }
-        points[i - 1] = robot.configuration(&positions)?;
+        robot.configuration(&positions)?;
+        // quaternions would be normalised again, which rounds them again: a floating joint at rest would move
+        points[i - 1] = Configuration::trusted(positions);
     }
     held.reverse();
     Ok((points, held))
@@ -147,6 +149,29 @@ pub(super) mod tests {
             given.long_turn_note(&robot).unwrap().contains("'drive/theta' turns by more than half a turn")
         );
         assert_eq!(given.continuous_turns(&robot)[0].joint, "drive/theta");
+    }
+
+    #[test]
+    fn positions_of_other_joints_stay_bit_for_bit() {
+        let urdf = "<robot name='r'><link name='world'/><link name='body'/><link name='tip'/>
+            <joint name='fly' type='floating'><parent link='world'/><child link='body'/></joint>
+            <joint name='wheel' type='continuous'><parent link='body'/><child link='tip'/><axis xyz='0 0 1'/></joint>
+            </robot>";
+        let robot = RobotModel::from_urdf(urdf, &MeshFiles::default()).unwrap();
+        for i in 0..200_u32 {
+            let [x, y, z, w] = [0.3, -0.5, 0.7, 0.1].map(|c| c + 0.001 * f64::from(i));
+            let length = (x * x + y * y + z * z + w * w).sqrt();
+            let at = |wheel: f64| {
+                let [x, y, z, w] = [x, y, z, w].map(|c| c / length);
+                robot.configuration(&[0.1, 0.2, 0.3, x, y, z, w, wheel]).unwrap()
+            };
+            let given = vec![at(3.0), at(-3.0), at(3.0)];
+            let (points, _) = shortest_turns(&robot, given.clone()).unwrap();
+            for (point, given) in points.iter().zip(&given) {
+                assert_eq!(point.positions()[..7], given.positions()[..7]);
+            }
+            assert!((points[1].positions()[7] - (TAU - 3.0)).abs() < 1e-12);
+        }
     }
 
     #[test]

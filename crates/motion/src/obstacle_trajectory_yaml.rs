@@ -10,7 +10,8 @@ use clearance_scene::{Obstacle, World};
 use serde::Deserialize;
 
 use super::{
-    LimitError, ObstacleLimits, ObstacleTrajectory, PosesError, SpeedLimit, Trajectory, TrajectoryError,
+    LimitError, ObstacleLimits, ObstacleTrajectory, PosesError, START_TOLERANCE, SpeedLimit, Trajectory,
+    TrajectoryError,
 };
 
 #[derive(Deserialize)]
@@ -95,6 +96,11 @@ pub enum ObstacleTextError {
     Number { name: String, what: String },
     #[error("obstacle '{name}': {error}")]
     Poses { name: String, error: PosesError },
+    #[error(
+        "obstacle '{name}': its first pose is {first}, but the world has it at {world}, and nothing between the two would be \
+         checked: make the pose in the world the first one, or correct the world"
+    )]
+    Start { name: String, first: String, world: String },
 }
 
 impl ObstacleMotions {
@@ -102,7 +108,8 @@ impl ObstacleMotions {
     /// `angular` in rad/s, `centre` in m; missing values are zero, and a missing centre is the centre of the obstacle's only shape,
     /// unless that is a plane), or `poses`, each with a `time` (s), a `position` (m) and an `orientation` (x, y, z, w; the identity if
     /// missing). All are in the robot's root frame and in the trajectory's time, see [`ObstacleTrajectory::even`] and
-    /// [`ObstacleTrajectory::through`]. `obstacle_limits` is a list of limits: the `speed` (m/s) and the `acceleration`
+    /// [`ObstacleTrajectory::through`]. The first pose must be the one in the world, of the obstacle or of its only shape, within
+    /// [`START_TOLERANCE`]. `obstacle_limits` is a list of limits: the `speed` (m/s) and the `acceleration`
     /// (m/s², 0 if missing) of the obstacle with this `name`, or of all others. `obstacle_latency` (s, 0 if missing) belongs
     /// to the limits.
     pub fn from_yaml(text: &str, world: &World) -> Result<Self, ObstacleTextError> {
@@ -155,7 +162,7 @@ impl ObstacleText {
             .ok_or_else(|| ObstacleTextError::Unknown(self.name.clone()))?;
         let twist = self.linear.is_some() || self.angular.is_some();
         match &self.poses {
-            Some(poses) if !twist && self.centre.is_none() => through(&self.name, poses),
+            Some(poses) if !twist && self.centre.is_none() => through(obstacle, poses),
             None if twist => self.even(obstacle),
             _ => Err(ObstacleTextError::TwistOrPoses(self.name)),
         }
@@ -198,14 +205,43 @@ impl ObstacleTrajectory {
     }
 }
 
-fn through(name: &str, poses: &[PoseText]) -> Result<ObstacleTrajectory, ObstacleTextError> {
-    let name = || name.to_owned();
+fn through(obstacle: &Obstacle, poses: &[PoseText]) -> Result<ObstacleTrajectory, ObstacleTextError> {
+    let name = || obstacle.name.clone();
     let pose = |(i, p): (usize, &PoseText)| {
         let pose = pose_from_xyz_quaternion(p.position, p.orientation);
         let number = || ObstacleTextError::Number { name: name(), what: format!("pose {i}") };
         Ok((p.time, pose.ok_or_else(number)?))
     };
     let poses = poses.iter().enumerate().map(pose).collect::<Result<Vec<(f64, Pose)>, _>>()?;
-    ObstacleTrajectory::through(&name(), &poses)
-        .map_err(|error| ObstacleTextError::Poses { name: name(), error })
+    let trajectory = ObstacleTrajectory::through(&obstacle.name, &poses)
+        .map_err(|error| ObstacleTextError::Poses { name: name(), error })?;
+    match poses.first() {
+        Some((_, first)) => check_start(obstacle, first).map(|()| trajectory),
+        None => Ok(trajectory),
+    }
+}
+
+/// Rejects a first pose that is not the one in the world: only differences of poses count, so that another motion would be checked.
+fn check_start(obstacle: &Obstacle, first: &Pose) -> Result<(), ObstacleTextError> {
+    let of_object = obstacle.pose_ro;
+    let of_shape = match &*obstacle.shapes {
+        [shape] => of_object * shape.pose_os,
+        _ => of_object,
+    };
+    let is_first = |pose: &Pose| {
+        let shift = (pose.translation.vector - first.translation.vector).norm();
+        shift <= START_TOLERANCE && pose.rotation.angle_to(&first.rotation) <= START_TOLERANCE
+    };
+    if is_first(&of_object) || is_first(&of_shape) {
+        return Ok(());
+    }
+    let [first, world] = [first, &of_shape].map(in_words);
+    Err(ObstacleTextError::Start { name: obstacle.name.clone(), first, world })
+}
+
+/// Position (m) and orientation of a pose.
+fn in_words(pose: &Pose) -> String {
+    let p = pose.translation.vector;
+    let q = pose.rotation.coords;
+    format!("[{}, {}, {}] with the orientation [{}, {}, {}, {}]", p.x, p.y, p.z, q.x, q.y, q.z, q.w)
 }

@@ -101,8 +101,11 @@ impl MotionSegment {
         }
         for (name, numbers) in robot.position_names().iter().zip(&positions) {
             let most: f64 = numbers.iter().map(|c| c.abs()).sum();
-            if most.is_nan() || most > LARGEST_COORDINATE {
+            if !most.is_finite() {
                 return Err(SegmentError::NotFinite(name.clone()));
+            }
+            if most > LARGEST_COORDINATE {
+                return Err(SegmentError::TooLarge { joint: name.clone(), size: most });
             }
         }
         for (name, first) in floating(robot) {

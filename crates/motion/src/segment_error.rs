@@ -13,6 +13,11 @@ pub enum SegmentError {
     WrongLength { given: usize, expected: usize },
     #[error("joint '{0}': its motion is not finite")]
     NotFinite(String),
+    #[error(
+        "joint '{joint}': its position, rates and duration may take it as far as {size:e}, farther than the {LARGEST_COORDINATE:e} that \
+         can be computed with"
+    )]
+    TooLarge { joint: String, size: f64 },
     #[error(transparent)]
     Start(#[from] ConfigurationError),
     #[error(
@@ -21,7 +26,9 @@ pub enum SegmentError {
     TooFar(f64),
     #[error("the horizon must be zero or more seconds, but is {0}")]
     Horizon(f64),
-    #[error("floating joint '{0}' can only go straight")]
+    #[error(
+        "floating joint '{0}' can only go straight: leave out the velocities of the points between which it moves"
+    )]
     FloatingPolynomial(String),
     #[error("tracking tolerance of joint '{joint}' is {value}, but must be finite and not negative")]
     Tube { joint: String, value: f64 },

@@ -7,8 +7,12 @@ use clearance_scene::World;
 
 use super::{
     ContinuousDirection, HeldTurn, JoinError, LimitError, MotionSegment, ObstacleLimits, ObstacleUncertainty,
-    SegmentError, join, shortest_turns,
+    SegmentError, floating, join, shortest_turns,
 };
+
+/// Largest difference (m, or of a component of a quaternion, relative to the size of the value) that rounding explains between two
+/// points in which a floating joint rests.
+const LARGEST_ROUNDING: f64 = 1e-12;
 
 /// Segments, with their start and end times (s).
 #[derive(Clone, Debug, PartialEq)]
@@ -166,7 +170,8 @@ impl Trajectory {
                 if !timed {
                     return Err(TrajectoryError::NoTimes(i));
                 }
-                let bent = polynomials(&named, i, ends, [&configurations[i], &configurations[i + 1]])?;
+                let [from, to] = [&configurations[i], &configurations[i + 1]];
+                let bent = polynomials(&named, i, ends, [from, &with_resting_joints(robot, from, to)])?;
                 MotionSegment::polynomial(robot, bent)
                     .map_err(|error| TrajectoryError::Segment { segment: i, error })
             })
@@ -298,6 +303,31 @@ fn directed(
     }
 }
 
+/// The configuration `to`, in which floating joints that rest have the numbers of `from`: their points may differ by rounding, and a
+/// quaternion and its negative are the same rotation.
+fn with_resting_joints(robot: &RobotModel, from: &Configuration, to: &Configuration) -> Configuration {
+    let mut positions = to.positions().to_vec();
+    for (_, first) in floating(robot) {
+        let places = first..first + 7;
+        let start = &from.positions()[places.clone()];
+        if is_same_pose(start, &positions[places.clone()]) {
+            positions[places].copy_from_slice(start);
+        }
+    }
+    Configuration::trusted(positions)
+}
+
+/// True if two poses of a floating joint, three coordinates and a unit quaternion each, differ by no more than rounding.
+fn is_same_pose(a: &[f64], b: &[f64]) -> bool {
+    let dot: f64 = a[3..].iter().zip(&b[3..]).map(|(a, b)| a * b).sum();
+    let sign = 1.0_f64.copysign(dot);
+    let is_near = |(i, (a, b)): (usize, (&f64, &f64))| {
+        let b = if i < 3 { *b } else { sign * b };
+        (a - b).abs() <= LARGEST_ROUNDING * (1.0 + a.abs())
+    };
+    a.iter().zip(b).enumerate().all(is_near)
+}
+
 /// True if there are times.
 fn check_times(points: &[TrajectoryPoint]) -> Result<bool, TrajectoryError> {
     if points.iter().all(|p| p.time_from_start == 0.0) {
@@ -396,7 +426,62 @@ fn quintic([a, b]: [f64; 2], [v, w]: [f64; 2], [x, y]: [f64; 2]) -> [f64; 6] {
 
 #[cfg(test)]
 mod tests {
+    use clearance_robot::MeshFiles;
+    use proptest::prelude::*;
+
     use super::*;
+
+    const FLOATING: &str = "<robot name='r'><link name='root'/><link name='body'/><link name='tip'/>
+        <joint name='fly' type='floating'><parent link='root'/><child link='body'/></joint>
+        <joint name='wheel' type='continuous'><parent link='body'/><child link='tip'/><axis xyz='0 0 1'/></joint>
+        </robot>";
+
+    /// The motion through points of a floating joint and a wheel, one second apart, with velocities of zero.
+    fn stopping_at(
+        points: &[[f64; 8]],
+        is_quintic: bool,
+        direction: ContinuousDirection,
+    ) -> Result<Trajectory, TrajectoryError> {
+        let robot = RobotModel::from_urdf(FLOATING, &MeshFiles::default()).unwrap();
+        let point = |(positions, time): (&[f64; 8], i32)| TrajectoryPoint {
+            positions: positions.to_vec(),
+            velocities: vec![0.0; 8],
+            accelerations: if is_quintic { vec![0.0; 8] } else { Vec::new() },
+            time_from_start: f64::from(time),
+        };
+        let points: Vec<TrajectoryPoint> = points.iter().zip(0..).map(point).collect();
+        let rest = robot.default_configuration();
+        Trajectory::from_points_with_direction(&robot, robot.position_names(), &points, &rest, direction)
+    }
+
+    proptest! {
+        #[test]
+        fn floating_joints_may_rest_while_others_move(
+            numbers in proptest::array::uniform4(-1.0..1.0_f64),
+            scale in 0.9995..1.0005_f64,
+            is_quintic in any::<bool>(),
+        ) {
+            let length = numbers.iter().map(|c| c * c).sum::<f64>().sqrt();
+            prop_assume!(length > 0.1);
+            let at = |sign: f64, wheel: f64| {
+                let [x, y, z, w] = numbers.map(|c| sign * c / length);
+                [0.1, -7.0, 3e3, x, y, z, w, wheel]
+            };
+            let points = [at(1.0, 3.0), at(scale, -3.0), at(-1.0, 2.0), at(-scale, 2.5), at(1.0, 3.0)];
+            for direction in [ContinuousDirection::AsGiven, ContinuousDirection::Shortest] {
+                let motion = stopping_at(&points, is_quintic, direction).unwrap();
+                prop_assert!(Trajectory::of_segments(motion.segments().to_vec()).is_ok());
+                for segment in motion.segments() {
+                    let [start, later] = [0.0, 0.7].map(|t| segment.at(t));
+                    prop_assert_eq!(&start.positions()[..7], &later.positions()[..7]);
+                }
+                let mut moved = points;
+                moved[2][0] += 1e-9;
+                let moved = stopping_at(&moved, is_quintic, direction).unwrap_err();
+                prop_assert!(moved.to_string().contains("segment 1: floating joint 'fly'"), "{moved}");
+            }
+        }
+    }
 
     /// Values, slopes and second derivatives at both ends.
     fn ends(p: &[f64; 6]) -> [[f64; 2]; 3] {

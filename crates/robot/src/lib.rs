@@ -44,6 +44,7 @@ mod urdf_validation;
 mod visual_geometry;
 mod warning;
 mod xml;
+mod xml_escaping;
 mod xml_limits;
 
 pub use chain::{
@@ -74,3 +75,4 @@ pub use robot_text::RobotText;
 pub use srdf::{DisabledPair, Group, GroupState, Srdf, VirtualJoint};
 pub use visual_geometry::VisualGeometry;
 pub use warning::Warning;
+pub use xml_escaping::xml_attribute;

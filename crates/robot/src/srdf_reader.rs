@@ -6,7 +6,7 @@ use roxmltree::Node;
 
 use super::name_length::check_name_length;
 use super::srdf::{DisabledPair, Group, GroupState, Srdf, VirtualJoint};
-use super::xml::{Expected, Xml, is_foreign, own_children, read_xml};
+use super::xml::{Expected, Xml, foreign_attributes, is_foreign, own_children, plain_attribute, read_xml};
 use super::{Fault, JointId, LinkId, RobotModel, Warning};
 
 mod collision_rules;
@@ -15,6 +15,21 @@ mod group_state;
 
 /// Types of virtual joints.
 const VIRTUAL_KINDS: [&str; 3] = ["fixed", "floating", "planar"];
+
+/// Elements that are read, with their attributes.
+const READ_ATTRIBUTES: [(&str, &[&str]); 11] = [
+    ("robot", &["name"]),
+    ("group", &["name"]),
+    ("joint", &["name", "value"]),
+    ("link", &["name"]),
+    ("chain", &["base_link", "tip_link"]),
+    ("group_state", &["name", "group"]),
+    ("virtual_joint", &["name", "type", "parent_frame", "child_link"]),
+    ("passive_joint", &["name"]),
+    ("disable_collisions", &["link1", "link2", "reason"]),
+    ("enable_collisions", &["link1", "link2"]),
+    ("disable_default_collisions", &["link"]),
+];
 
 /// Elements of SRDF and of Tesseract's dialect that do not concern collisions.
 const IGNORED: [&str; 10] = [
@@ -105,7 +120,7 @@ impl<'d> Reader<'d> {
             let message = "the text is a URDF (it has <link>), not an SRDF: give it with --urdf";
             return Err(self.xml.fault(link, "", message));
         }
-        let name = root.attribute("name").unwrap_or_default();
+        let name = plain_attribute(root, "name").unwrap_or_default();
         if name != self.model.name {
             let message = format!("the SRDF is of robot '{name}', the URDF of robot '{}'", self.model.name);
             self.warn(root, "", message);
@@ -127,7 +142,7 @@ impl<'d> Reader<'d> {
 
     fn read_virtual_joints(&mut self, root: Node<'d, 'd>) {
         for node in own_children(root, "virtual_joint") {
-            let text = |name| node.attribute(name).unwrap_or_default().trim().to_owned();
+            let text = |name| plain_attribute(node, name).unwrap_or_default().trim().to_owned();
             let element = format!("virtual_joint '{}'", text("name"));
             if !VIRTUAL_KINDS.contains(&text("type").as_str()) {
                 let message =
@@ -161,6 +176,7 @@ impl<'d> Reader<'d> {
             "disable_default_collisions",
         ];
         self.note_foreign_elements(root, &READ);
+        self.note_foreign_attributes(root);
         let unknown: BTreeSet<&str> = (root.children().filter(|n| n.is_element() && !is_foreign(*n)))
             .map(|n| n.tag_name().name())
             .filter(|name| !READ.contains(name) && !IGNORED.contains(name))
@@ -188,9 +204,26 @@ impl<'d> Reader<'d> {
         }
     }
 
+    /// A warning for each attribute that is ignored because it has an XML namespace.
+    fn note_foreign_attributes(&mut self, root: Node<'d, 'd>) {
+        let mut seen = BTreeSet::new();
+        for node in root.descendants().filter(|n| n.is_element() && !is_foreign(*n)) {
+            let element = node.tag_name().name();
+            let Some((_, read)) = READ_ATTRIBUTES.iter().find(|(name, _)| *name == element) else { continue };
+            for attribute in foreign_attributes(node).filter(|attribute| read.contains(attribute)) {
+                if seen.insert((element, attribute)) {
+                    let message = format!(
+                        "attribute '{attribute}' has a namespace of its own and is not read: write it without prefix"
+                    );
+                    self.warn(node, format!("<{element}>"), message);
+                }
+            }
+        }
+    }
+
     /// The link that an attribute names, or a warning.
     fn link(&mut self, node: Node<'d, 'd>, attribute: &str, element: &str) -> Option<LinkId> {
-        let name = node.attribute(attribute).unwrap_or_default().trim();
+        let name = plain_attribute(node, attribute).unwrap_or_default().trim();
         let id = self.links.get(name).copied();
         if id.is_none() {
             self.note_unknown("link", node, attribute, name, element);
@@ -200,7 +233,7 @@ impl<'d> Reader<'d> {
 
     /// The joint that an attribute names, or a warning; a virtual joint is valid, but is not a joint of the URDF.
     fn joint(&mut self, node: Node<'d, 'd>, attribute: &str, element: &str) -> Option<JointId> {
-        let name = node.attribute(attribute).unwrap_or_default().trim();
+        let name = plain_attribute(node, attribute).unwrap_or_default().trim();
         let id = self.joints.get(name).copied();
         if id.is_none() && !self.virtual_joints.iter().any(|v| v.name == name) {
             self.note_unknown("joint", node, attribute, name, element);

@@ -13,7 +13,7 @@ use roxmltree::Node;
 
 use super::decimal_numbers::shortened;
 use super::name_length::check_name_length;
-use super::xml::{Expected, Xml, own_children, read_xml};
+use super::xml::{Expected, Xml, own_children, plain_attribute, read_xml};
 use super::{Fault, ModelError, Place, Warning};
 
 mod ignored_elements;
@@ -140,7 +140,7 @@ impl<'d> Validator<'d> {
     fn check(mut self) -> Result<ValidUrdf, ModelError> {
         let root = self.xml.root();
         self.check_root(root)?;
-        let name = root.attribute("name").unwrap_or_default();
+        let name = plain_attribute(root, "name").unwrap_or_default();
         if name.is_empty() {
             self.warn(root, "", "the robot has no name");
         }
@@ -198,7 +198,7 @@ impl<'d> Validator<'d> {
     /// Errors that make all others meaningless: the text is not a URDF.
     fn check_root(&mut self, root: Node<'d, 'd>) -> Result<(), Fault> {
         self.xml.reject_xacro()?;
-        self.version = match root.attribute("version").map(str::trim) {
+        self.version = match plain_attribute(root, "version").map(str::trim) {
             None | Some("1.0") => (1, 0),
             Some("1") => {
                 self.warn(root, "", "URDF version '1' is read as 1.0");
@@ -221,7 +221,7 @@ impl<'d> Validator<'d> {
         let mut named = Vec::new();
         for node in own_children(root, kind) {
             let line = self.xml.line(node);
-            match node.attribute("name").map(str::trim) {
+            match plain_attribute(node, "name").map(str::trim) {
                 None | Some("") => self.fault(node, "", format!("a {kind} has no name")),
                 Some(name) if is_unexpanded(name) => {
                     let message = format!("the {kind} name '{}' is unexpanded xacro", shortened(name));

@@ -98,31 +98,39 @@ pub(super) fn is_foreign(node: Node) -> bool {
     node.tag_name().namespace() != node.document().root_element().tag_name().namespace()
 }
 
+/// The value of an attribute without a namespace: `Node::attribute` also finds those of other namespaces, whichever comes first.
+pub(super) fn plain_attribute<'d>(node: Node<'d, '_>, name: &str) -> Option<&'d str> {
+    let mut attributes = node.attributes();
+    attributes.find(|other| other.namespace().is_none() && other.name() == name).map(|found| found.value())
+}
+
+/// Names of the attributes that have a namespace.
+pub(super) fn foreign_attributes<'d>(node: Node<'d, 'd>) -> impl Iterator<Item = &'d str> {
+    node.attributes().filter(|attribute| attribute.namespace().is_some()).map(|attribute| attribute.name())
+}
+
 /// The text of an element beside its child elements, if there is one.
 pub(super) fn only_text<'d>(node: Node<'d, 'd>) -> Option<&'d str> {
     let texts = node.children().filter(Node::is_text).filter_map(|text| text.text());
     texts.map(str::trim).find(|text| !text.is_empty())
 }
 
-/// Child elements of that name in the namespace of the outermost element.
+/// Child elements in the namespace of the outermost element.
+pub(super) fn own_elements<'d>(node: Node<'d, 'd>) -> impl Iterator<Item = Node<'d, 'd>> {
+    node.children().filter(|child| child.is_element() && !is_foreign(*child))
+}
+
+/// [`own_elements`] of that name.
 pub(super) fn own_children<'d, 'n>(
     node: Node<'d, 'd>,
     name: &'n str,
 ) -> impl Iterator<Item = Node<'d, 'd>> + use<'d, 'n> {
-    children(node, name).filter(|child| !is_foreign(*child))
+    own_elements(node).filter(move |child| child.tag_name().name() == name)
 }
 
-/// Child elements of that name, of any namespace.
-pub(super) fn children<'d, 'n>(
-    node: Node<'d, 'd>,
-    name: &'n str,
-) -> impl Iterator<Item = Node<'d, 'd>> + use<'d, 'n> {
-    node.children().filter(move |c| c.is_element() && c.tag_name().name() == name)
-}
-
-/// The first child element of that name.
-pub(super) fn child<'d>(node: Node<'d, 'd>, name: &str) -> Option<Node<'d, 'd>> {
-    children(node, name).next()
+/// The first of [`own_children`].
+pub(super) fn own_child<'d>(node: Node<'d, 'd>, name: &str) -> Option<Node<'d, 'd>> {
+    own_children(node, name).next()
 }
 
 /// All text directly inside an element. Comments, processing instructions and CDATA sections do not end it.

@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use clearance_robot::{LinkId, RobotModel};
+use clearance_robot::{LinkId, RobotModel, xml_attribute};
 
-use crate::formats::text::{attribute, number};
+use crate::formats::text::number;
 use crate::options::CoverError;
 
 /// A collision element.
@@ -23,7 +23,7 @@ pub fn elements_text(elements: impl Iterator<Item = Element>) -> String {
         format!(
             "<collision name=\"{}\">\n      <origin xyz=\"{xyz}\" rpy=\"{rpy}\"/>\n      \
              <geometry>{geometry}</geometry>\n    </collision>",
-            attribute(&name)
+            xml_attribute(&name)
         )
     };
     elements.map(text).collect::<Vec<_>>().join("\n    ")

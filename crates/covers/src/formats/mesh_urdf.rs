@@ -1,9 +1,8 @@
 //! URDF with simplified meshes as collision geometry.
 
-use clearance_robot::{LinkId, RobotModel};
+use clearance_robot::{LinkId, RobotModel, xml_attribute};
 
 use crate::formats::collision_elements::{markup_length, with_edited_collisions};
-use crate::formats::text::attribute;
 use crate::mesh_cover::MeshCover;
 use crate::options::CoverError;
 
@@ -47,7 +46,7 @@ fn with_mesh(element: &str, file: &str) -> Option<String> {
             open.push(name_of(tag));
             if open == ["collision", "geometry", "mesh"] {
                 let end = if tag.ends_with("/>") { "/>" } else { ">" };
-                let mesh = format!("<mesh filename=\"{}\"{end}", attribute(file));
+                let mesh = format!("<mesh filename=\"{}\"{end}", xml_attribute(file));
                 return Some([&element[..start], &mesh, &element[at..]].concat());
             }
         }

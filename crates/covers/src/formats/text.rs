@@ -7,13 +7,13 @@ use clearance_geometry::math::Point;
 use crate::sphere_cover::{CoverSphere, SphereCover};
 use clearance_robot::RobotModel;
 
-/// A name as a YAML string in double quotes.
+/// A name as a YAML string in double quotes. Line breaks and byte-order marks, which a parser removes or rejects, are escaped.
 pub fn quoted(name: &str) -> String {
     let mut text = String::from("\"");
     for c in name.chars() {
         match c {
             '"' | '\\' => text.extend(['\\', c]),
-            c if c.is_control() => {
+            c if c.is_control() || matches!(c, '\u{2028}' | '\u{2029}' | '\u{feff}') => {
                 // writing to a string does not fail
                 let _ = write!(text, "\\U{:08X}", u32::from(c));
             }
@@ -21,23 +21,6 @@ pub fn quoted(name: &str) -> String {
         }
     }
     text.push('"');
-    text
-}
-
-/// A name as the value of an XML attribute.
-pub fn attribute(name: &str) -> String {
-    let mut text = String::new();
-    for c in name.chars() {
-        match c {
-            '&' => text.push_str("&amp;"),
-            '<' => text.push_str("&lt;"),
-            '"' => text.push_str("&quot;"),
-            c if c.is_control() => {
-                let _ = write!(text, "&#{};", u32::from(c));
-            }
-            c => text.push(c),
-        }
-    }
     text
 }
 
@@ -62,4 +45,19 @@ pub fn spheres_by_link(robot: &RobotModel, cover: &SphereCover, indent: &str) ->
         }
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_on_one_line_for_every_parser() {
+        assert_eq!(quoted("a \"b\" \\ 'c'"), r#""a \"b\" \\ 'c'""#);
+        let breaks = ['\t', '\n', '\r', '\u{7f}', '\u{85}', '\u{2028}', '\u{2029}', '\u{feff}'];
+        for c in breaks {
+            assert_eq!(quoted(&format!("a{c}b")), format!("\"a\\U{:08X}b\"", u32::from(c)));
+        }
+        assert_eq!(quoted("é漢🤖\u{a0}"), "\"é漢🤖\u{a0}\"");
+    }
 }

@@ -13,6 +13,21 @@ fn numbers() -> impl Strategy<Value = [f64; 18]> {
     proptest::array::uniform18(-4.0..4.0_f64)
 }
 
+#[test]
+fn motions_that_are_too_large_are_told_from_those_that_are_not_finite() {
+    let urdf = "<robot name='r'><link name='a'/><link name='b'/>
+        <joint name='wheel' type='continuous'><parent link='a'/><child link='b'/><axis xyz='0 0 1'/></joint></robot>";
+    let robot = RobotModel::from_urdf(urdf, &MeshFiles::default()).unwrap();
+    let why = |rate: f64| {
+        MotionSegment::polynomial(&robot, vec![[0.0, rate, 0.0, 0.0, 0.0, 0.0]]).unwrap_err().to_string()
+    };
+    for rate in [f64::NAN, f64::INFINITY] {
+        assert_eq!(why(rate), "joint 'wheel': its motion is not finite");
+    }
+    let text = why(1e9);
+    assert!(text.starts_with("joint 'wheel': ") && text.contains("as far as 1e9, farther than"), "{text}");
+}
+
 proptest! {
     /// The robot's interpolation is the straight motion, bit for bit, and its distance the length of that motion.
     #[test]

@@ -20,10 +20,11 @@ use super::mesh_builder::MeshBuilder;
 use super::polygon::Triangulator;
 use super::remark_counter::RemarkCounter;
 use crate::decimal_numbers::{decimal, decimals, shortened};
-use crate::xml::{Expected, Xml, child, children, read_xml, text};
+use crate::xml::{Expected, Xml, own_child, own_children, own_elements, plain_attribute, read_xml, text};
 
 mod accessor;
 mod elements_by_id;
+mod foreign_names;
 mod geometry;
 mod scene;
 mod skin;
@@ -73,6 +74,8 @@ impl<'d> Collada<'d> {
     }
 
     fn read(mut self) -> Result<ReadMesh, String> {
+        self.note_foreign_names();
+        self.note_repeated_ids();
         let metres = self.unit()?;
         self.note_up_axis()?;
         let mut instances = Vec::new();
@@ -103,7 +106,7 @@ impl<'d> Collada<'d> {
         let Some(unit) = asset.map(|a| self.only_child(a, "unit")).transpose()?.flatten() else {
             return Ok(1.0);
         };
-        match unit.attribute("meter").map(decimal) {
+        match plain_attribute(unit, "meter").map(decimal) {
             None => Ok(1.0),
             Some(Ok(metres)) if metres > 0.0 => Ok(metres),
             Some(Ok(metres)) => Err(self.at(unit, format!("a unit of {metres} metres"))),
@@ -112,7 +115,7 @@ impl<'d> Collada<'d> {
     }
 
     fn note_up_axis(&mut self) -> Result<(), String> {
-        let asset = child(self.xml.root(), "asset");
+        let asset = own_child(self.xml.root(), "asset");
         let Some(axis) = asset.map(|a| self.only_child(a, "up_axis")).transpose()?.flatten() else {
             return Ok(());
         };
@@ -125,7 +128,7 @@ impl<'d> Collada<'d> {
 
     /// The child of that name, of which COLLADA allows one.
     fn only_child(&self, node: Node<'d, 'd>, name: &str) -> Result<Option<Node<'d, 'd>>, String> {
-        let mut named = children(node, name);
+        let mut named = own_children(node, name);
         let first = named.next();
         match named.next() {
             Some(second) => {
@@ -135,9 +138,17 @@ impl<'d> Collada<'d> {
         }
     }
 
+    /// References take the first element of a kind with an id.
+    fn note_repeated_ids(&mut self) {
+        for line in self.ids.repeated.iter().map(|node| self.xml.line(*node)) {
+            let what = "elements are skipped, because an earlier one of their kind has the same id";
+            self.remark_counts.add(what, Some(line));
+        }
+    }
+
     /// The element of one of these kinds that `#id` names; others may have the same id.
     fn referenced(&self, node: Node, attribute: &str, kinds: &[&str]) -> Result<Node<'d, 'd>, String> {
-        let url = node.attribute(attribute).unwrap_or_default();
+        let url = plain_attribute(node, attribute).unwrap_or_default();
         let Some(id) = url.strip_prefix('#') else {
             let url = shortened(url);
             return Err(self

@@ -10,10 +10,11 @@
 use std::collections::HashMap;
 use std::rc::Rc;
 
-use clearance_geometry::math::Point;
+use clearance_geometry::math::{Extremes, Point};
 use nalgebra::{Matrix4, Quaternion, Translation3, UnitQuaternion};
 
-use super::mesh_builder::{MOST_TRIANGLES, MeshBuilder};
+use super::mesh_builder::{MOST_TRIANGLES, MeshBuilder, check_nodes};
+use super::mesh_memory::Growth;
 use super::remark_counter::{RemarkCounter, TOO_FEW_CORNERS};
 use super::{Parts, ReadMesh, mesh_memory};
 use crate::decimal_numbers::shortened;
@@ -25,14 +26,10 @@ mod glb;
 
 use accessor::Elements;
 use buffers::Buffers;
-use document::{Document, Node, Primitive};
+use document::{Asset, Document, Node, Primitive};
 use glb::Glb;
 
 pub(super) use glb::MAGIC;
-
-/// Maximum number of visited nodes, instances included, and of their levels: more is a loop.
-const MOST_NODES: usize = 100_000;
-const MOST_LEVELS: usize = 100;
 
 /// Maximum number of visited elements in all instances: the corners of the maximum number of triangles, times two. A primitive counts as
 /// a few elements, even if it has none.
@@ -106,9 +103,16 @@ fn bad(reason: &str) -> String {
 }
 
 fn check_version(document: &Document) -> Result<(), String> {
-    let version = document.asset.min_version.as_ref().unwrap_or(&document.asset.version);
-    if version.trim() != "2" && !version.trim().starts_with("2.") {
-        return Err(bad(&format!("version '{}' is not read; 2.0 is", shortened(version))));
+    let Asset { version, min_version } = &document.asset;
+    // a later 2.x adds what a reader of 2.0 may skip, unless it is the least version that the file needs
+    let is_later = |version: &str| version == "2" || version.starts_with("2.");
+    let is_read = match min_version {
+        Some(least) => is_later(version.trim()) && matches!(least.trim(), "2" | "2.0"),
+        None => is_later(version.trim()),
+    };
+    if !is_read {
+        let version = shortened(min_version.as_ref().unwrap_or(version));
+        return Err(bad(&format!("version '{version}' is not read; 2.0 is")));
     }
     let is_harmless = |name: &String| {
         HARMLESS.contains(&name.as_str()) || HARMLESS_PREFIXES.iter().any(|prefix| name.starts_with(prefix))
@@ -127,6 +131,15 @@ fn check_version(document: &Document) -> Result<(), String> {
 enum Use {
     Positions,
     Indices,
+}
+
+/// A node to visit.
+struct Visit {
+    node: usize,
+    /// Transform from its parent's coordinates to the file's.
+    to_file: Matrix4<f64>,
+    /// Number of nodes that contain it.
+    level: usize,
 }
 
 /// The triangles collected so far.
@@ -176,14 +189,22 @@ impl Surface<'_> {
 
     /// The meshes of the scene, each with the transform from its coordinates to the file's.
     fn shown_meshes(&mut self) -> Result<Vec<(usize, Matrix4<f64>)>, String> {
-        let mut pending: Vec<_> =
-            self.roots()?.into_iter().rev().map(|node| (node, Matrix4::identity(), 0)).collect();
+        let at_top = |node| Visit { node, to_file: Matrix4::identity(), level: 0 };
+        let mut pending: Vec<Visit> = self.roots()?.into_iter().rev().map(at_top).collect();
         let (mut shown, mut visited) = (Vec::new(), 0);
-        while let Some((index, to_file, level)) = pending.pop() {
+        // the nodes from the scene to the visited one
+        let mut path = Vec::new();
+        let mut memory = Growth::default();
+        while let Some(Visit { node: index, to_file, level }) = pending.pop() {
             visited += 1;
-            if visited + pending.len() > MOST_NODES || level > MOST_LEVELS {
-                return Err("nodes have each other as children without end, or nearly so".to_owned());
+            check_nodes(level, visited + pending.len())?;
+            let growth = memory.check::<Visit>(pending.len() + shown.len());
+            growth.map_err(|reason| format!("its nodes {reason}"))?;
+            path.truncate(level);
+            if path.contains(&index) {
+                return Err(format!("node {index} contains itself: nodes without end"));
             }
+            path.push(index);
             let Some(node) = self.document.nodes.get(index) else {
                 return Err(format!("names node {index}, but there are {}", self.document.nodes.len()));
             };
@@ -198,7 +219,8 @@ impl Surface<'_> {
                 }
                 shown.push((mesh, to_file));
             }
-            pending.extend(node.children.iter().rev().map(|&child| (child, to_file, level + 1)));
+            let below = |&node: &usize| Visit { node, to_file, level: level + 1 };
+            pending.extend(node.children.iter().rev().map(below));
         }
         Ok(shown)
     }
@@ -352,14 +374,34 @@ fn transform(node: &Node) -> Result<Matrix4<f64>, String> {
         if [matrix[(3, 0)], matrix[(3, 1)], matrix[(3, 2)], matrix[(3, 3)]] != [0.0, 0.0, 0.0, 1.0] {
             return Err("the last row of its matrix is not 0 0 0 1".to_owned());
         }
-        return Ok(matrix);
+        return match composed(node)? {
+            Some(other) if other != Matrix4::identity() && !agree(&matrix, &other) => {
+                Err("its matrix contradicts its translation, rotation and scale: leave out either".to_owned())
+            }
+            _ => Ok(matrix),
+        };
+    }
+    Ok(composed(node)?.unwrap_or_else(Matrix4::identity))
+}
+
+/// The transform of a node's translation, rotation and scale, if it has any of them.
+fn composed(node: &Node) -> Result<Option<Matrix4<f64>>, String> {
+    if node.translation.is_none() && node.rotation.is_none() && node.scale.is_none() {
+        return Ok(None);
     }
     let [x, y, z, w] = node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]);
     let rotation = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 1e-9);
     let rotation = rotation.ok_or("its rotation is a quaternion without length")?;
     let translation = Translation3::from(node.translation.unwrap_or_default()).to_homogeneous();
     let scale = Matrix4::new_nonuniform_scaling(&node.scale.unwrap_or([1.0; 3]).into());
-    Ok(translation * rotation.to_homogeneous() * scale)
+    Ok(Some(translation * rotation.to_homogeneous() * scale))
+}
+
+/// True if two transforms differ by no more than the rounding of 32-bit numbers.
+fn agree(a: &Matrix4<f64>, b: &Matrix4<f64>) -> bool {
+    const ROUNDING: f64 = 1e-5;
+    let size = a.amax().greater(b.amax()).greater(1.0);
+    (a - b).amax() <= ROUNDING * size
 }
 
 #[cfg(test)]

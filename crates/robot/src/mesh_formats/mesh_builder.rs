@@ -9,6 +9,24 @@ use super::mesh_memory;
 /// Maximum number of triangles of a file, instances included: a file of nested instances can produce any number.
 pub(super) const MOST_TRIANGLES: usize = 20_000_000;
 
+/// Maximum nesting depth of the nodes of a scene, and maximum number of visited nodes; instances count.
+pub(super) const MOST_NODE_LEVELS: usize = 1000;
+pub(super) const MOST_NODES: usize = 2_000_000;
+
+/// Rejects nodes inside of too many others, and too many visited nodes.
+///
+/// # Errors
+/// If a limit is exceeded, with its number.
+pub(super) fn check_nodes(level: usize, visited: usize) -> Result<(), String> {
+    if level > MOST_NODE_LEVELS {
+        return Err(format!("nodes are nested more than {MOST_NODE_LEVELS} levels deep, instances counted"));
+    }
+    if visited > MOST_NODES {
+        return Err(format!("the scene shows more than {MOST_NODES} nodes, instances counted"));
+    }
+    Ok(())
+}
+
 #[derive(Debug, Default)]
 pub(super) struct MeshBuilder {
     pub vertices: Vec<Point>,

@@ -24,9 +24,41 @@ pub fn check(bytes: usize) -> Result<(), String> {
     granted.map_err(|_| format!("need about {} MiB of memory, more than is available", bytes >> 20))
 }
 
+/// Memory (bytes) of growing lists, checked in steps.
+#[derive(Debug, Default)]
+pub struct Growth {
+    available: usize,
+}
+
+impl Growth {
+    /// Checks whether lists of together `count` elements of type `T` can be allocated; a list that grows has room for twice its elements.
+    ///
+    /// # Errors
+    /// As for [`check`].
+    pub fn check<T>(&mut self, count: usize) -> Result<(), String> {
+        let needed = count.saturating_mul(2 * size_of::<T>());
+        if needed > self.available {
+            let needed = needed.saturating_add(STEP);
+            check(needed)?;
+            self.available = needed;
+        }
+        Ok(())
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn growth_is_checked_before_it_happens() {
+        let mut growth = Growth::default();
+        for count in [0, 1, 1000, STEP / 16] {
+            assert_eq!(growth.check::<u64>(count), Ok(()));
+            assert!(growth.available >= 16 * count);
+        }
+        assert!(growth.check::<u64>(usize::MAX / 32).unwrap_err().contains("MiB of memory"));
+    }
 
     #[test]
     fn more_than_any_machine_has_is_an_error() {

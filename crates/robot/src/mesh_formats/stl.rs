@@ -23,6 +23,12 @@ pub(super) fn has_binary_length(bytes: &[u8]) -> bool {
 
 /// True if a text that begins with `solid` continues like an ASCII STL.
 pub(super) fn looks_ascii(bytes: &[u8]) -> bool {
+    // the name may be longer than the part that is searched
+    let name_end = bytes.iter().position(|byte| matches!(byte, b'\n' | b'\r')).unwrap_or_default();
+    begins_with_statements(bytes) || begins_with_statements(&bytes[name_end..])
+}
+
+fn begins_with_statements(bytes: &[u8]) -> bool {
     let head = bytes[..bytes.len().min(4096)].to_ascii_lowercase();
     let has = |word: &[u8]| head.windows(word.len()).any(|w| w == word);
     has(b"facet") || has(b"endsolid") || has(b"end solid")
@@ -311,6 +317,16 @@ mod tests {
                 super::super::read(text.into_bytes(), "stl", &mut |_: &str| Err(String::new())).unwrap_err();
             assert!(message.contains("looks like") && !message.contains("triangles"), "{message}");
         }
+    }
+
+    #[test]
+    fn a_name_may_be_long() {
+        for line_end in ["\n", "\r\n", "\r"] {
+            let text = format!("solid {}\n{FACET}endsolid", "x".repeat(200_000)).replace('\n', line_end);
+            assert!(looks_ascii(text.as_bytes()));
+            assert_eq!(read_ascii(&text).unwrap().mesh.triangles().len(), 1);
+        }
+        assert!(!looks_ascii(&[&b"solid "[..], &[b'x'; 9000], b"\nno statement"].concat()));
     }
 
     #[test]

@@ -7,7 +7,7 @@ use roxmltree::Node;
 use super::{DisabledPair, Reader};
 use crate::decimal_numbers::shortened;
 use crate::similar_names::nearest;
-use crate::xml::{is_foreign, own_children};
+use crate::xml::{is_foreign, own_children, plain_attribute};
 use crate::{Fault, LinkId};
 
 /// Content of the three elements; no pair is in both lists.
@@ -53,7 +53,7 @@ impl<'d> Reader<'d> {
         for node in own_children(root, "disable_collisions") {
             if let Some(pair) = self.pair(node)? {
                 enabled.remove(&pair);
-                disabled.insert(pair, node.attribute("reason").unwrap_or_default().to_owned());
+                disabled.insert(pair, plain_attribute(node, "reason").unwrap_or_default().to_owned());
             }
         }
         let disabled_pairs = disabled.into_iter().map(|((a, b), reason)| DisabledPair { a, b, reason });
@@ -67,7 +67,7 @@ impl<'d> Reader<'d> {
     /// Where links are unchecked by default, leaving out a rule would leave its pair unchecked.
     fn reject_unknown_links(&self, node: Node<'d, 'd>) -> Result<(), Fault> {
         let unknown = ["link1", "link2"].into_iter().filter_map(|attribute| {
-            let name = node.attribute(attribute).unwrap_or_default().trim();
+            let name = plain_attribute(node, attribute).unwrap_or_default().trim();
             (!self.links.contains_key(name)).then(|| shortened(name))
         });
         match unknown.collect::<Vec<_>>().first() {
@@ -103,7 +103,7 @@ impl<'d> Reader<'d> {
 
     /// An error unless the attribute exists and is not empty.
     fn require(&self, node: Node<'d, 'd>, attribute: &str) -> Result<(), Fault> {
-        if node.attribute(attribute).is_some_and(|link| !link.trim().is_empty()) {
+        if plain_attribute(node, attribute).is_some_and(|link| !link.trim().is_empty()) {
             return Ok(());
         }
         let message = format!("has no {attribute}: write {attribute}=\"NAME\" with the name of a link");

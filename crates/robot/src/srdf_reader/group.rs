@@ -6,7 +6,7 @@ use roxmltree::Node;
 
 use super::{Group, Reader};
 use crate::decimal_numbers::shortened;
-use crate::xml::{is_foreign, own_children};
+use crate::xml::{is_foreign, own_children, plain_attribute};
 use crate::{JointId, LinkId};
 
 /// Maximum number of groups named in a warning.
@@ -69,7 +69,7 @@ impl<'d> Reader<'d> {
         let mut index_of: HashMap<&str, usize> = HashMap::new();
         let mut drafts = Vec::new();
         for node in own_children(root, "group") {
-            let name = node.attribute("name").unwrap_or_default();
+            let name = plain_attribute(node, "name").unwrap_or_default();
             if name.is_empty() || index_of.contains_key(name) {
                 let message =
                     if name.is_empty() { "has no name; ignored" } else { "is there twice; ignored" };
@@ -84,7 +84,7 @@ impl<'d> Reader<'d> {
         }
         for draft in &mut drafts {
             for sub in own_children(draft.node, "group") {
-                let name = sub.attribute("name").unwrap_or_default();
+                let name = plain_attribute(sub, "name").unwrap_or_default();
                 if let Some(&index) = index_of.get(name) {
                     draft.subgroups.push(index);
                 } else {

@@ -7,7 +7,7 @@ use roxmltree::Node;
 use super::{Group, GroupState, Reader};
 use crate::JointKind;
 use crate::decimal_numbers::{decimal, shortened};
-use crate::xml::own_children;
+use crate::xml::{own_children, plain_attribute};
 
 /// Maximum number of remarks on named states; a thoroughly wrong text has thousands.
 const MOST_REMARKS: usize = 20;
@@ -21,7 +21,7 @@ impl<'d> Reader<'d> {
         let mut states: Vec<GroupState> = Vec::new();
         let mut seen = HashSet::new();
         for state in own_children(root, "group_state") {
-            let text = |name| state.attribute(name).unwrap_or_default().trim();
+            let text = |name| plain_attribute(state, name).unwrap_or_default().trim();
             let (name, group) = (text("name"), text("group"));
             let element = format!("group_state '{}'", shortened(name));
             let mut remark = |node, message: String| remarks.push((node, element.clone(), message));
@@ -44,7 +44,7 @@ impl<'d> Reader<'d> {
             let mut positions = Vec::new();
             let mut joints = HashSet::new();
             for joint in own_children(state, "joint") {
-                let name = joint.attribute("name").unwrap_or_default().trim();
+                let name = plain_attribute(joint, "name").unwrap_or_default().trim();
                 let of_name = self.fault_of_joint(name, members);
                 let values = if of_name.is_none() { self.values(joint, name) } else { Ok(Vec::new()) };
                 let (values, of_value) = match values {
@@ -105,7 +105,7 @@ impl<'d> Reader<'d> {
     fn values(&self, node: Node, name: &str) -> Result<Vec<f64>, String> {
         let Some(count) = self.position_count(name) else { return Ok(Vec::new()) };
         let quoted = shortened(name);
-        let text = node.attribute("value").ok_or_else(|| format!("joint '{quoted}' has no value"))?;
+        let text = plain_attribute(node, "value").ok_or_else(|| format!("joint '{quoted}' has no value"))?;
         let values: Result<Vec<f64>, String> = text.split_whitespace().map(decimal).collect();
         let values = values.map_err(|why| format!("joint '{quoted}': value {why}"))?;
         if values.len() != count {

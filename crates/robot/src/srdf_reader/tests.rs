@@ -88,6 +88,28 @@ fn foreign_namespaces_are_no_srdf() {
 }
 
 #[test]
+fn attributes_of_other_namespaces_are_no_srdf() {
+    let (srdf, told) = srdf(
+        "<disable_collisions xmlns:x='urn:x' x:link1='a' link1='b' link2='c' x:reason='none' reason='Never'/>
+        <disable_collisions xmlns:x='urn:x' x:link1='a' link1='d' link2='e' x:other='1'/>
+        <group xmlns:x='urn:x' x:name='h' name='g'><link x:name='a' name='e'/></group>
+        <passive_joint xmlns:x='urn:x' x:name='ab' name='bc'/>",
+    );
+    assert_eq!(pairs(&srdf), [(1, 2), (3, 4)]);
+    assert_eq!(srdf.disabled_pairs[0].reason, "Never");
+    assert_eq!((srdf.groups[0].name.as_str(), &srdf.groups[0].links[..]), ("g", &[LinkId(4)][..]));
+    assert_eq!(srdf.passive_joints, [JointId(1)]);
+    assert_eq!(told.len(), 5, "{told:?}");
+    assert!(
+        told[0].starts_with("r.srdf:2: <disable_collisions>: attribute 'link1' has a namespace"),
+        "{told:?}"
+    );
+    let missing = load("<disable_collisions xmlns:x='urn:x' x:link1='a' link2='c'/>");
+    let missing = missing.unwrap_err().to_string();
+    assert!(missing.contains("has no link1"), "{missing}");
+}
+
+#[test]
 fn unknown_links_are_reported_once_with_their_first_line() {
     let (srdf, warnings) = srdf(
         "<disable_collisions link1='a' link2='x'/>\n<disable_collisions link1='x' link2='b'/>\n\

@@ -12,7 +12,7 @@ use super::Validator;
 use crate::Warning;
 use crate::decimal_numbers::shortened;
 use crate::similar_names::nearest;
-use crate::xml::{is_foreign, only_text};
+use crate::xml::{is_foreign, only_text, plain_attribute};
 
 /// Maximum number of warnings of this kind; a thoroughly wrong text has thousands.
 const MOST_WARNINGS: usize = 20;
@@ -184,7 +184,7 @@ impl<'d> Validator<'d> {
         for child in known {
             let tag = child.tag_name().name();
             let named = matches!(tag, "link" | "joint").then(|| {
-                format!("{tag} '{}'", shortened(child.attribute("name").unwrap_or_default().trim()))
+                format!("{tag} '{}'", shortened(plain_attribute(child, "name").unwrap_or_default().trim()))
             });
             if let Some(of_child) = vocabulary_of(tag) {
                 self.find_unread(child, of_child, named.as_deref().unwrap_or(label), unread);

@@ -8,6 +8,7 @@ use roxmltree::Node;
 
 use super::{JointNotes, Validator};
 use crate::decimal_numbers::shortened;
+use crate::xml::plain_attribute;
 
 const TYPES: [&str; 6] = ["fixed", "revolute", "continuous", "prismatic", "floating", "planar"];
 
@@ -34,7 +35,7 @@ impl<'d> Validator<'d> {
     }
 
     fn check_type(&mut self, joint: Node<'d, 'd>, element: &str) -> &'static str {
-        let given = joint.attribute("type");
+        let given = plain_attribute(joint, "type");
         if let Some(known) = TYPES.into_iter().find(|t| Some(*t) == given) {
             return known;
         }
@@ -53,7 +54,7 @@ impl<'d> Validator<'d> {
             self.fault(joint, element, format!("has no <{end}>"));
             return "";
         };
-        let link = node.attribute("link").map(str::trim).unwrap_or_default();
+        let link = plain_attribute(node, "link").map(str::trim).unwrap_or_default();
         if link.is_empty() {
             self.fault(node, element, format!("<{end}> names no link"));
         } else if !links.contains(link) {
@@ -67,7 +68,7 @@ impl<'d> Validator<'d> {
         let Some(axis) = self.only_child(joint, "axis", element) else {
             return;
         };
-        let xyz = axis.attribute("xyz").unwrap_or("1 0 0");
+        let xyz = plain_attribute(axis, "xyz").unwrap_or("1 0 0");
         let Some(components) = self.numbers::<3>(axis, element, "axis xyz", xyz) else {
             return;
         };
@@ -103,7 +104,7 @@ impl<'d> Validator<'d> {
         }
         // urdf-rs requires a velocity
         let attributes: Vec<(&str, &str)> = (NAMES.iter().zip(values))
-            .filter_map(|(name, value)| value.and(Some((*name, limit.attribute(*name)?))))
+            .filter_map(|(name, value)| value.and(Some((*name, plain_attribute(limit, name)?))))
             .chain(velocity.is_none().then_some(("velocity", "inf")))
             .collect();
         self.writer.element("limit", &attributes);
@@ -112,7 +113,7 @@ impl<'d> Validator<'d> {
 
     /// A number of `<limit>`; only positions may be negative.
     fn limit_value(&mut self, limit: Node<'d, 'd>, element: &str, name: &str) -> Option<f64> {
-        let text = limit.attribute(name)?;
+        let text = plain_attribute(limit, name)?;
         let [value] = self.numbers(limit, element, &format!("limit {name}"), text)?;
         if value < 0.0 && !matches!(name, "lower" | "upper") {
             self.fault(limit, element, format!("limit {name} is negative"));
@@ -145,12 +146,12 @@ impl<'d> Validator<'d> {
             }
             _ => {}
         }
-        let leader = mimic.attribute("joint").map(str::trim).unwrap_or_default();
+        let leader = plain_attribute(mimic, "joint").map(str::trim).unwrap_or_default();
         if leader.is_empty() {
             self.fault(mimic, element, "<mimic> names no joint");
         }
-        let multiplier = mimic.attribute("multiplier").unwrap_or("1");
-        let offset = mimic.attribute("offset").unwrap_or("0");
+        let multiplier = plain_attribute(mimic, "multiplier").unwrap_or("1");
+        let offset = plain_attribute(mimic, "offset").unwrap_or("0");
         self.numbers::<1>(mimic, element, "mimic multiplier", multiplier);
         self.numbers::<1>(mimic, element, "mimic offset", offset);
         self.writer.element("mimic", &[("joint", leader), ("multiplier", multiplier), ("offset", offset)]);

@@ -7,7 +7,7 @@ use roxmltree::Node;
 
 use super::{CollisionNotes, GeometryKind, LinkNotes, Validator, is_unexpanded};
 use crate::decimal_numbers::{decimals, shortened};
-use crate::xml::{is_foreign, own_children};
+use crate::xml::{is_foreign, own_children, plain_attribute};
 
 pub(super) const SHAPES: [&str; 5] = ["box", "sphere", "cylinder", "capsule", "mesh"];
 
@@ -18,12 +18,12 @@ impl<'d> Validator<'d> {
             LinkNotes { place: self.xml.place(link, format!("link '{name}'")), collisions: Vec::new() };
         let tag = self.kind.tag();
         for (collision, number) in own_children(link, tag).zip(1..) {
-            let element = match collision.attribute("name").unwrap_or_default() {
+            let element = match plain_attribute(collision, "name").unwrap_or_default() {
                 "" => format!("link '{name}' {tag} {number}"),
                 own => format!("link '{name}' {tag} '{}'", shortened(own)),
             };
             let place = self.xml.place(collision, element.as_str());
-            match collision.attribute("name") {
+            match plain_attribute(collision, "name") {
                 Some(own) => self.writer.open("collision", &[("name", own)]),
                 None => self.writer.open("collision", &[]),
             }
@@ -45,19 +45,19 @@ impl<'d> Validator<'d> {
     /// Validates `<origin>`. The rotation is returned if it is a quaternion, which `urdf-rs` would convert to angles and round.
     pub(super) fn check_origin(&mut self, node: Node<'d, 'd>, element: &str) -> Option<Rotation> {
         let origin = self.only_child(node, "origin", element)?;
-        let xyz = origin.attribute("xyz").unwrap_or("0 0 0");
-        let rpy = origin.attribute("rpy").unwrap_or("0 0 0");
+        let xyz = plain_attribute(origin, "xyz").unwrap_or("0 0 0");
+        let rpy = plain_attribute(origin, "rpy").unwrap_or("0 0 0");
         self.lengths::<3>(origin, element, "origin xyz", xyz);
         self.numbers::<3>(origin, element, "origin rpy", rpy);
         self.writer.element("origin", &[("xyz", xyz), ("rpy", rpy)]);
-        let quaternion = origin.attribute("quat_xyzw")?;
+        let quaternion = plain_attribute(origin, "quat_xyzw")?;
         if self.version < (1, 1) {
             let message =
                 "origin quat_xyzw is ignored, since only URDF 1.1 knows it: write <robot version=\"1.1\">";
             self.warn(origin, element, message);
             return None;
         }
-        if origin.attribute("rpy").is_some() {
+        if plain_attribute(origin, "rpy").is_some() {
             self.fault(origin, element, "origin has both rpy and quat_xyzw");
             return None;
         }
@@ -126,14 +126,14 @@ impl<'d> Validator<'d> {
     }
 
     fn check_mesh(&mut self, mesh: Node<'d, 'd>, element: &str) {
-        let filename = mesh.attribute("filename").unwrap_or_default();
+        let filename = plain_attribute(mesh, "filename").unwrap_or_default();
         if filename.trim().is_empty() {
             self.fault(mesh, element, "mesh has no filename");
         } else if is_unexpanded(filename) {
             let message = format!("mesh filename '{}' is unexpanded xacro", shortened(filename));
             self.fault(mesh, element, message);
         }
-        let scale = mesh.attribute("scale").unwrap_or("1 1 1");
+        let scale = plain_attribute(mesh, "scale").unwrap_or("1 1 1");
         if let Some(factors) = self.numbers::<3>(mesh, element, "mesh scale", scale)
             && factors.contains(&0.0)
         {
@@ -146,7 +146,7 @@ impl<'d> Validator<'d> {
     /// The validated text of a dimension: `N` lengths, none negative.
     fn dimensions<const N: usize>(&mut self, shape: Node<'d, 'd>, element: &str, name: &str) -> &'d str {
         let what = format!("{} {name}", shape.tag_name().name());
-        let Some(text) = shape.attribute(name) else {
+        let Some(text) = plain_attribute(shape, name) else {
             self.fault(shape, element, format!("{what} is missing"));
             return "";
         };

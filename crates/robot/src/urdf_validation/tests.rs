@@ -187,6 +187,51 @@ fn foreign_namespaces_are_no_urdf() {
 }
 
 #[test]
+fn attributes_of_other_namespaces_do_not_replace_plain_ones() {
+    let other = |element: &str, name: &str| {
+        let (tag, rest) = element.split_once(' ').unwrap();
+        format!("{tag} q:{name} {rest}")
+    };
+    let in_link = |text: &str| format!("<collision>{text}</collision>");
+    let shape = |text: &str| in_link(&format!("<geometry>{text}</geometry>"));
+    let plain = shape("<sphere radius='2'/>");
+    for (text, name) in [
+        (shape(&other("<sphere radius='2'/>", "radius='0.1'")), "radius"),
+        (shape(&other("<box size='1 2 3'/>", "size='0 0 0'")), "size"),
+        (shape(&other("<cylinder radius='2' length='3'/>", "length='-1'")), "length"),
+        (in_link(&(other("<origin xyz='1 2 3'/>", "rpy='x'") + BALL)), "rpy"),
+        (in_link(&(other("<origin quat_xyzw='0 0 0 1'/>", "rpy='0 0 1'") + BALL)), "rpy"),
+    ] {
+        let told = warnings_of(&text, "", "", "");
+        let words = format!("attribute '{name}' of <");
+        assert!(
+            told.len() == 1 && told[0].contains(&words) && told[0].contains("without prefix"),
+            "{told:?}"
+        );
+    }
+    let with_foreign_radius = shape(&other("<sphere radius='2'/>", "radius='0.1'"));
+    let text = |shape: &str| urdf(shape, "fixed", "").replace("<robot ", "<robot xmlns:q='urn:q' ");
+    let [foreign, plain] = [&with_foreign_radius, &plain].map(|shape| accepted(&text(shape)));
+    let shape_of = |model: &RobotModel| format!("{:?}", model.links()[1].collisions[0].shape);
+    assert_eq!(shape_of(&foreign), shape_of(&plain));
+
+    for (joint, name) in [
+        ("<axis q:xyz='1 0 0' xyz='0 0 1'/>", "xyz"),
+        ("<mimic q:joint='none' joint='lead' q:multiplier='x' multiplier='2'/>", "joint"),
+    ] {
+        let told = warnings_of("", "", joint, "");
+        assert!(told.iter().any(|w| w.contains(&format!("attribute '{name}' of <"))), "{told:?}");
+    }
+    let told = warnings_of("", "q:type='fixed' q:name='k'", "", "");
+    assert_eq!(told.len(), 2, "{told:?}");
+    for only_foreign in ["<sphere q:radius='1'/>", "<box q:size='1 1 1'/>", "<mesh q:filename='a.stl'/>"] {
+        let text = collision(only_foreign).replace("<robot ", "<robot xmlns:q='urn:q' ");
+        assert_rejected(&text, &[]);
+    }
+    assert_rejected("<robot xmlns:q='urn:q' name='r'><link q:name='a'/></robot>", &["a link has no name"]);
+}
+
+#[test]
 fn joints_do_not_share_names_of_positions() {
     for (kind, name) in
         [("floating", "f/trans_x"), ("floating", "f/rot_w"), ("planar", "f/theta"), ("planar", "f/x")]

@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 
+use crate::xml_attribute;
+
 /// Writes XML elements with escaped attributes.
 #[derive(Debug, Default)]
 pub(super) struct Writer {
@@ -30,22 +32,7 @@ impl Writer {
     fn start(&mut self, tag: &str, attributes: &[(&str, &str)]) {
         let _ = write!(self.text, "<{tag}");
         for (name, value) in attributes {
-            let _ = write!(self.text, " {name}=\"{}\"", escaped(value));
+            let _ = write!(self.text, " {name}=\"{}\"", xml_attribute(value));
         }
     }
-}
-
-fn escaped(value: &str) -> String {
-    let mut escaped = String::with_capacity(value.len());
-    for c in value.chars() {
-        match c {
-            '&' => escaped.push_str("&amp;"),
-            '<' => escaped.push_str("&lt;"),
-            '>' => escaped.push_str("&gt;"),
-            '"' => escaped.push_str("&quot;"),
-            '\'' => escaped.push_str("&apos;"),
-            other => escaped.push(other),
-        }
-    }
-    escaped
 }

@@ -3,13 +3,13 @@
 use clearance_geometry::math::Point;
 use roxmltree::Node;
 
-use super::{Collada, children, decimal};
+use super::{Collada, decimal, own_children, plain_attribute};
 
 impl<'d> Collada<'d> {
     /// The positions that `<vertices>` refers to.
-    pub(super) fn positions(&self, vertices: Node<'d, 'd>) -> Result<Vec<Point>, String> {
-        let is_position = |n: &Node| n.attribute("semantic") == Some("POSITION");
-        let mut inputs = children(vertices, "input").filter(is_position);
+    pub(super) fn positions(&mut self, vertices: Node<'d, 'd>) -> Result<Vec<Point>, String> {
+        let is_position = |n: &Node| plain_attribute(*n, "semantic") == Some("POSITION");
+        let mut inputs = own_children(vertices, "input").filter(is_position);
         let input = match (inputs.next(), inputs.next()) {
             (Some(input), None) => input,
             (None, _) => return Err(self.at(vertices, "has no input POSITION")),
@@ -25,6 +25,7 @@ impl<'d> Collada<'d> {
             .map(decimal)
             .collect::<Result<_, _>>()
             .map_err(|reason| self.at(array, reason))?;
+        self.compare_count(array, numbers.len());
         let count = self.whole(accessor, "count", None)?;
         let stride = self.whole(accessor, "stride", Some(1))?;
         let offset = self.whole(accessor, "offset", Some(0))?;
@@ -50,18 +51,18 @@ impl<'d> Collada<'d> {
     /// Indices of x, y and z among the numbers of a position. Numbers whose `<param>` has no name are skipped, as the specification
     /// requires; names other than X, Y and Z do not determine the order.
     fn coordinates(&self, accessor: Node<'d, 'd>) -> Result<[usize; 3], String> {
-        let params: Vec<Node> = children(accessor, "param").collect();
+        let params: Vec<Node> = own_children(accessor, "param").collect();
         if params.is_empty() {
             return Ok([0, 1, 2]);
         }
         let is_wide = |param: &&Node| {
-            param.attribute("type").is_some_and(|t| t.ends_with(|c: char| c.is_ascii_digit()))
+            plain_attribute(**param, "type").is_some_and(|t| t.ends_with(|c: char| c.is_ascii_digit()))
         };
         if let Some(wide) = params.iter().find(is_wide) {
             return Err(self.at(*wide, "its type has more than one number, which is not read"));
         }
         let name = |param: &Node| {
-            param.attribute("name").map(str::trim).filter(|n| !n.is_empty()).map(str::to_uppercase)
+            plain_attribute(*param, "name").map(str::trim).filter(|n| !n.is_empty()).map(str::to_uppercase)
         };
         let named: Vec<(usize, String)> =
             params.iter().enumerate().filter_map(|(place, param)| Some((place, name(param)?))).collect();
@@ -84,7 +85,7 @@ impl<'d> Collada<'d> {
 
     /// A whole number from an attribute.
     pub(super) fn whole(&self, node: Node, attribute: &str, missing: Option<usize>) -> Result<usize, String> {
-        match (node.attribute(attribute).map(str::trim), missing) {
+        match (plain_attribute(node, attribute).map(str::trim), missing) {
             (Some(text), _) => text
                 .parse()
                 .map_err(|_| self.at(node, format!("the attribute {attribute} is no whole number"))),

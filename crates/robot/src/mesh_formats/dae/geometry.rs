@@ -6,10 +6,11 @@ use std::rc::Rc;
 
 use roxmltree::{Node, NodeId};
 
-use super::{Collada, child, children};
+use super::{Collada, own_child, own_children, own_elements, plain_attribute};
 use crate::mesh_formats::mesh_builder::MeshBuilder;
 use crate::mesh_formats::mesh_memory;
 use crate::mesh_formats::remark_counter::TOO_FEW_CORNERS;
+use crate::xml::is_foreign;
 
 /// Polygons, as indices of their corners in the positions.
 type Polygons = Vec<Vec<usize>>;
@@ -28,12 +29,12 @@ impl<'d> Collada<'d> {
         }
         let mut surface = MeshBuilder::default();
         if let Some(mesh) = self.mesh_of(geometry)? {
-            if mesh.has_attribute("convex_hull_of") {
+            if plain_attribute(mesh, "convex_hull_of").is_some() {
                 return Err(self.at(mesh, "convex_hull_of is not read; write the triangles of the hull"));
             }
             // by <vertices> element: the range of its positions in the surface
             let mut known = HashMap::new();
-            for primitive in mesh.children().filter(Node::is_element) {
+            for primitive in own_elements(mesh) {
                 if let Some((vertices, polygons)) = self.polygons(primitive)? {
                     let range = self.positions_once(vertices, &mut known, &mut surface)?;
                     for polygon in polygons {
@@ -49,15 +50,15 @@ impl<'d> Collada<'d> {
 
     /// The mesh of a geometry; `None` when it has only curves, which are counted.
     fn mesh_of(&mut self, geometry: Node<'d, 'd>) -> Result<Option<Node<'d, 'd>>, String> {
-        if let Some(brep) = child(geometry, "brep") {
+        if let Some(brep) = own_child(geometry, "brep") {
             return Err(self.at(brep, "boundary representations are not read; save the surface as triangles"));
         }
-        let splines = children(geometry, "spline").count();
+        let splines = own_children(geometry, "spline").count();
         for _ in 0..splines {
             self.remark_counts.add("splines are skipped", Some(self.xml.line(geometry)));
         }
         let is_mesh = |part: &Node| matches!(part.tag_name().name(), "mesh" | "convex_mesh");
-        let mut meshes = geometry.children().filter(is_mesh);
+        let mut meshes = own_elements(geometry).filter(is_mesh);
         match (meshes.next(), meshes.next()) {
             (Some(_), Some(second)) => Err(self.at(second, "<geometry> may have only one mesh")),
             (Some(mesh), None) => Ok(Some(mesh)),
@@ -127,10 +128,10 @@ impl<'d> Collada<'d> {
         }
         let mut stride = 1;
         let mut vertex_input = None;
-        for input in children(primitive, "input") {
+        for input in own_children(primitive, "input") {
             let offset = self.whole(input, "offset", Some(0))?;
             stride = stride.max(offset.saturating_add(1));
-            if input.attribute("semantic") == Some("VERTEX") {
+            if plain_attribute(input, "semantic") == Some("VERTEX") {
                 if vertex_input.is_some() {
                     return Err(self.at(input, format!("<{kind}> may have only one input VERTEX")));
                 }
@@ -140,7 +141,7 @@ impl<'d> Collada<'d> {
         let lists = self.index_lists(primitive)?;
         // fans and strips count lists, not triangles
         let counts_lists = matches!(kind, "trifans" | "tristrips");
-        if lists.iter().all(Vec::is_empty) && child(primitive, "vcount").is_none() && kind != "polygons" {
+        if lists.iter().all(Vec::is_empty) && own_child(primitive, "vcount").is_none() && kind != "polygons" {
             self.compare_count(primitive, if counts_lists { lists.len() } else { 0 });
             return Ok(None);
         }
@@ -182,6 +183,7 @@ impl<'d> Collada<'d> {
                 return Err(self.at(primitive, "has text outside of <p> and <vcount>"));
             }
             match part.tag_name().name() {
+                _ if is_foreign(part) => {}
                 "p" => lists.push(self.indices(part)?),
                 "ph" => {
                     let Some(outline) = self.only_child(part, "p")? else {
@@ -225,11 +227,11 @@ impl<'d> Collada<'d> {
         }
     }
 
-    /// The attribute `count` is not used, but a wrong value causes a remark.
-    fn compare_count(&mut self, primitive: Node, there: usize) {
-        let said = primitive.attribute("count").and_then(|c| c.trim().parse::<usize>().ok());
+    /// The attribute `count` of a primitive or an array is not used, but a wrong value causes a remark.
+    pub(super) fn compare_count(&mut self, element: Node, there: usize) {
+        let said = plain_attribute(element, "count").and_then(|c| c.trim().parse::<usize>().ok());
         if let Some(said) = said.filter(|&said| said != there) {
-            let remark = self.at(primitive, format!("the count is {said}, but {there} are there"));
+            let remark = self.at(element, format!("the count is {said}, but {there} are there"));
             self.remarks.push(remark);
         }
     }

@@ -3,10 +3,10 @@
 use nalgebra::Matrix4;
 use roxmltree::Node;
 
-use super::{Collada, child};
+use super::{Collada, own_child};
 
-/// Maximum depth of controllers that deform the output of another controller: a deeper one is a loop.
-const MOST_CONTROLLERS: usize = 10;
+/// Maximum number of controllers of which each deforms the output of the next.
+const MOST_CONTROLLERS: usize = 100;
 
 impl<'d> Collada<'d> {
     /// The geometry that a `<controller>` deforms, with its undeformed pose: skins and morphs are not applied.
@@ -15,8 +15,13 @@ impl<'d> Collada<'d> {
         controller: Node<'d, 'd>,
     ) -> Result<(Node<'d, 'd>, Matrix4<f64>), String> {
         let (mut controller, mut to_mesh) = (controller, Matrix4::identity());
-        for _ in 0..MOST_CONTROLLERS {
-            let (skin, morph) = (child(controller, "skin"), child(controller, "morph"));
+        let mut seen = Vec::new();
+        while seen.len() < MOST_CONTROLLERS {
+            if seen.contains(&controller.id()) {
+                return Err(self.at(controller, "controllers deform each other without end"));
+            }
+            seen.push(controller.id());
+            let (skin, morph) = (own_child(controller, "skin"), own_child(controller, "morph"));
             let Some(deformer) = skin.or(morph) else {
                 return Err(self.at(controller, "has neither <skin> nor <morph>"));
             };
@@ -35,6 +40,7 @@ impl<'d> Collada<'d> {
             }
             controller = source;
         }
-        Err(self.at(controller, "controllers deform each other without end"))
+        let message = format!("more than {MOST_CONTROLLERS} controllers deform the output of one another");
+        Err(self.at(controller, message))
     }
 }

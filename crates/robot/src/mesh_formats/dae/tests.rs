@@ -236,7 +236,7 @@ fn instances_without_number_end() {
     assert!(fault(&file("", &many, &NODE.repeat(20_001))).contains("triangles, instances counted"));
     let extras = format!("<node id='n'>{}</node>", "<extra/>".repeat(1001));
     let nodes = extras + &"<instance_node url='#n'/>".repeat(10_000);
-    assert!(fault(&file("", TRIANGLES, &format!("<node>{nodes}</node>"))).contains("instanced too often"));
+    assert!(fault(&file("", TRIANGLES, &format!("<node>{nodes}</node>"))).contains("10000000 elements"));
 }
 
 #[test]
@@ -336,6 +336,17 @@ fn skinned_meshes_are_read_as_they_were_bound() {
         assert!(read.remarks[0].contains("skinned"), "{:?}", read.remarks);
     }
     assert!(of("#l", node).unwrap_err().contains("without end"));
+    let chain = |count: usize| {
+        let links = (1..count).map(|i| {
+            let below = if i + 1 == count { "g".to_owned() } else { format!("k{}", i + 1) };
+            format!("<controller id='k{i}'><skin source='#{below}'/></controller>")
+        });
+        let controllers = links.collect::<String>();
+        let text = file("", TRIANGLES, node).replace("<library_nodes>", &(skin("#k1") + "<library_nodes>"));
+        read(&text.replace("<library_controllers>", &format!("<library_controllers>{controllers}")))
+    };
+    assert_eq!(chain(50).unwrap().mesh.triangles().len(), 2);
+    assert!(chain(101).unwrap_err().contains("more than 100 controllers"));
     assert!(of("#none", node).unwrap_err().contains("'none'"));
     assert!(of("#g", &node.replace("#k", "#e")).unwrap_err().contains("neither"));
 }
@@ -348,7 +359,101 @@ fn endless_instances_end() {
     let mut nodes: Vec<_> = (0..30).map(|i| format!("<node id='n{i}'>{}</node>", ten_of(i + 1))).collect();
     nodes.push("<node id='n30'><instance_geometry url='#g'/></node>".to_owned());
     let laughing = nodes.concat();
-    assert!(fault(&file("", TRIANGLES, &laughing)).contains("without end"));
+    assert!(fault(&file("", TRIANGLES, &laughing)).contains("instances counted"));
+    let deep = |levels: usize| {
+        let chain = (0..levels).map(|i| format!("<node id='n{i}'><instance_node url='#n{}'/></node>", i + 1));
+        let end = format!("<node id='n{levels}'><instance_geometry url='#g'/></node>");
+        let library = format!("<library_nodes>{}{end}", chain.collect::<String>());
+        let shown = file("", TRIANGLES, "<node><instance_node url='#n0'/></node>");
+        read(&shown.replace("<library_nodes>", &library))
+    };
+    assert_eq!(deep(900).unwrap().mesh.triangles().len(), 2);
+    let too_deep = deep(1001).unwrap_err();
+    assert!(too_deep.contains("more than 1000 levels") && !too_deep.contains("without end"), "{too_deep}");
+}
+
+/// Many instances of a small mesh are within the limit of triangles.
+#[test]
+fn many_small_instances_are_read() {
+    let library = format!("<node id='k'>{}</node>", "<instance_node url='#lib'/>".repeat(1000));
+    let shown = file("", TRIANGLES, &format!("<node>{}</node>", "<instance_node url='#k'/>".repeat(101)));
+    let read = read(&shown.replace("<library_nodes>", &format!("<library_nodes>{library}"))).unwrap();
+    assert_eq!(read.mesh.triangles().len(), 202_000);
+    let nested = format!("{}{NODE}{}", "<node>".repeat(130), "</node>".repeat(130));
+    assert_eq!(self::read(&file("", TRIANGLES, &nested)).unwrap().mesh.triangles().len(), 2);
+}
+
+#[test]
+fn other_namespaces_are_no_collada() {
+    let good = file(
+        "<unit meter='1'/>",
+        TRIANGLES,
+        "<node><translate>1 0 0</translate><instance_geometry url='#g'/></node>",
+    );
+    let expected = read(&good).unwrap();
+    let with = |old: &str, new: &str| {
+        assert!(good.contains(old), "{old}");
+        good.replacen(old, new, 1).replacen("<COLLADA ", "<COLLADA xmlns:x='urn:x' ", 1)
+    };
+    for (old, new, words) in [
+        ("<unit meter=", "<unit x:meter='0.5' meter=", "attribute 'meter'"),
+        ("<unit ", "<x:unit meter='0.5'/><unit ", "<unit>: has another XML namespace than <COLLADA>"),
+        ("<instance_geometry url='", "<instance_geometry x:url='#none' url='", "attribute 'url'"),
+        ("<geometry id", "<geometry x:id='h' id", "attribute 'id'"),
+        ("<geometry id=\"g\"", "<x:geometry id='g'/><geometry id=\"g\"", "<geometry>: has another"),
+        ("<float_array id=\"a\" count=", "<float_array id=\"a\" x:count='9' count=", "attribute 'count'"),
+        ("semantic=\"VERTEX\"", "x:semantic='NORMAL' semantic=\"VERTEX\"", "attribute 'semantic'"),
+        ("stride=\"3\"", "x:stride='4' stride=\"3\"", "attribute 'stride'"),
+        ("<translate>", "<x:matrix>none</x:matrix><translate>", "<matrix>: has another"),
+        ("<p>", "<x:p>9 9 9</x:p><p>", "<p>: has another"),
+        ("<triangles ", "<x:triangles count='1'><p>9 9 9</p></x:triangles><triangles ", "<triangles>: has"),
+        ("<mesh>", "<x:brep/><mesh>", "<brep>: has another"),
+    ] {
+        let text = with(old, new);
+        let found = read(&text).unwrap_or_else(|e| panic!("{new}: {e}"));
+        assert_eq!(surface(&found), surface(&expected), "{new}");
+        assert_eq!(found.remarks.len(), 1, "{new}: {:?}", found.remarks);
+        assert!(found.remarks[0].contains(words), "{new}: {:?}", found.remarks);
+    }
+    // content of other programs, and names that nothing has without prefix
+    for (old, new) in [
+        ("<translate>", "<extra><technique profile='P'><x:node x:id='g'/></technique></extra><translate>"),
+        ("<translate>", "<x:hint><matrix/></x:hint><translate>"),
+        ("<node>", "<node x:sid='n'>"),
+    ] {
+        let found = read(&with(old, new)).unwrap();
+        assert_eq!((surface(&found), found.remarks.len()), (surface(&expected), 0), "{new}");
+    }
+    // the namespace of the outermost element is COLLADA's, whatever it is
+    for namespace in ["", "xmlns='http://www.collada.org/2008/03/COLLADASchema'"] {
+        let text = good.replace("xmlns=\"http://www.collada.org/2005/11/COLLADASchema\"", namespace);
+        let found = read(&text).unwrap();
+        assert_eq!((surface(&found), found.remarks.len()), (surface(&expected), 0), "{namespace}");
+    }
+    let prefixed = good.replace("</", "\0").replace('<', "<c:").replace('\0', "</c:");
+    let prefixed = prefixed.replace("<c:?", "<?").replace("xmlns=", "xmlns:c=");
+    assert_eq!(surface(&read(&prefixed).unwrap()), surface(&expected));
+}
+
+#[test]
+fn what_is_skipped_is_reported() {
+    let typo = "<node><translation>1 0 0</translation><instance_geometry url='#g'/><extra/></node>";
+    let found = read(&file("", TRIANGLES, typo)).unwrap();
+    assert_eq!(found.remarks.len(), 1, "{:?}", found.remarks);
+    assert!(found.remarks[0].starts_with("1 unknown elements of a node"), "{:?}", found.remarks);
+    let good = file("", TRIANGLES, NODE);
+    let twice = good.replace(
+        "<library_nodes>",
+        "<library_geometries><geometry id='g'/></library_geometries>\n<library_nodes>",
+    );
+    let found = read(&twice).unwrap();
+    assert!(found.remarks[0].contains("the same id, the first at line"), "{:?}", found.remarks);
+    let found = read(&good.replace("count=\"12\"", "count=\"15\"")).unwrap();
+    assert!(
+        found.remarks[0].contains("<float_array>: the count is 15, but 12 are there"),
+        "{:?}",
+        found.remarks
+    );
 }
 
 proptest! {

@@ -299,7 +299,49 @@ fn instances_without_end_end() {
     let nodes: Vec<Value> =
         (1..=30).map(|i| json!({"children": vec![i; 10]})).chain([json!({"mesh": 0})]).collect();
     laughing["nodes"] = json!(nodes);
-    assert!(fault(&laughing).contains("without end"));
+    assert!(fault(&laughing).contains("2000000 nodes, instances counted"));
+    let chain = |levels: usize| {
+        let mut document = document();
+        let nodes: Vec<Value> =
+            (1..=levels).map(|i| json!({"children": [i]})).chain([json!({"mesh": 0})]).collect();
+        document["nodes"] = json!(nodes);
+        document
+    };
+    assert_eq!(of(&chain(900)).unwrap().mesh.triangles().len(), 2);
+    let message = fault(&chain(1001));
+    assert!(message.contains("more than 1000 levels") && !message.contains("without end"), "{message}");
+    let mut circle = chain(3);
+    circle["nodes"][2]["children"] = json!([3, 1]);
+    assert!(fault(&circle).contains("node 1 contains itself: nodes without end"));
+    let mut many = chain(1);
+    many["nodes"] = json!([{"children": vec![1; 1000]}, {"children": vec![2; 101]}, {"mesh": 0}]);
+    assert_eq!(of(&many).unwrap().mesh.triangles().len(), 202_000);
+}
+
+#[test]
+fn transforms_given_twice_and_least_versions() {
+    let shift = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 2, 0, 0, 1];
+    for (translation, is_read) in
+        [(json!([2, 0, 0]), true), (json!([0, 0, 0]), true), (json!([0, 2, 0]), false)]
+    {
+        let node = json!({"mesh": 0, "matrix": shift, "translation": translation});
+        let read = of(&with("/nodes/0", node));
+        match read {
+            Ok(read) => {
+                let low = read.mesh.bounds().0;
+                assert!(is_read && (low - Point::new(2.0, 0.0, 0.0)).norm() < 1e-12, "{translation}");
+            }
+            Err(message) => assert!(!is_read && message.contains("contradicts its translation"), "{message}"),
+        }
+    }
+    for (version, least, is_read) in
+        [("2.0", "2.0", true), ("2.5", "2.0", true), ("2.5", "2.5", false), ("2.0", "3.0", false)]
+    {
+        let read = of(&with("/asset", json!({"version": version, "minVersion": least})));
+        assert_eq!(read.is_ok(), is_read, "{version}, {least}: {read:?}");
+        assert!(read.err().is_none_or(|message| message.contains(&format!("version '{least}'"))));
+    }
+    assert!(of(&with("/asset", json!({"version": "2.1"}))).is_ok());
 }
 
 /// A document whose positions are replaced by sparse ones with these indices.
