@@ -139,6 +139,8 @@ def test_worlds(world, change, kind, words):
         (lambda c, h: c.attach("ball", "hand"), cl.Error, "either q"),
         (lambda c, h: c.detach("ball", h), cl.Error, "no object 'ball' is attached"),
         (lambda c, h: c.find_free_state(h, locked=["none"]), cl.Error, "no joint 'none'"),
+        (lambda c, h: c.view(port=80000), cl.Error, "port is 80000, but must be a whole number from 0 to 65535"),
+        (lambda c, h: c.view(port=-1), cl.Error, "port is -1, but must be a whole number from 0 to 65535"),
         (lambda c, h: c.find_free_state(h, clearance=-1.0), cl.Error, "clearance is -1, but must be"),
         (lambda c, h: c.are_edges_free(h, 1.0), ValueError, r"q1 has shape \(\), but it must be \(\.\.\., 7\)"),
         (lambda c, h: c.check_edges(h[:1], h), ValueError, r"q0 has shape \(1,\), but it must be \(\.\.\., 7\)"),

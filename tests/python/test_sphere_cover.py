@@ -108,6 +108,14 @@ def test_inner(two):
         assert distance_from_base(centre + radius * directions).max() <= 1e-9
 
 
+def test_a_depth_that_is_not_reached_is_an_error():
+    cube = '<collision><geometry><box size="0.001 0.001 0.001"/></geometry></collision>'
+    robot = cl.Robot.from_urdf(f'<robot name="r"><link name="cube">{cube}</link></robot>')
+    assert robot.sphere_cover(excess=3e-4, inner=True).largest_error <= 3e-4
+    with pytest.raises(cl.Error, match="link 'cube': no cover with an excess"):
+        robot.sphere_cover(excess=1e-6, inner=True)
+
+
 def test_a_timeout_keeps_the_proof(two, cover):
     short = two.sphere_cover(count=3, timeout=0)
     assert short.ended_by_time and all(link.ended_by_time for link in short.links)

@@ -15,6 +15,8 @@ pub struct JointSpace {
     names: Vec<String>,
     /// The joints of the columns, if these are in the order of the robot.
     in_order: Option<JointGroup>,
+    /// Name of the group; `None` if the columns are all positions.
+    group: Option<String>,
 }
 
 /// Reason why there are no such states.
@@ -54,7 +56,7 @@ impl JointSpace {
     #[must_use]
     pub fn whole(robot: Arc<RobotModel>) -> Self {
         let (rest, names) = (robot.default_configuration(), robot.position_names().to_vec());
-        Self { robot, rest, columns: None, names, in_order: None }.with_order()
+        Self { robot, rest, columns: None, names, in_order: None, group: None }.with_order()
     }
 
     /// The positions of a group of the SRDF, in the order of the group; `fixed` are values of other joints by name.
@@ -82,7 +84,8 @@ impl JointSpace {
         }
         let given = fixed.iter().map(|(joint, value)| (joint.as_str(), *value));
         let rest = robot.configuration_from_names(given).map_err(JointSpaceError::Fixed)?;
-        Ok(Self { robot, rest, columns, names, in_order: None }.with_order())
+        let group = group.map(str::to_owned);
+        Ok(Self { robot, rest, columns, names, in_order: None, group }.with_order())
     }
 
     fn with_order(mut self) -> Self {
@@ -93,6 +96,13 @@ impl JointSpace {
         };
         self.in_order = is_in_order.then_some(group);
         self
+    }
+
+    /// The joints of the columns, with the name of the group for messages.
+    #[must_use]
+    pub fn joint_group(&self) -> JointGroup {
+        let name = self.group.as_deref().unwrap_or("all joints of the robot");
+        JointGroup::of_joints(&self.robot, name, &self.joints())
     }
 
     /// Names of the columns.

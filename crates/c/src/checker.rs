@@ -8,7 +8,7 @@ use std::sync::Arc;
 use clearance::CollisionChecker;
 use clearance::robot::{Configuration, RobotModel};
 use clearance::scene::{AttachedId, AttachedObject, BodyId, Scene};
-use clearance_bindings::JointSpace;
+use clearance_bindings::{JointSpace, why_no_obstacle};
 
 use crate::arguments::Arguments;
 use crate::checker_options::{CheckSettings, clearance_checker_options};
@@ -180,7 +180,7 @@ fn grasped(
     let (name, link) =
         (arguments.text(grasp.object, "grasp.object")?, arguments.text(grasp.link, "grasp.link")?);
     let obstacle = checker.scene.world.obstacle_by_name(name);
-    let obstacle = obstacle.ok_or_else(|| Failure::rejected(format!("there is no object '{name}'")))?;
+    let obstacle = obstacle.ok_or_else(|| Failure::rejected(why_no_obstacle(&checker.scene, name)))?;
     let has_pose = !grasp.pose.is_null();
     let q = if has_pose {
         checker.space.rest().clone()

@@ -4,7 +4,6 @@ use std::ffi::{CStr, c_char, c_int};
 use std::ptr;
 
 use clearance::planner::{self, NoPlan, Path, Plan, PlanOptions};
-use clearance::robot::JointGroup;
 use clearance::{Certificate, MotionOptions, MotionVerdict, TrajectoryReport, UndecidedReason, Workspace};
 
 use crate::certificate::clearance_certificate;
@@ -86,7 +85,7 @@ pub extern "C" fn clearance_checker_plan(
     query(checker, workspace, |arguments, checker, memory| {
         let given = arguments.object_or_none(options, "options")?.copied().unwrap_or_default();
         let [start, goal] = edge_ends(arguments, &checker.space, ends)?;
-        let group = JointGroup::of_joints(checker.model(), "joints of the checker", &checker.space.joints());
+        let group = checker.space.joint_group();
         let options = plan_options(&given)?;
         let workspace = &mut memory.workspace;
         let found = planner::plan(&checker.checker, &group, &start, &goal, &options, workspace);

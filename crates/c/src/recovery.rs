@@ -5,6 +5,7 @@ use std::ptr;
 
 use clearance::checker::{FreeState, NoFreeState, Recovery, RecoveryOptions};
 use clearance::robot::JointId;
+use clearance_bindings::find_joint;
 
 use crate::arguments::Arguments;
 use crate::checker::clearance_checker;
@@ -100,8 +101,7 @@ fn recovery_options(
 ) -> Outcome<RecoveryOptions> {
     let given = arguments.object_or_none(options, "options")?.copied().unwrap_or_default();
     let joint = |name: &String| {
-        let unknown = || Failure::rejected(format!("locked: the robot has no joint '{name}'"));
-        checker.model().joint_by_name(name).ok_or_else(unknown)
+        find_joint(checker.model(), name).map_err(|why| Failure::rejected(format!("locked: {why}")))
     };
     let locked = texts(arguments, given.locked, given.locked_count, "locked")?;
     Ok(RecoveryOptions {

@@ -9,6 +9,7 @@ use clearance::geometry::math::Pose;
 use clearance::geometry::{Primitive, PrimitiveError, Shape};
 use clearance::robot::{MeshFiles, RobotModel};
 use clearance::scene::{Obstacle, Scene, SceneLoader, WorldFileKind};
+use clearance_bindings::why_no_obstacle;
 use clearance_files::input_files::{self, WORLD_LIMIT};
 
 use crate::arguments::Arguments;
@@ -314,7 +315,7 @@ pub extern "C" fn clearance_world_move(
 ) -> clearance_status {
     change(world, name, |arguments, scene, name| {
         let pose = read_pose(arguments, pose, name)?;
-        scene.world.move_to(name, pose).map_err(Failure::rejected)
+        scene.world.move_to(name, pose).map_err(|_| Failure::rejected(why_no_obstacle(scene, name)))
     })
 }
 
@@ -324,5 +325,8 @@ pub extern "C" fn clearance_world_remove(
     world: *mut clearance_world,
     name: *const c_char,
 ) -> clearance_status {
-    change(world, name, |_, scene, name| scene.world.remove(name).map(|_| ()).map_err(Failure::rejected))
+    change(world, name, |_, scene, name| match scene.world.remove(name) {
+        Ok(_) => Ok(()),
+        Err(_) => Err(Failure::rejected(why_no_obstacle(scene, name))),
+    })
 }

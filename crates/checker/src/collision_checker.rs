@@ -10,13 +10,14 @@ use clearance_robot::{Configuration, LinkPoses, Reach, RobotModel};
 use clearance_scene::{AllowedCollisionMatrix, BodyId, PairList, Settings, World};
 use rayon::prelude::*;
 
-use crate::collision_report::{CollisionReport, Question};
+use crate::collision_report::CollisionReport;
 use crate::motion::{
     self, CertificateConstants, CertificateSubject, CheckedMotion, LookAhead, LookAheadState, MotionCheck,
     MotionOptions, MotionReport, SweptVolume, TrajectoryReport,
 };
 use crate::pair_kind::PairKind;
 use crate::pairs::{CheckedPairs, PosedPair};
+use crate::question::Question;
 use crate::revision::Revision;
 use crate::robot::{self, LinkVolume, RobotBody};
 use crate::settings_error::SettingsError;

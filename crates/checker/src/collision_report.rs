@@ -1,4 +1,4 @@
-//! Queries on one state, and their results.
+//! Result of a query on one state.
 
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::{Extremes, Point};
@@ -6,39 +6,6 @@ use clearance_proximity::Work;
 use clearance_scene::BodyId;
 
 use crate::pair_kind::{PairKind, SearchedPairs};
-
-/// Extent of a query on one state.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Question {
-    /// Whether the robot collides with itself and with the world; each search stops at its first collision.
-    Free,
-    /// All colliding pairs.
-    Pairs,
-    /// As [`Self::Free`], and the least distance with its pair and witness points, unless it exceeds `limit` (m).
-    Distance {
-        /// Larger distances (m) are not reported.
-        limit: f64,
-    },
-    /// As [`Self::Distance`], with the least distance of self pairs and that of world pairs: two searches. A work budget
-    /// ([`Effort::exact_cost`](clearance_proximity::Effort::exact_cost)) or a deadline serves the self pairs first.
-    SelfAndWorldDistance {
-        /// Larger distances (m) are not reported.
-        limit: f64,
-    },
-    /// All colliding pairs, and the distance of every pair not farther apart than `limit` (m).
-    PairDistances {
-        /// Larger distances (m) are not reported.
-        limit: f64,
-    },
-    /// Query of a monitor: as [`Self::PairDistances`] up to `influence_distance` (m), and the least distances of self
-    /// pairs and of world pairs even if they are larger, up to `limit` (m).
-    Survey {
-        /// Up to this distance (m), the distance of every pair is reported.
-        influence_distance: f64,
-        /// A least distance larger than this (m) is not reported.
-        limit: f64,
-    },
-}
 
 /// Distance of two bodies (m, padding subtracted) and their witness points (root frame, first on `a`).
 ///
@@ -97,23 +64,23 @@ pub struct CollisionReport {
     pub self_collision: bool,
     /// True if a body of the robot collides with an obstacle.
     pub world_collision: bool,
-    /// Colliding pairs: all of them, or for [`Question::Free`], [`Question::Distance`] and
-    /// [`Question::SelfAndWorldDistance`] the first of each kind.
+    /// Colliding pairs: all of them, or for [`Free`](crate::Question::Free), [`Distance`](crate::Question::Distance) and
+    /// [`SelfAndWorldDistance`](crate::Question::SelfAndWorldDistance) the first of each kind.
     pub colliding_pairs: Vec<(BodyId, BodyId)>,
     /// The least distance, if the query includes distances and something is within its limit.
     pub nearest: Option<PairDistance>,
     /// The least distance between two bodies of the robot, if some are within the limit and the deadline did not leave it
-    /// open ([`Self::is_nearest_certain`]). Not part of [`Question::Distance`].
+    /// open ([`Self::is_nearest_certain`]). Not part of [`Distance`](crate::Question::Distance).
     pub nearest_self: Option<PairDistance>,
     /// The same between a body of the robot and an obstacle.
     pub nearest_world: Option<PairDistance>,
-    /// For [`Question::PairDistances`] and [`Question::Survey`]: every pair within the limit, in the order of the pair
-    /// list.
+    /// For [`PairDistances`](crate::Question::PairDistances) and [`Survey`](crate::Question::Survey): every pair within
+    /// the limit, in the order of the pair list.
     pub pair_distances: Vec<PairDistance>,
     /// Pairs left undecided at the deadline; one pair may occur twice. Empty without a deadline.
     pub undecided: Vec<UndecidedPair>,
-    /// For [`Question::Survey`] with a deadline: the kind of pairs whose least distance beyond the influence distance the
-    /// deadline left open. This makes neither the state nor `nearest` uncertain.
+    /// For [`Survey`](crate::Question::Survey) with a deadline: the kind of pairs whose least distance beyond the influence
+    /// distance the deadline left open. This makes neither the state nor `nearest` uncertain.
     pub unfinished: Option<PairKind>,
     /// Volume tests and primitive tests that the query took.
     pub work: Work,

@@ -32,6 +32,7 @@ mod free_motions;
 mod motion;
 mod pair_kind;
 mod pairs;
+mod question;
 #[cfg(test)]
 mod random_scenes;
 mod recovery;
@@ -45,13 +46,14 @@ mod world;
 
 pub use clearance::{Clearance, ClearanceCandidate, ClearanceOptions, PairClearance, WitnessCount};
 pub use collision_checker::CollisionChecker;
-pub use collision_report::{CollisionReport, PairDistance, Question, UndecidedPair};
+pub use collision_report::{CollisionReport, PairDistance, UndecidedPair};
 pub use motion::{
     LeastClearance, LookAhead, LookAheadState, MotionClearance, MotionClearanceOptions, MotionOptions,
     MotionOrder, MotionReport, MotionVerdict, NearestMoment, SweptVolume, TrajectoryReport, UndecidedReason,
     Watch,
 };
 pub use pair_kind::PairKind;
+pub use question::Question;
 pub use recovery::{
     FreeState, NoFreeState, Recovery, RecoveryError, RecoveryOptions, Retreat, RetreatDirection,
 };

@@ -81,7 +81,8 @@ pub enum PlanError {
     },
     /// The group has a joint with several positions.
     #[error(
-        "group '{group}' has {joint} of a planar or floating joint; a path has joints of one position only"
+        "group '{group}' has {joint} of a planar or floating joint, but a path has joints of one position only: take a group without \
+         it"
     )]
     SeveralPositions {
         /// Name of the first position of the joint.

@@ -7,7 +7,7 @@ use std::time::Instant;
 use clearance::robot::Configuration;
 use clearance::scene::{AttachedObject, BodyId, Scene};
 use clearance::{CollisionChecker, SettingsError};
-use clearance_bindings::JointSpace;
+use clearance_bindings::{JointSpace, why_no_obstacle};
 use numpy::{PyArray1, PyArrayDyn};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -254,7 +254,7 @@ impl Checker {
         touch_links: Vec<String>,
     ) -> PyResult<Self> {
         let robot = self.robot.get();
-        let unknown = || error(format!("there is no object '{name}'"));
+        let unknown = || error(why_no_obstacle(&self.scene, name));
         let obstacle = self.scene.world.obstacle_by_name(name).ok_or_else(unknown)?;
         let state = q.map_or_else(|| Ok(self.core.space.rest().clone()), |q| single(&self.core, q, "q"))?;
         let pose_rl = robot.link_pose(link, &state)?;
@@ -571,7 +571,7 @@ impl Checker {
         &self,
         py: Python<'_>,
         q: Option<&Bound<'_, PyAny>>,
-        port: u16,
+        #[pyo3(from_py_with = options::port)] port: u16,
         open_browser: bool,
     ) -> PyResult<View> {
         View::open(py, &self.core, q, port, open_browser)

@@ -45,6 +45,7 @@ options! {
     num_threads: Option<usize> = threads;
     offset: f64 = number;
     point_radius: Option<f64> = |name, value| optional(name, value, number);
+    port: u16 = |name, value| whole(name, value, u64::from(u16::MAX));
     radius: f64 = number;
     range: f64 = number;
     relative_tolerance: f64 = length;

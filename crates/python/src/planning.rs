@@ -4,7 +4,6 @@ use std::time::Instant;
 
 use clearance::checker::{MotionOptions, Watch};
 use clearance::planner::{self, NoPlan, Plan, PlanOptions};
-use clearance::robot::JointGroup;
 use clearance::{Certificate, MotionVerdict, TrajectoryReport, UndecidedReason};
 use pyo3::prelude::*;
 
@@ -54,7 +53,7 @@ pub fn plan<'py>(
     arguments: &PlanArguments,
 ) -> PyResult<Bound<'py, PyAny>> {
     let ends = [single(core, start, "start")?, single(core, goal, "goal")?];
-    let group = JointGroup::of_joints(core.space.robot(), "joints of the checker", &core.space.joints());
+    let group = core.space.joint_group();
     let watch = Watch::default();
     let options = PlanOptions {
         seed: arguments.seed,

@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use clearance::checker::{FreeState, NoFreeState, Recovery, RecoveryOptions};
 use clearance::robot::JointId;
+use clearance_bindings::find_joint;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
@@ -30,9 +31,7 @@ pub fn find_free_state<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let q = crate::state_queries::single(core, q, "q")?;
     let robot = core.space.robot();
-    let joint = |name: &String| {
-        robot.joint_by_name(name).ok_or_else(|| error(format!("locked: the robot has no joint '{name}'")))
-    };
+    let joint = |name: &String| find_joint(robot, name).map_err(|why| error(format!("locked: {why}")));
     let options = RecoveryOptions {
         joints: core.space.is_group().then(|| core.space.joints()),
         locked: limits.locked.iter().map(joint).collect::<PyResult<Vec<JointId>>>()?,

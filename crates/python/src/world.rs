@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use clearance::geometry::{Primitive, Shape};
 use clearance::robot::{MeshFiles, RobotModel};
 use clearance::scene::{Obstacle, Scene, SceneLoader, WorldFileKind};
+use clearance_bindings::why_no_obstacle;
 use clearance_files::input_files::{self, WORLD_LIMIT};
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
@@ -40,7 +41,7 @@ impl World {
     }
 
     fn obstacle(&self, name: &str) -> PyResult<&Obstacle> {
-        let unknown = || error(format!("there is no object '{name}'"));
+        let unknown = || error(why_no_obstacle(&self.scene, name));
         self.scene.world.obstacle_by_name(name).map(AsRef::as_ref).ok_or_else(unknown)
     }
 }
@@ -218,12 +219,14 @@ impl World {
 
     /// Removes an obstacle.
     fn remove(&mut self, name: &str) -> PyResult<()> {
+        self.obstacle(name)?;
         self.scene.world.remove(name).map(|_| ()).map_err(error)
     }
 
     /// Moves an obstacle to a pose in the root frame.
     #[pyo3(name = "move")]
     fn move_to(&mut self, name: &str, pose: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.obstacle(name)?;
         self.scene.world.move_to(name, poses::read(Some(pose))?).map_err(error)
     }
 

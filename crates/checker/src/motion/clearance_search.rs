@@ -24,9 +24,10 @@ use super::level_zero_intervals::{Intervals, is_beyond_level_zero, open_runs, sc
 use super::motion_clearance::MotionClearanceOptions;
 use super::motion_report::UndecidedReason;
 use super::motion_scratch::{BoundedInterval, MotionWorkspace, PairInterval};
-use crate::collision_report::{CollisionReport, Question};
+use crate::collision_report::CollisionReport;
 use crate::pair_kind::PairKind;
 use crate::pairs::{NearPoints, PosedPair, RoughDistance, hardly_less_than};
+use crate::question::Question;
 use crate::state::{PairEvaluation, QueriedState, StateQuery};
 
 /// Motion (m) within an interval above which the hierarchies are not searched, and its share of the target.

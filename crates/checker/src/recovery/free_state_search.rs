@@ -14,8 +14,8 @@ use super::free_state::{FreeState, NoFreeState, Recovery};
 use super::recovery_options::RecoveryOptions;
 use super::search_space::{SearchSpace, normalized};
 use crate::collision_checker::CollisionChecker;
-use crate::collision_report::Question;
 use crate::motion::{MotionOptions, MotionVerdict};
+use crate::question::Question;
 use crate::workspace::Workspace;
 
 /// Seed of the random directions.

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use clearance_geometry::math::Extremes;
-use clearance_robot::{Configuration, LinkId};
+use clearance_robot::{Configuration, LinkId, xml_attribute};
 use clearance_scene::BodyId;
 
 use crate::CollisionChecker;
@@ -95,13 +95,9 @@ impl ConstantContacts {
 /// The element of an SRDF that allows a pair.
 fn entry((a, b): (LinkId, LinkId), checker: &CollisionChecker) -> String {
     let robot = checker.robot();
-    let [link1, link2] = [a, b].map(|link| escaped(robot.described_name(link)));
+    let [link1, link2] = [a, b].map(|link| xml_attribute(robot.described_name(link)));
     let reason = if robot.adjacent_rigid_bodies(a, b) { "Adjacent" } else { "Always" };
     format!("<disable_collisions link1=\"{link1}\" link2=\"{link2}\" reason=\"{reason}\"/>")
-}
-
-fn escaped(name: &str) -> String {
-    name.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
 }
 
 #[cfg(test)]

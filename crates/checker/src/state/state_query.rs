@@ -6,8 +6,9 @@ use clearance_geometry::math::Extremes;
 use super::least_distance::least_distance;
 use super::nearest_search::DistanceScratch;
 use super::pair_evaluation::PairEvaluation;
-use crate::collision_report::{PairDistance, Question, UndecidedPair};
+use crate::collision_report::{PairDistance, UndecidedPair};
 use crate::pair_kind::{PairKind, SearchedPairs};
+use crate::question::Question;
 
 /// One query on one state, with the results so far.
 pub struct StateQuery<'a> {

@@ -1,4 +1,4 @@
-//! Rounding of volumes to f32.
+//! Rounding to f32, and gathering of one number of each volume into lanes.
 
 use clearance_geometry::simd::LANES;
 

@@ -1,5 +1,5 @@
-//! The least distance over several pairs of bodies: all are bounded in single precision first; only candidates that may still be the
-//! nearest of all are then measured exactly.
+//! Candidates for the nearest elements of two bodies, bounded in single precision. The caller measures those that may
+//! be the nearest of all pairs exactly.
 
 use clearance_geometry::math::Extremes;
 
@@ -26,8 +26,8 @@ enum Elements {
     Triangles { a: u32, b: u32 },
 }
 
-/// Searches a and some pieces of b, or all of b, and passes all candidates not farther apart than `limit` (m) to `collect`. Returns an
-/// upper bound (m) on the distance; infinity, if there is none.
+/// Searches a and some pieces of b, or all of b, and passes all candidates not farther apart than `limit` (m) to
+/// `collect`. Returns an upper bound (m) on the distance; infinity, if there is none.
 #[inline]
 pub fn distance_candidates(
     bodies: BodyPair,
