@@ -49,16 +49,18 @@ pub(super) fn slowdown_range(
     by_distances.greater(of_separation + tracked.largest_displacement_since_pose(checker, poses, settings))
 }
 
-/// Upper bound (m/s) on the speed of any point of the robot, as far as velocities are known.
+/// Upper bound (m/s) on the speed of any point of the robot, as far as velocities are known; 0 where there is no bound, as for a
+/// joint that leaves its range.
 fn largest_speed(checker: &CollisionChecker, moving: &MovingState) -> f64 {
     let positions = moving.configuration.positions();
     let of_joints = moving.rates.map_or(0.0, |rates| {
-        let in_one_second: Vec<f64> = positions.iter().zip(rates).map(|(q, rate)| q + rate).collect();
-        checker.travel(positions, &in_one_second)
+        let after_step: Vec<f64> = positions.iter().zip(rates).map(|(q, rate)| q + STEP * rate).collect();
+        checker.travel(positions, &after_step) / STEP
     });
     let extent = checker.extent(moving.poses);
     let of_root = moving.obstacle_motions.iter().map(|motion| motion.largest_displacement(extent, 1.0));
-    of_joints + of_root.fold(0.0, f64::greater)
+    let speed = of_joints + of_root.fold(0.0, f64::greater);
+    if speed.is_finite() { speed } else { 0.0 }
 }
 
 /// Distance (m) up to which pairs may slow the robot down by their distances: moving bodies may be nearer once the

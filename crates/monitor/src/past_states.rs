@@ -10,9 +10,11 @@ use super::Time;
 const LONGEST: f64 = 3.0;
 const STEP: f64 = 0.005;
 
-/// Deviation (rad, m) from a straight motion above which a leg is divided, unless it is as short as the time between two stored
-/// configurations.
+/// Deviation (rad, m) from a straight motion above which a leg is divided.
 const STRAIGHT: f64 = 1e-3;
+
+/// Largest number of legs; more are replaced by fewer with larger deviations.
+const MOST_LEGS: usize = 128;
 
 /// Configurations by their stamps, oldest first. Positions that turn without limits are not wrapped.
 #[derive(Debug, Default)]
@@ -61,39 +63,48 @@ impl PastStates {
     /// The way in a time (s) up to the last configuration, as straight motions; before the first configuration, the robot
     /// counts as standing there.
     pub fn legs(&self, time: f64) -> Vec<Leg> {
-        let mut legs = Vec::new();
-        // older configurations are not stored
-        let known = time.lesser(LONGEST + STEP);
-        if known < time {
-            legs.push(Leg { before: [time, known], ends: [self.at(time), self.at(known)] });
+        let mut tolerance = STRAIGHT;
+        loop {
+            let mut legs = Vec::new();
+            self.divide([time, 0.0], tolerance, &mut legs);
+            if legs.len() <= MOST_LEGS {
+                return legs;
+            }
+            tolerance *= 4.0;
         }
-        self.divide([known, 0.0], &mut legs);
-        legs
     }
 
-    fn divide(&self, before: [f64; 2], legs: &mut Vec<Leg>) {
+    /// Divides a leg where a configuration deviates most from it (Douglas and Peucker 1973), until the deviations are within the
+    /// tolerance (rad, m) or there are too many legs.
+    fn divide(&self, before: [f64; 2], tolerance: f64, legs: &mut Vec<Leg>) {
         let ends = before.map(|before| self.at(before));
-        if before[0] - before[1] <= STEP || self.deviation(before, &ends) <= STRAIGHT {
+        let (deviation, at) = self.deviation(before, &ends);
+        if deviation <= tolerance || legs.len() > MOST_LEGS {
             legs.push(Leg { before, ends });
             return;
         }
-        let middle = 0.5 * (before[0] + before[1]);
-        self.divide([before[0], middle], legs);
-        self.divide([middle, before[1]], legs);
+        self.divide([before[0], at], tolerance, legs);
+        self.divide([at, before[1]], tolerance, legs);
     }
 
-    /// Largest deviation (rad, m) of a position from the straight motion between two configurations.
-    fn deviation(&self, before: [f64; 2], [from, to]: &[Vec<f64>; 2]) -> f64 {
-        let Some((last, _)) = self.states.back() else { return 0.0 };
-        let of_state = |(stamp, q): &(Time, Vec<f64>)| {
-            let share = (before[0] - last.seconds_since(*stamp)) / (before[0] - before[1]);
-            if !(0.0..=1.0).contains(&share) {
-                return 0.0;
+    /// Largest deviation (rad, m) of a position from the straight motion between two configurations, and its time (s) before the
+    /// last configuration.
+    fn deviation(&self, before: [f64; 2], [from, to]: &[Vec<f64>; 2]) -> (f64, f64) {
+        let Some((last, _)) = self.states.back() else { return (0.0, 0.0) };
+        let mut largest = (0.0, 0.0);
+        for (stamp, q) in &self.states {
+            let at = last.seconds_since(*stamp);
+            let share = (before[0] - at) / (before[0] - before[1]);
+            // the ends are on it
+            if share > 0.0 && share < 1.0 {
+                let apart = |i: usize| (from[i] + share * (to[i] - from[i]) - q[i]).abs();
+                let deviation = (0..q.len()).map(apart).fold(0.0, f64::greater);
+                if deviation > largest.0 {
+                    largest = (deviation, at);
+                }
             }
-            let apart = |i: usize| (from[i] + share * (to[i] - from[i]) - q[i]).abs();
-            (0..q.len()).map(apart).fold(0.0, f64::greater)
-        };
-        self.states.iter().map(of_state).fold(0.0, f64::greater)
+        }
+        largest
     }
 
     /// The configuration a time (s) before the last one, between the stored ones.
@@ -164,9 +175,20 @@ mod tests {
         for age in [1.5, 2.0, 2.9, 30.0] {
             let legs = past.legs(age);
             let farthest = legs.iter().flat_map(|leg| &leg.ends).map(|q| q[0]).fold(0.0, f64::greater);
-            assert!(farthest > 0.045, "{farthest} in {age} s");
+            assert!(farthest > 0.049, "{farthest} in {age} s");
             let total: f64 = legs.iter().map(Leg::duration).sum();
             assert!(legs.len() < 80 && (total - age).abs() < 1e-9, "{} legs", legs.len());
+        }
+    }
+
+    #[test]
+    fn a_trembling_robot_has_a_limited_number_of_legs() {
+        let mut past = PastStates::default();
+        for i in 0..1000 {
+            past.note(time(5 * i64::from(i)), &[0.01 * f64::from(i % 2)], &[false]);
+        }
+        for age in [0.1, 0.8, 2.9] {
+            assert!(past.legs(age).len() <= 128, "{}", past.legs(age).len());
         }
     }
 

@@ -12,6 +12,9 @@ use clearance_scene::{BodyId, ObstacleId, ObstacleTwist};
 use super::obstacle_motion::ObstacleMotion;
 use super::{CheckedState, MonitorSettings, Revision, Time};
 
+/// Motion (m) by a rotation of an obstacle without end that the range of `slowdown_range` takes into account.
+const LONGEST_TURN: f64 = 1.0;
+
 /// Time (s) by which the stamp of an obstacle may be later than that of the joint state, if both have one clock.
 const LARGEST_LEAD: f64 = 1.0;
 
@@ -120,6 +123,8 @@ impl TrackedObstacles {
         let approaches = self.0.iter().map(|obstacle| {
             let time = obstacle.longest_age + settings.speed.reaction_time;
             let [moved, turned] = obstacle.largest_displacement(checker, poses, time);
+            // what has no end, such as a plane, counts as turning by little
+            let turned = if turned.is_finite() { turned } else { LONGEST_TURN };
             moved + turned + obstacle.departure(time, settings)
         });
         if settings.speed.world.reach() > 0.0 { approaches.fold(0.0, f64::greater) } else { 0.0 }

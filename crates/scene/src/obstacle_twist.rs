@@ -6,12 +6,13 @@ use std::time::Duration;
 use clearance_geometry::math::{Pose, Vector};
 use clearance_robot::quoted;
 
+use super::anchor::is_elsewhere;
 use super::{ObjectChange, Operation, Scene, SceneContext, SceneRejection, Time};
 
 /// Time (s) by which the stamp of a state may be later than the clock. A later one is of a clock that was set back.
 const LARGEST_LEAD: f64 = 1.0;
 
-/// Largest number of poses that are kept of one obstacle.
+/// Largest number of poses that are kept of one obstacle: more than a history of poses takes without being cut.
 const MOST_POSES: usize = 2048;
 
 /// Pose and velocity of an obstacle of the world: `clearance_msgs/ObstacleState`.
@@ -125,7 +126,8 @@ impl Scene {
         self.twists.insert(id.clone(), twist);
         if let Some(obstacle) = self.world.obstacle_by_name(id) {
             let poses = self.state_poses.entry(id.clone()).or_default();
-            if poses.len() < MOST_POSES {
+            let is_new = poses.last().is_none_or(|last| is_elsewhere(last, &obstacle.pose_ro));
+            if is_new && poses.len() < MOST_POSES {
                 poses.push(obstacle.pose_ro);
             }
         }

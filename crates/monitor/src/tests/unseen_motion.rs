@@ -303,6 +303,33 @@ fn is_proven_beside(settings: MonitorSettings, worlds: impl IntoIterator<Item = 
     is_proven(&monitor.on_joint_state(placed(0.1, [0.0, 0.0]), at(0.1)))
 }
 
+/// In the mode of separation, a sliding joint within one second of its stop is as fast as it is.
+#[test]
+fn a_sliding_joint_near_its_stop_does_not_measure_all_distances() {
+    let separation = SeparationSettings {
+        human_speed: 0.0,
+        robot_speed: 0.2,
+        reaction_time: 0.1,
+        deceleration: 5.0,
+        acceleration: 1.0,
+        margin: 0.1,
+    };
+    let speed = SpeedSettings {
+        separation: Some(SeparationRules::of_all(separation)),
+        release_count: 1,
+        ..SpeedSettings::default()
+    };
+    let range = |velocity: f64| {
+        let settings = MonitorSettings { speed: speed.clone(), ..MonitorSettings::default() };
+        let mut monitor = gantry(settings, among(&[POST], 1));
+        let velocities = vec![0.0, 0.0, 0.0, velocity, 0.0];
+        let input = JointStateInput { velocities, ..placed(1.0, [8.9, 0.0]) };
+        monitor.on_joint_state(input, at(1.0)).checked_state.unwrap().slowdown_range
+    };
+    let [slow, fast] = [range(0.1), range(2.0)];
+    assert!(slow > 0.0 && fast > 2.0 * slow && fast < 2.0, "{slow} {fast}");
+}
+
 /// People walk about a robot, and turn with their way.
 #[test]
 fn a_tracked_obstacle_that_circles_the_root_moves() {

@@ -39,17 +39,36 @@ const MOST_LISTED: usize = 20;
 /// Name of the octomap as a world source.
 pub const OCTOMAP_SOURCE: &str = OCTOMAP;
 
+/// Where an octomap came from.
+#[derive(Clone, Copy, Default, PartialEq, Eq)]
+enum OctomapOrigin {
+    /// A topic of octomaps, or a file.
+    #[default]
+    Sensor,
+    /// A scene.
+    Scene,
+}
+
+impl OctomapOrigin {
+    fn of(source: &str) -> Self {
+        let topics = [SceneSource::OctomapBinary, SceneSource::OctomapFull];
+        if topics.iter().any(|topic| topic.name() == source) { Self::Sensor } else { Self::Scene }
+    }
+}
+
 /// What is known of the last octomap.
 #[derive(Default)]
 struct OctomapState {
     /// Last observation of the octomap; `None` if none was received since it was cleared.
     seen: Option<Observation>,
-    /// Stamp of the last octomap, if it was received on a topic.
-    stamp: Option<Time>,
+    /// Stamp of the last octomap, and the topic that it was received on.
+    of_topic: Option<(String, Time)>,
     /// Whether the octomap was dropped, and must be received again.
     is_missing: bool,
-    /// Whether the last octomap, which may have been rejected, was part of a scene.
-    is_of_scene: bool,
+    /// Where the octomap in use came from.
+    in_use: OctomapOrigin,
+    /// Where the last octomap came from, which may have been rejected.
+    last: OctomapOrigin,
     /// Whether the current octomap contains any known space.
     shows_environment: bool,
     /// Why the last octomap of a topic shows nothing of the environment; `None` if it is usable.
@@ -196,18 +215,21 @@ impl LoaderScene {
             return false;
         }
         self.lost.note(source, lost);
-        if let Some(rejection) = self.late_octomap(update.as_ref(), octomap.as_ref(), update_context.now) {
+        let late = self.late_octomap(source, update.as_ref(), octomap.as_ref(), update_context.now);
+        if let Some(rejection) = late {
             rejections.push(rejection);
             (update, octomap) = (None, None);
         }
-        self.note_octomap_source(source, octomap.is_some() || rejections.iter().any(is_of_octomap));
+        if octomap.is_some() || rejections.iter().any(is_of_octomap) {
+            self.octomap_state.last = OctomapOrigin::of(source);
+        }
         if let Some(update) = &mut update {
             self.keep_octomap(source, update);
         }
         if self.check_blindness(source, update.as_ref()) && update_context.parameters.blind_makes_unknown() {
             // the last map that showed something stays in use
             self.octomap_state.seen = octomap.take().map(|(_, observation)| observation);
-            self.octomap_state.stamp = self.octomap_state.seen.map(|seen| seen.stamp);
+            self.octomap_state.of_topic = self.octomap_state.seen.map(|seen| (source.to_owned(), seen.stamp));
             update = None;
         }
         let before = self.state.world.obstacle_by_name(OCTOMAP).cloned();
@@ -228,7 +250,7 @@ impl LoaderScene {
         let after = self.state.world.obstacle_by_name(OCTOMAP);
         let is_same = before.is_some() && after.zip(before.as_ref()).is_some_and(|(a, b)| Arc::ptr_eq(a, b));
         if !is_same {
-            self.note_octomap(octomap, &rejections, update.as_ref());
+            self.note_octomap(source, octomap, &rejections, update.as_ref());
         }
         // each of them is logged once, whatever the rate of the messages
         for warning in of_files.iter().flat_map(|before| before.removed_from(&self.state, source)) {
@@ -280,19 +302,15 @@ impl LoaderScene {
         self.state.follow_anchor_frames(&context)
     }
 
-    /// Notes whether an octomap is part of a scene.
-    fn note_octomap_source(&mut self, source: &str, has_octomap: bool) {
-        let topics = [SceneSource::OctomapBinary, SceneSource::OctomapFull];
-        if has_octomap {
-            self.octomap_state.is_of_scene = topics.iter().all(|topic| topic.name() != source);
-        }
-    }
-
     /// Keeps the octomap of a sensor or of a file when another node publishes a whole scene without one: that node
-    /// does not know it. As in `MoveIt`, the octomap of an earlier scene is removed.
+    /// does not know it. A map of a sensor that was rejected stays missed. As in `MoveIt`, the octomap of an earlier scene
+    /// is removed.
     fn keep_octomap(&self, source: &str, update: &mut SceneUpdate) {
         let SceneUpdate::Scene(scene) = update else { return };
-        if source == SceneSource::PlanningScene.name() && !self.octomap_state.is_of_scene {
+        let has_octomap = self.octomap.is_some() || self.state.file_octree().is_some();
+        let is_of_sensor = self.octomap_state.last == OctomapOrigin::Sensor
+            || has_octomap && self.octomap_state.in_use == OctomapOrigin::Sensor;
+        if source == SceneSource::PlanningScene.name() && is_of_sensor {
             scene.keeps_octomap |= scene.world.octomap.is_none();
         }
     }
@@ -300,6 +318,7 @@ impl LoaderScene {
     /// Stores a new octomap, or that there is none.
     fn note_octomap(
         &mut self,
+        source: &str,
         octomap: Option<(OctomapWithPose, Observation)>,
         rejections: &[SceneRejection],
         update: Option<&SceneUpdate>,
@@ -313,19 +332,23 @@ impl LoaderScene {
         self.octomap_state.shows_environment = octomap.is_some() && update.has_known_cells();
         self.octomap_state.seen = octomap.as_ref().map(|(_, observation)| *observation);
         let is_of_topic = matches!(update, SceneUpdate::Octomap(_));
-        self.octomap_state.stamp = self.octomap_state.seen.filter(|_| is_of_topic).map(|seen| seen.stamp);
+        let of_topic = self.octomap_state.seen.filter(|_| is_of_topic);
+        self.octomap_state.of_topic = of_topic.map(|seen| (source.to_owned(), seen.stamp));
+        self.octomap_state.in_use = OctomapOrigin::of(source);
         self.octomap = octomap.filter(|(map, _)| !map.octomap.data.is_empty()).map(|(map, _)| Arc::new(map));
     }
 
-    /// Rejects an octomap that is older than the last one of a topic, as of a second sensor or on a slow way: the newer one remains.
+    /// Rejects an octomap that is older than the last one of its topic, as of a second sensor: the newer one remains.
     fn late_octomap(
         &self,
+        source: &str,
         update: Option<&SceneUpdate>,
         octomap: Option<&(OctomapWithPose, Observation)>,
         now: Now,
     ) -> Option<SceneRejection> {
         let (_, observation) = octomap.filter(|_| matches!(update, Some(SceneUpdate::Octomap(_))))?;
-        let delay = delay_of(observation.stamp, self.octomap_state.stamp?, now)?;
+        let (_, last) = self.octomap_state.of_topic.as_ref().filter(|(topic, _)| topic == source)?;
+        let delay = delay_of(observation.stamp, *last, now)?;
         Some(SceneRejection::of_octomap(format!(
             "octomap: header.stamp is {delay:.3} s older than that of the last octomap, which remains; give the node the maps of one \
              publisher"

@@ -11,7 +11,7 @@ use std::sync::Arc;
 use clearance_scene::AllowedCollisionMatrix as Matrix;
 use clearance_scene::{AttachedObject, Obstacle};
 use ros2_interfaces_jazzy_serde::moveit_msgs::msg::{
-    AllowedCollisionMatrix, PlanningScene, PlanningSceneComponents,
+    AllowedCollisionMatrix, AttachedCollisionObject, PlanningScene, PlanningSceneComponents,
 };
 
 use crate::dds::middleware::Middleware;
@@ -22,7 +22,9 @@ use crate::dds::type_name::TypeName;
 use crate::names::Names;
 use crate::scene::active_scene::ActiveScene;
 use crate::scene::scene_message_writer::{SceneMessages, is_representable, removed_frame, scene_message};
-use crate::topics::monitored_scene::scene_content::{LONGEST, SceneContent, fits, object_size};
+use crate::topics::monitored_scene::scene_content::{
+    LONGEST, SceneContent, attached_size, fits, matrix_size, object_size,
+};
 
 /// Number of messages that are kept for later subscriptions.
 const KEPT: usize = 100;
@@ -166,17 +168,25 @@ pub fn complete(known: &KnownNames, last: Option<&ActiveScene>, scene: &ActiveSc
     let is_unchanged =
         |object: &Obstacle| last.is_some_and(|last| differs_at_most_in_pose(last, scene, object));
     let objects = writer.objects().zip(whole.world.collision_objects).map(|(object, message)| {
-        // subscriptions that have a large object from a service keep it
         let is_too_large = object_size(&message) > LONGEST;
         if is_too_large && is_unchanged(object) { writer.move_message(object) } else { message }
     });
+    // subscriptions that have large parts from a service keep them
+    let is_held = |object: &AttachedCollisionObject| {
+        let held = |of: &ActiveScene| of.scene.world.attached_by_name(&object.object.id).cloned();
+        last.and_then(held).zip(held(scene)).is_some_and(|(before, now)| Arc::ptr_eq(&before, &now))
+    };
+    let mut attached = whole.robot_state.attached_collision_objects;
+    attached.retain(|object| attached_size(object) <= LONGEST || !is_held(object));
+    let is_told = last.is_some_and(|last| last.scene.matrix == scene.scene.matrix);
+    let matrix = Some(whole.allowed_collision_matrix).filter(|m| matrix_size(m) <= LONGEST || !is_told);
     let mut content = removals(known, scene);
     content.frames.extend(whole.fixed_frame_transforms);
     let content = SceneContent {
         robot_model_name: whole.robot_model_name,
-        attached: whole.robot_state.attached_collision_objects,
+        attached,
         objects: objects.collect(),
-        matrix: whole.allowed_collision_matrix,
+        matrix: matrix.unwrap_or_default(),
         link_padding: whole.link_padding,
         link_scale: whole.link_scale,
         ..content

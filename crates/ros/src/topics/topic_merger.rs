@@ -14,6 +14,9 @@ const MOST_PASSES: usize = 8;
 /// Number of messages that a pass takes from a topic.
 const MOST_IN_A_PASS: usize = 128;
 
+/// Time (ns) by which a message that is sent again may be received before the one that follows it.
+const LARGEST_STEP_BACK: u64 = 10_000_000_000;
+
 /// The next message of a topic.
 pub type Next<'s, T> = Pin<Box<dyn Future<Output = Arrival<T>> + 's>>;
 
@@ -89,6 +92,10 @@ impl<'t, T> TopicMerger<'t, T> {
     }
 
     fn add(&mut self, topic: usize, Arrival { received, item }: Arrival<T>) {
+        if received.saturating_add(LARGEST_STEP_BACK) < self.latest[topic] {
+            // the system clock was set back
+            self.latest.fill(0);
+        }
         let latest = &mut self.latest[topic];
         *latest = received.max(*latest);
         self.waiting.push(Arrival { received: *latest, item });
@@ -183,5 +190,19 @@ mod tests {
         }
         assert_eq!(merger.take_until(6), [5, 2]);
         assert_eq!(merger.take_until(u64::MAX), [7]);
+    }
+
+    #[test]
+    fn a_system_clock_that_is_set_back_changes_no_later_order() {
+        let mut merger = TopicMerger::<u64> { topics: Vec::new(), latest: vec![0; 2], waiting: Vec::new() };
+        let mut taken = |messages: &[(usize, u64)]| {
+            for &(topic, received) in messages {
+                merger.add(topic, Arrival { received, item: received });
+            }
+            merger.take_until(u64::MAX)
+        };
+        let hour = 3_600_000_000_000;
+        assert_eq!(taken(&[(0, hour + 1)]), [hour + 1]);
+        assert_eq!(taken(&[(0, 5), (1, 6), (0, 7)]), [5, 6, 7]);
     }
 }

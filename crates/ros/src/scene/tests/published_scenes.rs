@@ -183,6 +183,12 @@ fn a_held_object_that_is_too_large_is_not_taken_from_the_world() {
     let [rejection] = &follower.rejections[..] else { panic!("{:?}", follower.rejections) };
     assert!(rejection.contains("'part'") && rejection.contains("no shapes are given"), "{rejection}");
     assert_eq!((follower.names().len(), follower.scene.world.attached().len()), (1, 0));
+    // a follower that has it from the service keeps it
+    let mut follower = Follower::of(&held.scene);
+    let again = monitored_scene::complete(&KnownNames::of(&held), Some(&held), &held);
+    assert!(!again.iter().any(lacks_content));
+    follower.receive_all(&again);
+    assert_eq!((follower.rejections.len(), follower.scene.world.attached().len()), (0, 1));
 }
 
 #[test]
@@ -197,6 +203,8 @@ fn a_matrix_that_is_too_large_is_rejected() {
     assert!(messages.iter().any(lacks_content));
     let [rejection] = &follower.rejections[..] else { panic!("{:?}", follower.rejections) };
     assert!(rejection.contains("rows of entry_values"), "{rejection}");
+    let again = monitored_scene::complete(&KnownNames::of(&after), Some(&after), &after);
+    assert!(!again.iter().any(lacks_content));
 }
 
 #[test]

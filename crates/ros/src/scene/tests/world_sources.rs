@@ -71,7 +71,7 @@ fn an_older_map_is_rejected_unless_the_clock_was_set_back() {
         );
         assert!(scene.octomap.is_some());
     }
-    assert!(taken(&mut scene, 100, 102) && rejected(&scene).is_none(), "the other topic has the same map");
+    assert!(taken(&mut scene, 100, 102) && rejected(&scene).is_none(), "the same stamp");
     assert!(taken(&mut scene, 5, 5) && rejected(&scene).is_none(), "the clock was set back");
     assert!(!taken(&mut scene, 4, 6));
 
@@ -87,7 +87,7 @@ fn an_older_map_is_rejected_unless_the_clock_was_set_back() {
     // a blind map is the last one, too
     let mut blank = message(&[]);
     blank.header.stamp.sec = 10;
-    let blank = octomap_command(SceneSource::OctomapBinary, blank, false, at(10));
+    let blank = octomap_command(SceneSource::OctomapFull, blank, false, at(10));
     assert!(!scene.apply(blank, &robot, &SceneUpdateContext::first(&parameters, at(10))));
     assert!(!taken(&mut scene, 9, 11));
 }
@@ -170,6 +170,10 @@ fn a_whole_scene_without_an_octomap_keeps_that_of_a_sensor_or_file() {
     assert!(rejected(&scene).is_some());
     scene.apply(map(&LEAF, now()), &robot, &context);
     assert_eq!(rejected(&scene), None);
+    // a rejected map of a scene does not make the sensor's map one of a scene
+    scene.apply(whole_scene(SceneSource::PlanningScene, Some(message(&[0b01]))), &robot, &context);
+    scene.apply(whole(), &robot, &context);
+    assert!(has_map(&scene));
 
     // as in MoveIt, an octomap of a scene is a part of that scene
     scene.apply(whole_scene(SceneSource::PlanningScene, Some(message(&LEAF))), &robot, &context);

@@ -226,7 +226,8 @@ pub fn object_size(object: &CollisionObject) -> usize {
     OBJECT + words + primitives + meshes + subframes + object.planes.len() * (32 + POSE)
 }
 
-fn attached_size(attached: &AttachedCollisionObject) -> usize {
+/// The same of an object that a link holds.
+pub fn attached_size(attached: &AttachedCollisionObject) -> usize {
     let links: usize = attached.touch_links.iter().map(|link| STRING + link.len()).sum();
     object_size(&attached.object) + attached.link_name.len() + links
 }
@@ -236,7 +237,7 @@ fn frames_size(frames: &[TransformStamped]) -> usize {
     names.sum::<usize>() + frames.len() * TRANSFORM
 }
 
-fn matrix_size(matrix: &AllowedCollisionMatrix) -> usize {
+pub fn matrix_size(matrix: &AllowedCollisionMatrix) -> usize {
     let names: usize =
         matrix.entry_names.iter().chain(&matrix.default_entry_names).map(|name| name.len() + STRING).sum();
     names + matrix.entry_names.len() * matrix.entry_names.len()
