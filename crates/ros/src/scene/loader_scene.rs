@@ -56,7 +56,7 @@ impl OctomapOrigin {
     }
 }
 
-/// What is known of the last octomap.
+/// Observation, origin and usability of the octomap.
 #[derive(Default)]
 struct OctomapState {
     /// Last observation of the octomap; `None` if none was received since it was cleared.
@@ -97,7 +97,7 @@ pub struct LoaderScene {
     ineffective: Vec<String>,
     missing: MissingObjects,
     lost: LostMessages,
-    /// What is wrong with publishers of the world's topics from which the node cannot receive.
+    /// Warnings about publishers of the world's topics from which the node cannot receive.
     unreceivable: Vec<String>,
     /// Rate limiter for messages with faults.
     rate_limiter: LogRateLimiter,

@@ -22,7 +22,7 @@ pub struct SceneCommand {
     pub lost: u64,
     /// The received octomap, and its observation time.
     pub octomap: Option<(OctomapWithPose, Observation)>,
-    /// What is wrong with publishers from which the node cannot receive, if they changed.
+    /// Warnings about publishers from which the node cannot receive, if they changed.
     pub unreceivable: Option<Vec<String>>,
     /// Notified when the change is in use; true if all of it was applied.
     pub done: Option<Sender<bool>>,

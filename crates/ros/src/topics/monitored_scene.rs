@@ -32,6 +32,9 @@ const KEPT: usize = 100;
 /// Maximum number of differences between two publications of all of the scene.
 const DIFFERENCES: usize = 80;
 
+/// Number of names in scenes that were not published completely above which earlier ones are forgotten.
+const MOST_UNCERTAIN: usize = 20_000;
+
 /// Components of a whole scene. Octomaps and clouds are too large and are not published.
 const EVERYTHING: u32 = PlanningSceneComponents::SCENE_SETTINGS
     | PlanningSceneComponents::TRANSFORMS
@@ -129,7 +132,12 @@ impl<'s> KnownNames<'s> {
 }
 
 impl UncertainNames {
+    /// Adds the names in a scene. When there are too many, earlier ones are forgotten: subscriptions then keep objects
+    /// that are gone.
     fn add(&mut self, scene: &ActiveScene) {
+        if self.objects.len() + self.attached.len() + self.frames.len() > MOST_UNCERTAIN {
+            *self = Self::default();
+        }
         let KnownNames { objects, attached, frames } = KnownNames::of(scene);
         self.objects.extend(objects.into_iter().map(str::to_owned));
         self.attached.extend(attached.into_iter().map(str::to_owned));

@@ -69,7 +69,7 @@ struct CloudSubscription {
     publishers: RefCell<SharedTopic>,
 }
 
-/// Converts a message to a command, unless it is a duplicate.
+/// Reports the reception of a message to the monitor, and converts it to a command, unless it is a duplicate.
 type Conversion<'t> = Box<dyn FnOnce() -> Option<SceneCommand> + 't>;
 
 /// A topic whose messages change the scene.
@@ -306,12 +306,15 @@ where
     M: Message + 'static,
     F: Fn(M, &Origin, u64) -> Option<SceneCommand> + 't,
 {
-    /// Notes a message; `None` if it is this node's own.
-    fn note(&self, taken: Result<(M, Origin), Undecodable>) -> Option<Arrival<Conversion<'t>>> {
+    /// The message with its time of reception; `None` if it is this node's own.
+    fn arrival(&self, taken: Result<(M, Origin), Undecodable>) -> Option<Arrival<Conversion<'t>>> {
         let (by, sender) = (self.by, &self.topics.sender);
         let Ok((message, origin)) = taken else {
-            sender.note_update(Instant::now());
-            let item: Conversion = Box::new(move || Some(sender.undecodable(by)));
+            let received = Instant::now();
+            let item: Conversion = Box::new(move || {
+                sender.note_update(received);
+                Some(sender.undecodable(by))
+            });
             return Some(Arrival { received: system_time(), item });
         };
         let Origin { publisher, number, received, arrival } = origin;
@@ -321,9 +324,12 @@ where
         }
         let missing = |number| self.sequence_gaps.borrow_mut().missing_before(publisher, number);
         let lost = number.map_or(0, missing);
-        sender.note_update(received);
         let read = Rc::clone(&self.read);
-        Some(Arrival { received: arrival, item: Box::new(move || read(message, &origin, lost)) })
+        let convert = move || {
+            sender.note_update(received);
+            read(message, &origin, lost)
+        };
+        Some(Arrival { received: arrival, item: Box::new(convert) })
     }
 }
 
@@ -335,7 +341,7 @@ where
     fn next(&self) -> Next<'_, Conversion<'t>> {
         Box::pin(async {
             loop {
-                if let Some(arrival) = self.note(self.subscription.next_or_undecodable().await) {
+                if let Some(arrival) = self.arrival(self.subscription.next_or_undecodable().await) {
                     return arrival;
                 }
             }
@@ -344,7 +350,7 @@ where
 
     fn try_next(&self) -> Option<Arrival<Conversion<'t>>> {
         loop {
-            if let Some(arrival) = self.note(self.subscription.try_next_or_undecodable()?) {
+            if let Some(arrival) = self.arrival(self.subscription.try_next_or_undecodable()?) {
                 return Some(arrival);
             }
         }

@@ -1,4 +1,4 @@
-//! What a node that follows `monitored_planning_scene` has after each message.
+//! Messages of `monitored_planning_scene`, applied by a node that follows it.
 
 use std::collections::BTreeSet;
 
