@@ -10,8 +10,6 @@ mod among;
 mod answer;
 #[path = "clearance/certificates.rs"]
 mod certificates;
-#[path = "clearance/draw.rs"]
-mod draw;
 #[path = "clearance/edges.rs"]
 mod edges;
 #[path = "clearance/mesh_pair.rs"]
@@ -22,6 +20,8 @@ mod neutral;
 mod own;
 #[path = "clearance/random.rs"]
 mod random;
+#[path = "clearance/sample_states.rs"]
+mod sample_states;
 #[path = "clearance/scatter.rs"]
 mod scatter;
 #[path = "clearance/surroundings.rs"]

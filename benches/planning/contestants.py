@@ -1,4 +1,7 @@
-"""Checkers of single states, as their Python users call them. Each is made from a problem and checks states (k, 7) one by one."""
+"""Contestants of the planning benchmark: collision checkers with the calls that their Python users make.
+
+Each is made from a problem, and checks states: rows of an array (k, 7).
+"""
 
 import tempfile
 import xml.etree.ElementTree as ET

@@ -1,4 +1,4 @@
-"""Planning problems of a folder of scenes, for clearance."""
+"""Planning problems of the Panda, from a folder of scenes with boxes and cylinders, for clearance."""
 
 import json
 from dataclasses import dataclass, replace

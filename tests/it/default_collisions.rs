@@ -121,7 +121,6 @@ fn a_matrix_of_a_scene_replaces_the_default_entries() {
     assert_eq!(checked(&of_scene.unwrap()), checked(&of_srdf.unwrap()));
 }
 
-/// A certificate of a short motion of all links.
 /// An obstacle and an object that link d holds have names of links. What the SRDF, or a matrix, says of a link is not said of them.
 #[test]
 fn entries_of_a_link_do_not_hold_for_an_object_with_its_name() {
@@ -157,6 +156,7 @@ fn entries_of_a_link_do_not_hold_for_an_object_with_its_name() {
     }
 }
 
+/// A certificate of a short motion of all links.
 fn certificate(checker: &CollisionChecker) -> Certificate {
     let robot = checker.robot();
     let [from, to] = [0.0, 0.3].map(|x| robot.configuration(&[x; 4]).unwrap());

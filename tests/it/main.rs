@@ -1,15 +1,18 @@
 //! Tests of the library from outside, one binary with a module for each subject.
 
 mod adversarial;
+mod architecture;
 mod bodies;
 mod cartesian_motions;
 mod cases;
 mod certificates;
 mod checker;
 mod collision_matrix;
+mod command_bench;
 mod command_line;
 mod command_messages;
 mod command_options;
+mod command_worlds;
 mod contacts;
 mod continuous_joints;
 mod convex;
@@ -23,7 +26,6 @@ mod hostile;
 mod hostile_requests;
 mod input_files;
 mod large_worlds;
-mod layers;
 mod mesh_formats;
 mod mimic_joints;
 mod motions;

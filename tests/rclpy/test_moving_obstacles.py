@@ -1,6 +1,7 @@
-"""Obstacles that move while the robot does: limits, twists and poses in `~/check_motion` and `~/check_trajectory`, and limits in `~/speed_scale`.
+"""Tests of moving obstacles in `~/check_motion` and `~/check_trajectory`, and of their limits in `~/speed_scale`.
 
-The robot stretches along x, its tip is a ball of 0.1 m at (2, 0, 0). The cart, a ball of 0.1 m, is 0.8 m beside it, along y.
+Requests have limits, twists and poses of the obstacles. The robot stretches along x, its tip is a ball of 0.1 m at
+(2, 0, 0). The cart, a ball of 0.1 m, is 0.8 m beside it, along y.
 """
 
 import json

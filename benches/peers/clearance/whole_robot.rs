@@ -14,10 +14,10 @@ use cpu_time::ProcessTime;
 
 use crate::among::Among;
 use crate::answer::{Answer, link_pairs};
-use crate::draw::{Space, from_file};
 use crate::edges::EdgeSets;
 use crate::neutral::Neutral;
 use crate::random::Random;
+use crate::sample_states::{Space, from_file};
 use crate::{Outcome, certificates, edges, own};
 
 /// Share of random states from which on a pair of links counts as touching by design. MoveIt's setup assistant has

@@ -5,7 +5,7 @@
 //! | content | file |
 //! |---|---|
 //! | pointers from C, the only place that follows them | `arguments` |
-//! | status and last error; no panic leaves a function | `status` |
+//! | status, last error and version; no panic leaves a function | `status` |
 //! | structs of arguments and results, texts | `structs`, `texts` |
 //! | robots, worlds and their shapes | `robot`, `world`, `shapes` |
 //! | checkers and their options; rows of positions | `checker`, `checker_options`; `rows` |

@@ -1,4 +1,4 @@
-//! Status of a call, its error text, and the guard that lets no panic leave the library.
+//! Status of a call, its error text, the version, and the guard that lets no panic leave the library.
 
 use std::any::Any;
 use std::cell::RefCell;

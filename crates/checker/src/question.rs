@@ -1,6 +1,6 @@
-//! Extent of a query on one state.
+//! Kinds of query on one state: free or not, colliding pairs, least distance, distances of pairs.
 
-/// Extent of a query on one state.
+/// Kind of query on one state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Question {
     /// Whether the robot collides with itself and with the world; each search stops at its first collision.

@@ -1,4 +1,4 @@
-//! Proven bounds on the largest value of a function in a cube, best cell first.
+//! Proven bounds on the largest value, in a cube, of a function of the distance to a solid: branch and bound.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;

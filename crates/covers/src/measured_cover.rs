@@ -1,4 +1,4 @@
-//! Measurement of a model of spheres beside the robot that it stands for.
+//! Measures how far the spheres of a link stick out of its geometry, and how much of its surface is in no sphere.
 
 use clearance_geometry::math::Extremes;
 use clearance_geometry::{Primitive, Shape};

@@ -1,4 +1,15 @@
 //! Geometry of shapes in their own frames: primitives, meshes, planes, point clouds and voxels.
+//!
+//! | content | file |
+//! |---|---|
+//! | any shape | `shape` |
+//! | box, sphere, cylinder, cone, capsule; signed distances from them | `primitive`, `primitive_distance` |
+//! | triangle mesh, also with joined vertices; its connected parts | `mesh`, `welded_mesh`, `connected_parts` |
+//! | solid of a mesh; inside tests | `solid_mesh`, `inside_test` |
+//! | plane, point cloud, voxels | `plane`, `point_cloud`, `voxels` |
+//! | distances of triangles and segments | `triangle` |
+//! | names of the kinds of bounding volumes | `volume_kind` |
+//! | tolerances; vectors and poses; SIMD lanes | `constants`, `math`, `simd` |
 
 // minimum and maximum of floating-point numbers, see `math/extremes.rs` of clearance-geometry
 #![deny(missing_docs)]

@@ -1,4 +1,4 @@
-//! Each defect with a small mesh that has it, and a clean mesh that has none.
+//! Tests of the mesh defects: each has a small mesh that has it, and a clean mesh has none.
 
 use clearance_geometry::TriangleMesh;
 use clearance_geometry::math::Point;

@@ -1,4 +1,4 @@
-//! Check budget: limits the cost of a check so that no joint state has to be skipped.
+//! Check budget: limits the work on exact distances by the rate of the joint states, so that none has to be skipped.
 
 use std::collections::VecDeque;
 use std::time::Duration;

@@ -1,4 +1,4 @@
-//! Hashes of the individual parts of a robot and a world: they identify the difference when the hash of the whole differs.
+//! Data type of a certificate's parts: the hash of each link, joint and obstacle, to show which of them differs.
 
 use serde::{Deserialize, Serialize};
 

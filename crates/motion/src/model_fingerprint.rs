@@ -9,8 +9,15 @@ use clearance_scene::{AllowedCollisionMatrix, BodyId, MeshModel, PairList, Setti
 
 use super::Fingerprint;
 
-/// SHA-256 of everything that determines how the robot moves, its geometry, and the pairs that are checked: links, shapes, joints except
-/// their limits, paddings, mesh treatment, pairs of links. File names and the order of the URDF's attributes do not matter.
+/// Format of the hashed data of a model. If this data changes, increase the number: earlier certificates get invalid.
+const MODEL_FORMAT: &str = "clearance model 1";
+
+/// Format of the hashed data of a world; see [`MODEL_FORMAT`].
+const WORLD_FORMAT: &str = "clearance world 1";
+
+/// Model hash: SHA-256 of everything that determines how the robot moves, its geometry, and the pairs that are checked:
+/// links, shapes, joints except their limits, paddings, mesh treatment, pairs of links. File names and the order of the
+/// URDF's attributes do not matter.
 #[must_use]
 pub fn model_fingerprint(
     robot: &RobotModel,
@@ -18,7 +25,7 @@ pub fn model_fingerprint(
     matrix: Option<&AllowedCollisionMatrix>,
 ) -> String {
     let mut print = Fingerprint::default();
-    print.text("clearance model 1").text(robot.name()).count(robot.links().len());
+    print.text(MODEL_FORMAT).text(robot.name()).count(robot.links().len());
     for link in robot.links() {
         let padding = settings.link_padding.get(&link.name).copied().unwrap_or(settings.padding);
         let scale = settings.link_scale.get(&link.name).copied().unwrap_or(1.0);
@@ -59,11 +66,11 @@ fn add_objects(print: &mut Fingerprint, what: &str, numbers: &HashMap<String, f6
     }
 }
 
-/// SHA-256 of the obstacles and attached objects: names, shapes, poses, and touch links.
+/// World hash: SHA-256 of the obstacles and attached objects: names, shapes, poses, and touch links.
 #[must_use]
 pub fn world_fingerprint(world: &World) -> String {
     let mut print = Fingerprint::default();
-    print.text("clearance world 1").count(world.len());
+    print.text(WORLD_FORMAT).count(world.len());
     for obstacle in world.obstacles() {
         print.text(&obstacle.name).count(obstacle.shapes.len());
         for (pose_rs, shape) in obstacle.placed_shapes() {

@@ -1,4 +1,4 @@
-//! Certificate parts: hashes of the links, joints, shapes, paddings and pairs of a robot and its world.
+//! Computes the parts of a certificate: hashes of the links, joints, obstacles and attached objects.
 
 use clearance_geometry::Shape;
 use clearance_geometry::math::Pose;

@@ -1,33 +1,32 @@
 //! Class `Checker`.
 
+mod construction;
+
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Instant;
 
 use clearance::robot::Configuration;
-use clearance::scene::{AttachedObject, BodyId, Scene};
-use clearance::{CollisionChecker, SettingsError};
-use clearance_bindings::{JointSpace, why_no_obstacle};
+use clearance::scene::{BodyId, Scene};
 use numpy::{PyArray1, PyArrayDyn};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
+use self::construction::Grasp;
 use crate::arrays::{Rows, array};
-use crate::batches::run;
 use crate::checker_core::CheckerCore;
 use crate::edge_queries::{self, EdgeArguments};
-use crate::error::{error, warn};
+use crate::error::error;
 use crate::memory::collected;
 use crate::motion_options::{ClearanceSettings, MotionSettings};
 use crate::options;
 use crate::pickles;
 use crate::planning::{self, PlanArguments};
-use crate::poses;
 use crate::recovery::{self, SearchLimits};
 use crate::robot::Robot;
 use crate::settings::CheckSettings;
-use crate::state_queries::{self, single};
+use crate::state_queries;
 use crate::trajectory_arrays::TrajectoryArrays;
 use crate::view::View;
 use crate::world::World;
@@ -67,51 +66,6 @@ pub struct Checker {
 }
 
 impl Checker {
-    fn build(
-        py: Python<'_>,
-        robot: Py<Robot>,
-        scene: Scene,
-        settings: CheckSettings,
-        (group, fixed): (Option<String>, BTreeMap<String, f64>),
-    ) -> PyResult<Self> {
-        let model = Arc::clone(&robot.get().model);
-        let named: Vec<(String, f64)> = fixed.iter().map(|(name, value)| (name.clone(), *value)).collect();
-        let space =
-            Arc::new(JointSpace::of_group(Arc::clone(&model), group.as_deref(), &named).map_err(error)?);
-        let matrix = settings.matrix(&model, &scene);
-        let of_scene = settings.settings.clone().with_scene(&scene);
-        // on threads of this process, which the library's own pool may not have after a fork
-        let built = run(
-            py,
-            None,
-            || {},
-            |_| CollisionChecker::with_matrix(model, &scene.world, of_scene, matrix.as_ref()),
-        )?;
-        let core = CheckerCore::new(built.map_err(error)?, space);
-        Ok(Self { core, robot, scene, settings, group, fixed })
-    }
-
-    /// The same checker in another scene; hierarchies that do not change are shared.
-    fn with_scene(&self, py: Python<'_>, scene: Scene) -> PyResult<Self> {
-        let model = self.core.space.robot();
-        let settings = self.settings.without_missing_objects(model, &scene)?;
-        let matrix = settings.matrix(model, &scene);
-        let of_scene = settings.settings.clone().with_scene(&scene);
-        let built: Result<_, SettingsError> =
-            run(py, None, || {}, |_| self.core.checker.with_world(&scene.world, of_scene, matrix.as_ref()))?;
-        let core = CheckerCore::new(built.map_err(error)?, Arc::clone(&self.core.space));
-        let (robot, group, fixed) = (self.robot.clone_ref(py), self.group.clone(), self.fixed.clone());
-        Ok(Self { core, robot, scene, settings, group, fixed })
-    }
-
-    /// This checker, after a warning if it checks nothing.
-    fn warned(self, py: Python<'_>) -> PyResult<Self> {
-        let text = "the checker has no pair of bodies to check, so that every state counts as free: the robot or the world has no \
-                    collision geometry, or the settings allow all pairs";
-        warn(py, self.core.checker.pairs().is_empty().then_some(text))?;
-        Ok(self)
-    }
-
     fn limits(&self, py: Python<'_>, name: &str) -> PyResult<Vec<f64>> {
         let whole: Vec<f64> = self.robot.bind(py).getattr(name)?.call_method0("tolist")?.extract()?;
         Ok(self.core.space.select(&whole))
@@ -203,7 +157,7 @@ impl Checker {
         let list = self.core.checker.pairs();
         let world = list.world_pairs().map(|(part, obstacle)| (part, BodyId::Obstacle(obstacle)));
         let all = list.self_pairs().iter().copied().chain(world);
-        all.map(|(a, b)| crate::results::names(&self.core.checker, a, b)).collect()
+        all.map(|(a, b)| crate::result_builder::names(&self.core.checker, a, b)).collect()
     }
 
     /// A state, shape (n,), with some joints set by name (rad, m); the others as `fixed` says, or at their defaults.
@@ -253,37 +207,12 @@ impl Checker {
         pose: Option<&Bound<'_, PyAny>>,
         touch_links: Vec<String>,
     ) -> PyResult<Self> {
-        let robot = self.robot.get();
-        let unknown = || error(why_no_obstacle(&self.scene, name));
-        let obstacle = self.scene.world.obstacle_by_name(name).ok_or_else(unknown)?;
-        let state = q.map_or_else(|| Ok(self.core.space.rest().clone()), |q| single(&self.core, q, "q"))?;
-        let pose_rl = robot.link_pose(link, &state)?;
-        for touched in &touch_links {
-            robot.link_pose(touched, &state)?;
-        }
-        let mut object = AttachedObject::grasped(obstacle, link, &pose_rl, touch_links);
-        match (q, pose) {
-            (Some(_), None) => {}
-            (None, Some(pose)) => object.pose_lo = poses::read(Some(pose))?,
-            _ => {
-                return Err(error(
-                    "attach needs either q, the state of the grasp, or pose, in the frame of the link",
-                ));
-            }
-        }
-        let mut scene = self.scene.clone();
-        scene.world.attach(object).map_err(error)?;
-        self.with_scene(py, scene)?.warned(py)
+        self.attached(py, name, link, Grasp { q, pose, touch_links })
     }
 
     /// A checker in which the attached object `name` is an obstacle, where it is in the state `q` of shape (n,).
     fn detach(&self, py: Python<'_>, name: &str, q: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let mut scene = self.scene.clone();
-        let unknown = || error(format!("no object '{name}' is attached"));
-        let object = scene.world.attached_by_name(name).ok_or_else(unknown)?;
-        let pose_rl = self.robot.get().link_pose(&object.link, &single(&self.core, q, "q")?)?;
-        scene.world.detach(name, &pose_rl).map_err(error)?;
-        self.with_scene(py, scene)?.warned(py)
+        self.detached(py, name, q)
     }
 
     /// Whether states are free of collision: a bool for `q` of shape (n,), an array of shape (...) for (..., n).

@@ -15,7 +15,7 @@ use crate::error::error;
 use crate::memory::{collected, filled};
 use crate::motion_options::{MotionSettings, is_over};
 use crate::motion_queries::{reason_code, verdict_code};
-use crate::results::result;
+use crate::result_builder::result;
 use crate::workspaces::{QueryMemory, with_memory};
 
 /// Largest number of edges that a thread takes at a time.

@@ -18,7 +18,7 @@
 //! | values of options, whose errors name the option | `options` |
 //! | versions of pickles | `pickles` |
 //! | many states on many threads, ended by Ctrl-C | `batches`, `workspaces`, `memory` |
-//! | result classes, which are Python dataclasses in `clearance/_results.py` | `results` |
+//! | result classes, which are Python dataclasses in `clearance/_results.py` | `result_builder` |
 //! | the command `clearance` | `command` |
 
 #![allow(
@@ -45,7 +45,7 @@ mod pickles;
 mod planning;
 mod poses;
 mod recovery;
-mod results;
+mod result_builder;
 mod robot;
 mod robot_sources;
 mod settings;

@@ -12,7 +12,7 @@ use pyo3::types::{PyBytes, PyDict, PyTuple};
 use crate::arrays::array;
 use crate::error::error;
 use crate::poses::matrix;
-use crate::results::{result, xyz};
+use crate::result_builder::{result, xyz};
 use crate::robot::Robot;
 use crate::robot_sources::RobotSources;
 use crate::sphere_cover::SearchArguments;

@@ -11,7 +11,7 @@ use crate::batches::run;
 use crate::checker_core::CheckerCore;
 use crate::motion_options::ClearanceSettings;
 use crate::motion_queries::{loosened, reason_code, straight};
-use crate::results::{names, result, xyz};
+use crate::result_builder::{names, result, xyz};
 use crate::trajectory_arrays::TrajectoryArrays;
 use crate::workspaces::with_memory;
 

@@ -19,7 +19,7 @@ use crate::certificate::Certificate;
 use crate::checker_core::CheckerCore;
 use crate::error::error;
 use crate::motion_options::{MotionSettings, is_over};
-use crate::results::{names, xyz};
+use crate::result_builder::{names, xyz};
 use crate::state_queries::single;
 use crate::trajectory_arrays::TrajectoryArrays;
 use crate::workspaces::with_memory;
@@ -66,7 +66,7 @@ pub fn check_motion<'py>(
     })?;
     let fields = report_fields(py, core, &report.verdict, certificate)?;
     fields.set_item("evaluations", report.evaluations)?;
-    crate::results::make(py, "MotionReport", &fields)
+    crate::result_builder::make(py, "MotionReport", &fields)
 }
 
 /// Checks a trajectory.
@@ -88,7 +88,7 @@ pub fn check_trajectory<'py>(
     fields.set_item("evaluations", report.evaluations)?;
     fields.set_item("segment", report.segment)?;
     fields.set_item("time", report.time.map(|[from, to]| (from, to)))?;
-    crate::results::make(py, "TrajectoryReport", &fields)
+    crate::result_builder::make(py, "TrajectoryReport", &fields)
 }
 
 /// The first time at which a pair of bodies is not farther apart than `distance` (m) on a straight motion.
@@ -108,7 +108,7 @@ pub fn event_distance<'py>(
     })?;
     let fields = report_fields(py, core, &report.verdict, None)?;
     fields.set_item("evaluations", report.evaluations)?;
-    crate::results::make(py, "MotionReport", &fields)
+    crate::result_builder::make(py, "MotionReport", &fields)
 }
 
 /// The straight motion between two states.

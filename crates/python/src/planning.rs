@@ -12,7 +12,7 @@ use crate::batches::run;
 use crate::checker_core::CheckerCore;
 use crate::error::error;
 use crate::motion_queries::certificate_object;
-use crate::results::result;
+use crate::result_builder::result;
 use crate::state_queries::single;
 use crate::workspaces::with_memory;
 

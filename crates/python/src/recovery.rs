@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 
 use crate::checker_core::CheckerCore;
 use crate::error::error;
-use crate::results::{names, result};
+use crate::result_builder::{names, result};
 use crate::workspaces::with_memory;
 
 /// Limits of a search, as arguments.

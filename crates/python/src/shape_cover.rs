@@ -11,7 +11,7 @@ use pyo3::types::PyTuple;
 use crate::arrays::array;
 use crate::error::error;
 use crate::poses::matrix;
-use crate::results::result;
+use crate::result_builder::result;
 use crate::robot::Robot;
 use crate::robot_sources::RobotSources;
 use crate::sphere_cover::SearchArguments;

@@ -14,7 +14,7 @@ use pyo3::types::{PyDict, PyTuple};
 use crate::arrays::array;
 use crate::batches::run;
 use crate::error::error;
-use crate::results::result;
+use crate::result_builder::result;
 use crate::robot::Robot;
 use crate::robot_sources::RobotSources;
 

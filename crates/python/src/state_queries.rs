@@ -16,7 +16,7 @@ use crate::batches::evaluate;
 use crate::checker_core::CheckerCore;
 use crate::error::error;
 use crate::memory::collected;
-use crate::results::{names, result, xyz};
+use crate::result_builder::{names, result, xyz};
 use crate::workspaces::{QueryMemory, with_memory};
 
 /// A single state releases the GIL if the last measured one took longer: for shorter ones, to get it back may cost more than to keep it.

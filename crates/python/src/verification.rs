@@ -15,7 +15,7 @@ use crate::certificate::Certificate;
 use crate::error::error;
 use crate::motion_queries::tube_of;
 use crate::options;
-use crate::results::result;
+use crate::result_builder::result;
 use crate::robot::Robot;
 use crate::settings::CheckSettings;
 use crate::trajectory_arrays::TrajectoryArrays;

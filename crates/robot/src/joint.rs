@@ -17,7 +17,7 @@ pub struct Joint {
     pub child: LinkId,
     /// Pose of the joint frame in the parent link at position zero.
     pub pose_pj: Pose,
-    /// Position limits of each of the joint's positions; `None` where the joint is free.
+    /// `None` for joints that are neither revolute nor prismatic, and for those without position limits (URDF 1.2).
     pub limits: Option<Limits>,
     /// Set if the joint's position follows another joint.
     pub mimic: Option<Mimic>,
@@ -42,7 +42,8 @@ pub enum JointKind {
     Planar(UnitVector),
 }
 
-/// Position limits (rad or m), velocity and acceleration limits (per s, per s²; infinite where not given).
+/// Limits of a revolute or prismatic joint: position, velocity, acceleration (the last two are infinite where not
+/// given). Joints of other types have none; a `<limit>` of theirs is not read.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
     /// Minimum position (rad, m).

@@ -1,4 +1,26 @@
 //! Robot models: links and joints from URDF and SRDF, and the poses of the links for given joint positions.
+//!
+//! | content | file |
+//! |---|---|
+//! | loading of a robot from its texts and files | `robot_text` |
+//! | robot model; a joint and its limits; ids | `model`, `joint`, `ids` |
+//! | errors and warnings about a robot description | `model_error`, `fault`, `warning` |
+//! | URDF: validation of the text, construction of the model | `urdf_validation`, `urdf_reader` |
+//! | tree of links and joints, leaders of mimic joints | `kinematic_tree`, `mimic_resolution` |
+//! | SRDF: its content, its reader | `srdf`, `srdf_reader` |
+//! | limits of names and of the number of pairs; prefixes of names | `name_length`, `pair_limit`, `link_prefix` |
+//! | XML: documents and their limits, escaping | `xml`, `xml_limits`, `xml_escaping` |
+//! | names and numbers in texts and messages | `decimal_numbers`, `quoted_names`, `similar_names` |
+//! | meshes: names, files, readers of the formats | `mesh_name`, `mesh_files`, `loaded_mesh`, `mesh_formats` |
+//! | errors about mesh files, and their log for recordings | `mesh_file_error`, `missing_meshes`, `mesh_log` |
+//! | visual geometry, which no query uses | `visual_geometry` |
+//! | configurations and their errors | `configuration`, `configuration_error` |
+//! | configurations from joint names, groups and named states | `named_joints`, `joint_group`, `group_states` |
+//! | planar and floating joints given as transforms | `joint_transforms` |
+//! | ranges of positions; joints beyond their limits | `position_ranges`, `outside_limits` |
+//! | tracking tolerances | `uniform_tolerance` |
+//! | interpolated and random configurations | `interpolation`, `random_configuration` |
+//! | poses of all links; kinematics and motion bounds of the checker | `kinematics`, `chain` |
 
 #![deny(missing_docs)]
 // minimum and maximum of floating-point numbers, see `math/extremes.rs` of clearance-geometry
@@ -14,7 +36,6 @@ mod ids;
 mod interpolation;
 mod joint;
 mod joint_group;
-mod joint_limits;
 mod joint_transforms;
 mod kinematic_tree;
 mod kinematics;
@@ -28,8 +49,10 @@ mod mesh_name;
 mod mimic_resolution;
 mod missing_meshes;
 mod model;
+mod model_error;
 mod name_length;
 mod named_joints;
+mod outside_limits;
 mod pair_limit;
 mod position_ranges;
 mod quoted_names;
@@ -59,16 +82,17 @@ pub use group_states::GroupStateError;
 pub use ids::{JointId, LinkId};
 pub use joint::{Joint, JointKind, Limits, Mimic};
 pub use joint_group::{JointGroup, UnknownGroup};
-pub use joint_limits::OutsideLimits;
 pub use joint_transforms::JointTransformError;
 pub use kinematics::LinkPoses;
 pub use loaded_mesh::LoadedMesh;
 pub use mesh_file_error::MeshFileError;
 pub use mesh_files::{MeshFiles, check_package_path};
 pub use mesh_log::{MeshLog, MeshUse, RecordedMeshes};
-pub use model::{Collision, Link, MeshSource, ModelError, RobotModel};
+pub use model::{Collision, Link, MeshSource, RobotModel};
+pub use model_error::ModelError;
 pub use name_length::check_name_length;
 pub use named_joints::{MIMIC_TOLERANCE, NamedJoints};
+pub use outside_limits::OutsideLimits;
 pub use quoted_names::{quoted, quoted_list};
 pub use random_configuration::SamplingBox;
 pub use robot_text::RobotText;

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use clearance_files::input_files::{self, DESCRIPTION_LIMIT};
 
 use super::mesh_files::MeshFiles;
-use super::model::{ModelError, RobotModel};
+use super::model::RobotModel;
+use super::model_error::ModelError;
 use super::urdf_validation::ValidUrdf;
 use super::{Fault, Place, srdf_reader, urdf_reader, urdf_validation};
 

@@ -12,7 +12,8 @@ use super::loaded_mesh::MeshCache;
 use super::mesh_file_error::MeshFileError;
 use super::mesh_files::MeshFiles;
 use super::missing_meshes::MissingMeshes;
-use super::model::{Collision, Link, MeshSource, ModelError, RobotModel};
+use super::model::{Collision, Link, MeshSource, RobotModel};
+use super::model_error::ModelError;
 use super::urdf_validation::{CollisionNotes, JointNotes, LinkNotes, ValidUrdf};
 use super::{Fault, JointId, LinkId, Place, Warning, mimic_resolution, pair_limit};
 

@@ -1,7 +1,8 @@
 //! Visual geometry of a robot, for comparisons with its collision geometry. No collision query uses it.
 
 use super::mesh_files::MeshFiles;
-use super::model::{Collision, ModelError, RobotModel};
+use super::model::{Collision, RobotModel};
+use super::model_error::ModelError;
 use super::robot_text::{RobotText, parse};
 use super::urdf_reader::{self, LinkGeometries};
 use super::urdf_validation::{GeometryKind, check_geometry};

@@ -25,6 +25,7 @@
 //! | `contact_verifier` | in every box, balls of two links overlap, and neither solid lies inside the other |
 //! | `matrix_verifier` | every box of such a proof is proven by the above |
 //! | `segment_verifier`, `verifier` | every proof of every segment is checked by the above |
+//! | `rejection`, `matrix_rejection` | reasons why a certificate of a motion, or of a collision matrix, is rejected |
 //!
 //! The search for directions (`separating_direction`) need not be correct: a wrong direction proves nothing, and the certificate is rejected.
 
@@ -51,6 +52,7 @@ mod matrix_certificate;
 mod matrix_motion;
 mod matrix_pair;
 mod matrix_path;
+mod matrix_rejection;
 mod matrix_verifier;
 mod motion_bound;
 mod proof_interval;
@@ -73,7 +75,8 @@ pub use always_certificate::{AlwaysProof, ContactEvidence, ElementPoint, InnerBa
 pub use certificate_differences::CertificateDifferences;
 pub use expected_motion::ExpectedMotion;
 pub use matrix_certificate::{MatrixCertificate, NeverProof, matrix_fingerprint};
-pub use matrix_verifier::{MatrixRejection, MatrixSettingsError, MatrixVerifier};
+pub use matrix_rejection::MatrixRejection;
+pub use matrix_verifier::{MatrixSettingsError, MatrixVerifier};
 pub use rejection::Rejection;
 pub use verification_statistics::VerificationStatistics;
 pub use verifier::{Verifier, verify};

@@ -1,4 +1,4 @@
-//! Reasons why a certificate is rejected.
+//! Reasons why a certificate of a motion is rejected.
 
 use clearance_geometry::ScaleError;
 use clearance_motion::CertificateError;

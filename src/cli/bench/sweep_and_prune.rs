@@ -1,5 +1,7 @@
-//! Sweep and prune with insertion sort and coherence (Cohen, Lin, Manocha & Ponamgi 1995, *I-COLLIDE*): the ends of all boxes are sorted
-//! along three axes, and the overlaps of every query box are kept from one query to the next.
+//! Broad phase for comparison: sweep and prune (Cohen, Lin, Manocha & Ponamgi 1995, *I-COLLIDE*).
+//!
+//! Insertion sort keeps the ends of all boxes in order along three axes. The overlaps of every query box are kept from
+//! one query to the next.
 
 use clearance::proximity::bvh::AxisBox;
 

@@ -1,6 +1,6 @@
 //! Planes, clouds of points and voxels against everything, and among themselves.
 
-use super::primitives::{CLOSED, Kind, OF_BOXES, OF_CLOSED_FORMS, OF_CYLINDERS, ask};
+use super::random_pairs::{CLOSED, Kind, OF_BOXES, OF_CLOSED_FORMS, OF_CYLINDERS, ask};
 use super::triangles::OF_TRIANGLES;
 
 const ALL: [Kind; 9] = [

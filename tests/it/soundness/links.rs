@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 use super::laws::{Case, Scrutiny, judge};
 use super::ledger::{Accuracy, Family, Ledger, survey};
-use super::primitives::OF_CYLINDERS;
+use super::random_pairs::OF_CYLINDERS;
 use super::solid_oracle::solid_distance;
 use super::subject::Subject;
 use super::triangles::OF_TRIANGLES;

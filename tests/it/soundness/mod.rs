@@ -26,6 +26,7 @@ mod oracles;
 mod outline;
 mod parts;
 mod primitives;
+mod random_pairs;
 mod slabs;
 mod solid_oracle;
 mod subject;

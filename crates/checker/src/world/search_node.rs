@@ -1,4 +1,4 @@
-//! Nodes of the search for the nearest obstacle.
+//! Nodes of the search for what is nearest to the robot parts: pairs, and pieces of obstacles.
 
 /// A node of the search: something that may be near a robot part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -1,41 +1,36 @@
 //! Start and end of the node, its threads and the channels between them.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use clearance_monitor::Monitor;
-use clearance_robot::{MeshFiles, RobotModel};
-use clearance_scene::MeshModel;
 use futures_lite::future;
 use ros2_interfaces_jazzy_serde::sensor_msgs::msg::JointState;
 use smol::channel::{self, Receiver, Sender};
 
-use crate::arguments::RosArguments;
 use crate::clock::RosClock;
-use crate::dds::announcement::Announcement;
 use crate::dds::middleware::Middleware;
 use crate::dds::middleware_error::MiddlewareError;
 use crate::dds::publisher::Publisher;
 use crate::dds::quality::Quality;
 use crate::dds::receive_thread_watch;
 use crate::dds::type_name::TypeName;
-use crate::loading::loader::{Loader, Surroundings};
+use crate::loading::loader::Loader;
 use crate::loading::loader_inputs::LoaderInputs;
-use crate::monitor_events::current_evaluation::{CurrentEvaluation, Observer};
+use crate::monitor_events::current_evaluation::CurrentEvaluation;
 use crate::monitor_events::monitor_event::MonitorEvent;
 use crate::names::NODE_NAME;
 use crate::names::{FullName, Names};
 use crate::node::memory_limit::{Components, MemoryWatch, OutOfMemory};
 use crate::node::monitor_loop::{MonitorLoop, OwnMotion, Report};
+use crate::node::node_options::NodeOptions;
 use crate::node::node_threads::{Part, StopSignal, run_together, until};
-use crate::node::services_thread::ServicesInputs;
-use crate::node::services_thread::ServicesThread;
-use crate::node::startup::Startup;
+use crate::node::parameter_changes::on_change;
+use crate::node::services_thread::{ServicesInputs, ServicesThread};
 use crate::node::termination::hand_signals_to;
 use crate::node_error::NodeError;
-use crate::parameters::parameter_files;
 use crate::parameters::parameter_set::Parameters;
-use crate::parameters::parameter_store::{OnChange, ParameterStore};
+use crate::parameters::parameter_store::ParameterStore;
 use crate::recording::recorder::{RecordedNode, Recorder};
 use crate::recording::recorder_handle::{CommandLineInputs, RecorderHandle};
 use crate::scene::loader_command::LoaderCommand;
@@ -54,44 +49,6 @@ use crate::topics::link_volumes::LinkVolumes;
 use crate::topics::monitored_scene::MonitoredScene;
 use crate::topics::scene_topics::SceneTopics;
 use crate::topics::{demo_motion, marker_topic, retreat_topic};
-
-/// Input of a node, determined before it starts.
-pub struct NodeOptions {
-    /// Started before any work that takes time.
-    pub startup: Startup,
-    /// DDS participant that the node's endpoints will belong to.
-    pub announcement: Announcement,
-    pub arguments: RosArguments,
-    /// Initial parameters.
-    pub parameters: Parameters,
-    /// Robot model; if `None`, the model is received from `robot_description`.
-    pub robot: Option<RobotModel>,
-    /// Lookup of the meshes of a received robot description.
-    pub mesh_files: MeshFiles,
-    pub surroundings: Surroundings,
-    pub mesh_model: MeshModel,
-    /// Motion to publish on `joint_states`.
-    pub motion: Option<Motion>,
-    pub observer: Option<Observer>,
-    /// Called once, after all input that can be rejected was read and the node has joined the network.
-    pub on_start: Option<Box<dyn FnOnce() + Send>>,
-    /// Input that a recording needs for its replay.
-    pub command_line: CommandLineInputs,
-}
-
-impl std::fmt::Debug for NodeOptions {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("NodeOptions")
-            .field("announcement", &self.announcement)
-            .field("arguments", &self.arguments)
-            .field("parameters", &self.parameters)
-            .finish_non_exhaustive()
-    }
-}
-
-fn input(error: impl std::fmt::Display) -> NodeError {
-    NodeError::Input(error.to_string())
-}
 
 const JOINT_STATE: TypeName = TypeName::new("sensor_msgs", "JointState");
 
@@ -161,22 +118,17 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
         SceneServices::open(&middleware, &names, Arc::clone(&current), shared.clone())?;
     let sender = SceneCommandSender::new(shared, commands.clone(), events.clone());
     let topics = SceneTopics::open(&middleware, &names, sender, watch_in)?;
-    let (states, state_worker) =
-        StateServices::open(&middleware, &names, Arc::clone(&current), Arc::clone(&clock))?;
-    let (motions, motion_worker) =
-        MotionServices::open(&middleware, &names, current, Arc::clone(&clock), store.clone())?;
-    let inputs_of_services = ServicesInputs {
+    let request_inputs = RequestInputs {
+        current,
         store,
         recording,
         clock: Arc::clone(&clock),
-        motions,
-        states,
-        enable: EnableService::open(&middleware, &names, end.events.clone())?,
         commands,
-        description_events: (!has_given_robot).then(|| end.events.clone()),
+        events: end.events.clone(),
+        has_given_robot,
         changes: changes_in,
     };
-    let services = ServicesThread::open(&middleware, &names, inputs_of_services)?;
+    let (services, request_workers) = open_services(&middleware, &names, request_inputs, &stopped)?;
     let mut parts = vec![
         Part::new("monitor", move || run_first(monitor_loop, priority)),
         Part::new("loader", move || loader.run(&commands_in, &events, &inputs)),
@@ -188,8 +140,7 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     }));
     parts.push(task("memory", &stopped, async move || memory.run().await));
     parts.extend(slow_topics);
-    parts.push(worker("motions", &stopped, move || motion_worker.run()));
-    parts.push(worker("states", &stopped, move || state_worker.run()));
+    parts.extend(request_workers);
     parts.push(worker("validity", &stopped, move || validity_worker.run()));
     parts.push(task("network", &stopped, receive_thread_watch::ended));
     let world = async move || future::zip(topics.receive(), scenes.serve(&topics.sender)).await;
@@ -251,6 +202,51 @@ fn worker(name: &'static str, stopped: &Receiver<()>, work: impl FnOnce() + Send
     task(name, stopped, || smol::unblock(work))
 }
 
+/// Inputs of the services on the services thread.
+struct RequestInputs {
+    current: CurrentEvaluation,
+    store: ParameterStore,
+    recording: RecorderHandle,
+    clock: Arc<RosClock>,
+    commands: Sender<LoaderCommand>,
+    events: mailbox::Sender<MonitorEvent>,
+    /// Whether the robot was given on the command line.
+    has_given_robot: bool,
+    /// Receives a notice when a parameter changed.
+    changes: Receiver<()>,
+}
+
+/// The services thread, and the parts that evaluate requests about motions and states.
+fn open_services(
+    middleware: &Middleware,
+    names: &Names,
+    inputs: RequestInputs,
+    stopped: &Receiver<()>,
+) -> Result<(ServicesThread, [Part; 2]), NodeError> {
+    let RequestInputs { current, store, recording, clock, commands, events, has_given_robot, changes } =
+        inputs;
+    let (states, state_worker) =
+        StateServices::open(middleware, names, Arc::clone(&current), Arc::clone(&clock))?;
+    let (motions, motion_worker) =
+        MotionServices::open(middleware, names, current, Arc::clone(&clock), store.clone())?;
+    let enable = EnableService::open(middleware, names, events.clone())?;
+    let inputs = ServicesInputs {
+        store,
+        recording,
+        clock,
+        motions,
+        states,
+        enable,
+        commands,
+        description_events: (!has_given_robot).then_some(events),
+        changes,
+    };
+    let services = ServicesThread::open(middleware, names, inputs)?;
+    let motion_worker = worker("motions", stopped, move || motion_worker.run());
+    let state_worker = worker("states", stopped, move || state_worker.run());
+    Ok((services, [motion_worker, state_worker]))
+}
+
 /// Publishers of the evaluations, and the parts that publish what takes longer than a check.
 fn open_publishers(
     middleware: &Middleware,
@@ -290,63 +286,6 @@ fn record(
     let (recording, recorder) =
         Recorder::start(&settings, RecordedNode { names, inputs, parameters }).map_err(NodeError::Input)?;
     Ok((recording, Some(recorder)))
-}
-
-/// Parameters from the files and the `-p` arguments.
-///
-/// # Errors
-/// When a file cannot be read, or a value is not valid for its parameter.
-pub fn initial_parameters(arguments: &RosArguments) -> Result<Parameters, NodeError> {
-    for ignored in &arguments.ignored {
-        log::warn!("{ignored} has no effect here");
-    }
-    let names = Names::new(NODE_NAME, &arguments.remaps)?;
-    let (parameters, passed_over) =
-        parameter_files::initial(Parameters::default(), &arguments.parameters, &names).map_err(input)?;
-    for parameter in passed_over {
-        log::warn!("passed over, for this node has no such parameter: {parameter}");
-    }
-    Ok(parameters)
-}
-
-/// Callback that passes changed parameters to all parts that use them.
-fn on_change(
-    initial: Parameters,
-    clock: Arc<RosClock>,
-    StopSignal { events, commands, .. }: &StopSignal,
-    changes: [Sender<()>; 2],
-) -> OnChange {
-    let (events, commands) = (events.clone(), commands.clone());
-    let last = Mutex::new(initial);
-    Box::new(move |parameters| {
-        let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
-        clock.use_sim_time(parameters.use_sim_time);
-        // an error means that the receiver has ended
-        let _ = events.send(MonitorEvent::Parameters(Box::new(parameters.clone())));
-        if what_is_built(&last) != what_is_built(parameters) {
-            let _ = commands.try_send(LoaderCommand::Parameters);
-        }
-        if last.link_volume_level != parameters.link_volume_level {
-            let _ = commands.try_send(LoaderCommand::Display);
-        }
-        for changes in &changes {
-            let _ = changes.try_send(());
-        }
-        *last = parameters.clone();
-    })
-}
-
-/// Parameters that require a rebuild of the checker, or a pass of the loader, when they change.
-fn what_is_built(parameters: &Parameters) -> impl PartialEq + use<> {
-    (
-        (parameters.padding, parameters.pad_self, parameters.stale_source_policy),
-        parameters.volumes.clone(),
-        (parameters.joint_prefix.clone(), parameters.link_prefix.clone()),
-        (parameters.point_cloud_ttl, parameters.octomap_ttl, parameters.point_cloud_topics.clone()),
-        (parameters.require_planning_scene, parameters.planning_scene_service.clone()),
-        (parameters.blind_cloud, parameters.rejected_obstacle, parameters.lost_messages),
-        (parameters.obstacle_state_ttl, parameters.obstacle_limits()),
-    )
 }
 
 /// Time since the first call.

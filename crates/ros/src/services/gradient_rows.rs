@@ -9,7 +9,7 @@ use clearance_scene::BodyId;
 
 use crate::messages::clearance_srvs::GetDistancesResponse;
 use crate::messages::time_and_geometry::vector_message;
-use crate::services::rejection::shortened;
+use crate::services::request_rejection::shortened;
 
 /// Size of the signed distance, its upper bound, the normal and the witness count of a pair (bytes).
 const BYTES_WITHOUT_ROW: usize = 41;

@@ -12,8 +12,9 @@ pub mod motion_requests; // evaluation of motion requests
 pub mod motion_services; // `~/check_motion`, `~/check_motions` and `~/check_trajectory`
 pub mod parameter_services; // the standard parameter services
 pub mod recovery_requests; // evaluation of requests for free states
-pub mod rejection; // reasons for which requests are rejected
 pub mod request_context; // robot, world and configuration for a request
+pub mod request_fields; // validation of single fields of requests
+pub mod request_rejection; // reasons for which requests are rejected
 mod requested_obstacles; // moving obstacles in motion requests
 pub mod scene_services; // `get_planning_scene`, `apply_planning_scene`, `clear_octomap`, `check_state_validity`
 pub mod state_requests; // evaluation of state requests

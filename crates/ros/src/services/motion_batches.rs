@@ -14,8 +14,9 @@ use crate::services::batch_distances::{add_clearance, add_event, reason_constant
 use crate::services::body_list::{BodyList, NOBODY};
 use crate::services::motion_distances::clearance_options;
 use crate::services::motion_requests::{LONGEST, direction, options};
-use crate::services::rejection::{Rejection, bad_request, shortened};
-use crate::services::request_context::{RequestContext, of_equal_length, revisions};
+use crate::services::request_context::{RequestContext, revisions};
+use crate::services::request_fields::of_equal_length;
+use crate::services::request_rejection::{RequestRejection, bad_request, shortened};
 
 /// Maximum number of motions per request: they take about a second, while other requests wait.
 const MOTIONS: usize = 10_000;
@@ -43,7 +44,7 @@ pub fn evaluate_motions(
 
 /// Response to a batch that was not checked.
 #[must_use]
-pub fn rejected_motions(rejection: &Rejection) -> CheckMotionsResponse {
+pub fn rejected_motions(rejection: &RequestRejection) -> CheckMotionsResponse {
     CheckMotionsResponse {
         verdict: CheckMotionsResponse::ERROR,
         message: rejection.message(),
@@ -61,7 +62,7 @@ struct RequestedMotions {
 }
 
 impl RequestContext<'_> {
-    fn motions(&self, request: &CheckMotionsRequest) -> Result<RequestedMotions, Rejection> {
+    fn motions(&self, request: &CheckMotionsRequest) -> Result<RequestedMotions, RequestRejection> {
         let joint_names = self.moving_joints(request)?;
         let joints = joint_names.len();
         let CheckMotionsRequest { starts, goals, other_joints, other_positions, .. } = request;
@@ -106,7 +107,7 @@ impl RequestContext<'_> {
     }
 
     /// The joints of starts and goals: those that are named, or those of the group.
-    fn moving_joints(&self, request: &CheckMotionsRequest) -> Result<Vec<String>, Rejection> {
+    fn moving_joints(&self, request: &CheckMotionsRequest) -> Result<Vec<String>, RequestRejection> {
         let CheckMotionsRequest { joint_names, group, .. } = request;
         if !group.is_empty() && !joint_names.is_empty() {
             return Err(bad_request("both joint_names and group are given: give one of them"));
@@ -124,7 +125,7 @@ impl RequestContext<'_> {
     }
 
     /// By position of the robot: the tolerance (rad, m); none without tolerances.
-    fn tube(&self, joint_names: &[String], tolerances: &[f64]) -> Result<Option<Vec<f64>>, Rejection> {
+    fn tube(&self, joint_names: &[String], tolerances: &[f64]) -> Result<Option<Vec<f64>>, RequestRejection> {
         if tolerances.is_empty() {
             return Ok(None);
         }
@@ -136,7 +137,7 @@ impl RequestContext<'_> {
 }
 
 /// Rejects numbers that are not a start and a goal for each motion.
-fn check_counts(starts: usize, goals: usize, joints: usize) -> Result<(), Rejection> {
+fn check_counts(starts: usize, goals: usize, joints: usize) -> Result<(), RequestRejection> {
     if starts == 0 || !starts.is_multiple_of(joints) {
         return Err(bad_request(format!(
             "starts has {starts} numbers, but must have one for each of the {joints} joints for each motion"
@@ -163,7 +164,7 @@ struct Rows<'a> {
 }
 
 impl Rows<'_> {
-    fn end(&self, motion: usize, what: &str, row: &[f64]) -> Result<Configuration, Rejection> {
+    fn end(&self, motion: usize, what: &str, row: &[f64]) -> Result<Configuration, RequestRejection> {
         let values = [row, self.others].concat();
         let end = self.named.configuration(self.rest, &values);
         end.map_err(|error| bad_request(format!("motion {motion}: {what}: {error}")))

@@ -21,8 +21,9 @@ use crate::messages::clearance_srvs::{
 use crate::messages::collision_state::pair_message;
 use crate::messages::time_and_geometry::point_message;
 use crate::services::motion_distances::DistanceRequest;
-use crate::services::rejection::{Rejection, bad_request, shortened};
-use crate::services::request_context::{RequestContext, deadline, not_negative, of_equal_length, revisions};
+use crate::services::request_context::{RequestContext, revisions};
+use crate::services::request_fields::{deadline, not_negative, of_equal_length};
+use crate::services::request_rejection::{RequestRejection, bad_request, shortened};
 use crate::services::requested_obstacles::with_requested_obstacles;
 use crate::topics::swept_volume_markers::{most_intervals, no_markers, swept_volume_markers};
 
@@ -47,8 +48,8 @@ pub struct MotionResponse {
     pub swept_volume: Option<MarkerArray>,
 }
 
-impl From<&Rejection> for MotionResponse {
-    fn from(rejection: &Rejection) -> Self {
+impl From<&RequestRejection> for MotionResponse {
+    fn from(rejection: &RequestRejection) -> Self {
         let motion = MotionFindings {
             verdict: MotionFindings::ERROR,
             message: rejection.message(),
@@ -91,7 +92,7 @@ fn evaluate(
     watch: Option<Watch>,
     evaluation: Option<&Evaluation>,
     workspace: &mut Option<Workspace>,
-    motion: impl FnOnce(&RequestContext) -> Result<RequestedMotion, Rejection>,
+    motion: impl FnOnce(&RequestContext) -> Result<RequestedMotion, RequestRejection>,
 ) -> MotionResponse {
     let started = Instant::now();
     let found = RequestContext::of(evaluation).and_then(|context| {
@@ -118,7 +119,7 @@ pub fn options(
     terms: &MotionTerms,
     default_timeout: Option<Duration>,
     started: Instant,
-) -> Result<MotionOptions, Rejection> {
+) -> Result<MotionOptions, RequestRejection> {
     let standard = MotionOptions::default();
     not_negative("tolerance", "m", terms.tolerance)?;
     not_negative("event_distance", "m", terms.event_distance)?;
@@ -141,7 +142,7 @@ struct RequestedMotion {
 }
 
 /// Direction of continuous joints, if the request contains one.
-pub fn direction(terms: &MotionTerms) -> Result<Option<ContinuousDirection>, Rejection> {
+pub fn direction(terms: &MotionTerms) -> Result<Option<ContinuousDirection>, RequestRejection> {
     match terms.continuous_joint_direction {
         MotionTerms::DEFAULT => Ok(None),
         MotionTerms::SHORTEST => Ok(Some(ContinuousDirection::Shortest)),
@@ -157,7 +158,7 @@ impl RequestContext<'_> {
         &self,
         request: &CheckMotionRequest,
         default_direction: ContinuousDirection,
-    ) -> Result<RequestedMotion, Rejection> {
+    ) -> Result<RequestedMotion, RequestRejection> {
         let CheckMotionRequest { joint_names, start, goal, terms, duration } = request;
         if joint_names.is_empty() {
             return Err(bad_request("joint_names is empty"));
@@ -170,7 +171,7 @@ impl RequestContext<'_> {
         };
         let from = match (start.as_slice(), &self.now) {
             ([], Ok(now)) => (*now).clone(),
-            ([], Err(why)) => return Err(Rejection::NoJointState(why.clone())),
+            ([], Err(why)) => return Err(RequestRejection::NoJointState(why.clone())),
             (start, _) => end("start", start)?,
         };
         let requested_direction = direction(terms)?;
@@ -197,11 +198,11 @@ impl RequestContext<'_> {
     pub fn shortest(
         &self,
         ends: Vec<Configuration>,
-    ) -> Result<(Vec<Configuration>, Vec<HeldTurn>), Rejection> {
+    ) -> Result<(Vec<Configuration>, Vec<HeldTurn>), RequestRejection> {
         shortest_turns(self.robot(), ends).map_err(|error| bad_request(format!("the shortest way: {error}")))
     }
 
-    fn trajectory(&self, request: &CheckTrajectoryRequest) -> Result<RequestedMotion, Rejection> {
+    fn trajectory(&self, request: &CheckTrajectoryRequest) -> Result<RequestedMotion, RequestRejection> {
         let joints = &request.trajectory.joint_names;
         if joints.is_empty() {
             return Err(bad_request("trajectory.joint_names is empty"));
@@ -232,7 +233,7 @@ impl RequestContext<'_> {
         &self,
         trajectory: Trajectory,
         terms: &MotionTerms,
-    ) -> Result<Trajectory, Rejection> {
+    ) -> Result<Trajectory, RequestRejection> {
         with_requested_obstacles(trajectory, terms, self.checker.world())
     }
 
@@ -242,7 +243,7 @@ impl RequestContext<'_> {
         trajectory: Trajectory,
         joints: &[String],
         tolerances: &[f64],
-    ) -> Result<Trajectory, Rejection> {
+    ) -> Result<Trajectory, RequestRejection> {
         if tolerances.is_empty() {
             return Ok(trajectory);
         }
@@ -257,7 +258,7 @@ impl RequestContext<'_> {
 }
 
 /// A motion that takes so many seconds; 0: it has no times.
-fn timed(segment: MotionSegment, duration: f64) -> Result<Trajectory, Rejection> {
+fn timed(segment: MotionSegment, duration: f64) -> Result<Trajectory, RequestRejection> {
     not_negative("duration", "s", duration)?;
     let trajectory =
         Trajectory::of_segments(vec![segment]).map_err(|error| bad_request(error.to_string()))?;
@@ -268,7 +269,11 @@ fn timed(segment: MotionSegment, duration: f64) -> Result<Trajectory, Rejection>
 }
 
 /// Rejects more volumes than fit into one message.
-fn check_intervals(intervals: u32, trajectory: &Trajectory, robot: &RobotModel) -> Result<(), Rejection> {
+fn check_intervals(
+    intervals: u32,
+    trajectory: &Trajectory,
+    robot: &RobotModel,
+) -> Result<(), RequestRejection> {
     let segments = trajectory.segments().len();
     let most = most_intervals(robot, segments);
     if intervals as usize <= most {

@@ -30,7 +30,7 @@ use crate::names::Names;
 use crate::parameters::parameter_store::ParameterStore;
 use crate::services::motion_batches::{evaluate_motions, rejected_motions};
 use crate::services::motion_requests::{MotionResponse, evaluate_motion, evaluate_trajectory};
-use crate::services::rejection::Rejection;
+use crate::services::request_rejection::RequestRejection;
 use crate::services::trajectory_action::{Goal, StartedGoal, TrajectoryAction};
 
 /// Maximum length of the request queue. Further requests get the response that the node is busy.
@@ -155,7 +155,7 @@ impl MotionServices {
     fn enqueue<'a>(&'a self, request: Request, sending: &LocalExecutor<'a>) {
         // when the worker has ended, the service reports that it is busy
         if let Err(rejected) = self.requests.try_send(request) {
-            self.send(rejected.into_inner().rejected(&Rejection::Busy(WAITING)), sending);
+            self.send(rejected.into_inner().rejected(&RequestRejection::Busy(WAITING)), sending);
         }
     }
 
@@ -219,7 +219,7 @@ impl MotionWorker {
     fn evaluate(&mut self, request: Request, evaluation: Option<&Evaluation>) -> Response {
         let usual = self.parameters.get().continuous_direction();
         let or_failed = |response: Option<MotionResponse>| {
-            Box::new(response.unwrap_or_else(|| MotionResponse::from(&Rejection::Internal)))
+            Box::new(response.unwrap_or_else(|| MotionResponse::from(&RequestRejection::Internal)))
         };
         match request {
             Request::Motion(id, request) => {
@@ -228,7 +228,7 @@ impl MotionWorker {
             }
             Request::Motions(id, request) => {
                 let response = self.guarded(|memory| evaluate_motions(&request, evaluation, memory));
-                let response = response.unwrap_or_else(|| rejected_motions(&Rejection::Internal));
+                let response = response.unwrap_or_else(|| rejected_motions(&RequestRejection::Internal));
                 Response::Motions(id, Box::new(response))
             }
             Request::Trajectory(id, request) => {
@@ -255,7 +255,7 @@ impl MotionWorker {
 }
 
 impl Request {
-    fn rejected(self, rejection: &Rejection) -> Response {
+    fn rejected(self, rejection: &RequestRejection) -> Response {
         let motion_response = || Box::new(MotionResponse::from(rejection));
         match self {
             Self::Motion(id, _) => Response::Motion(id, motion_response()),

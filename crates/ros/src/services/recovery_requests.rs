@@ -8,8 +8,9 @@ use clearance_robot::{Configuration, JointId, JointKind, quoted_list};
 
 use crate::messages::clearance_srvs::{FindFreeStateRequest, FindFreeStateResponse};
 use crate::messages::collision_state::pair_message;
-use crate::services::rejection::{Rejection, bad_request};
-use crate::services::request_context::{RequestContext, deadline, not_negative, revisions};
+use crate::services::request_context::{RequestContext, revisions};
+use crate::services::request_fields::{deadline, not_negative};
+use crate::services::request_rejection::{RequestRejection, bad_request};
 use crate::services::state_requests::{MANY_PAIRS, message};
 
 /// Default timeout of a search.
@@ -43,7 +44,7 @@ pub fn search_free_state(
 
 /// Response to a request for which nothing was searched.
 #[must_use]
-pub fn rejected_search(rejection: &Rejection) -> FindFreeStateResponse {
+pub fn rejected_search(rejection: &RequestRejection) -> FindFreeStateResponse {
     FindFreeStateResponse {
         result: FindFreeStateResponse::ERROR,
         message: rejection.message(),
@@ -58,7 +59,7 @@ impl RequestContext<'_> {
         &self,
         request: &FindFreeStateRequest,
         started: Instant,
-    ) -> Result<RecoveryOptions, Rejection> {
+    ) -> Result<RecoveryOptions, RequestRejection> {
         not_negative("max_distance", "rad or m", request.max_distance)?;
         not_negative("clearance", "m", request.clearance)?;
         let deadline = deadline(request.timeout, Some(LONGEST_SEARCH), started)?;
@@ -84,7 +85,7 @@ impl RequestContext<'_> {
         })
     }
 
-    fn locked_joints(&self, names: &[String]) -> Result<Vec<JointId>, Rejection> {
+    fn locked_joints(&self, names: &[String]) -> Result<Vec<JointId>, RequestRejection> {
         let robot = self.robot();
         let unknown = |name: &String| {
             let movable = robot.joints().iter().filter(|joint| joint.kind != JointKind::Fixed);

@@ -1,13 +1,12 @@
 //! Context of a request: the robot, its world, and its current configuration. No I/O.
 
-use std::time::{Duration, Instant};
-
 use clearance_checker::CollisionChecker;
 use clearance_monitor::{Evaluation, Reason};
 use clearance_robot::quoted_list;
 use clearance_robot::{Configuration, NamedJoints, RobotModel};
 
-use crate::services::rejection::{Rejection, bad_request};
+use crate::services::request_fields::of_equal_length;
+use crate::services::request_rejection::{RequestRejection, bad_request};
 
 /// Context of a request: the robot, its world, and its current configuration.
 pub struct RequestContext<'a> {
@@ -20,20 +19,20 @@ pub struct RequestContext<'a> {
 }
 
 impl<'a> RequestContext<'a> {
-    pub fn of(evaluation: Option<&'a Evaluation>) -> Result<Self, Rejection> {
+    pub fn of(evaluation: Option<&'a Evaluation>) -> Result<Self, RequestRejection> {
         let reason = evaluation.and_then(|evaluation| evaluation.status.reason());
         let why = reason.unwrap_or(&Reason::NoModel { fault: None });
         let revision = evaluation.and_then(|evaluation| evaluation.revision.as_ref());
         // while another robot is being built, no robot is valid, even if checking is disabled
         if evaluation.is_some_and(|evaluation| evaluation.is_swapping) {
-            return Err(Rejection::NoModel(Reason::ModelSwap.to_string()));
+            return Err(RequestRejection::NoModel(Reason::ModelSwap.to_string()));
         }
-        let revision = revision.ok_or_else(|| Rejection::NoModel(why.to_string()))?;
+        let revision = revision.ok_or_else(|| RequestRejection::NoModel(why.to_string()))?;
         if !revision.has_geometry() {
-            return Err(Rejection::NoModel(Reason::NoGeometry.to_string()));
+            return Err(RequestRejection::NoModel(Reason::NoGeometry.to_string()));
         }
         if let Some(stale) = evaluation.and_then(|evaluation| evaluation.stale_world.as_ref()) {
-            return Err(Rejection::of_world(stale));
+            return Err(RequestRejection::of_world(stale));
         }
         let robot_state = evaluation.and_then(|evaluation| evaluation.robot_state.as_ref());
         let now =
@@ -47,7 +46,7 @@ impl<'a> RequestContext<'a> {
     }
 
     /// Finds the joints that a request names.
-    pub fn named(&self, field: &str, names: &[String]) -> Result<NamedJoints<'a>, Rejection> {
+    pub fn named(&self, field: &str, names: &[String]) -> Result<NamedJoints<'a>, RequestRejection> {
         let named = self.robot().named_joints(names.iter().map(String::as_str));
         named.map_err(|error| bad_request(format!("{field}: {error}")))
     }
@@ -57,10 +56,10 @@ impl<'a> RequestContext<'a> {
         &self,
         joint_names: &[String],
         positions: &[f64],
-    ) -> Result<(Configuration, Option<String>), Rejection> {
+    ) -> Result<(Configuration, Option<String>), RequestRejection> {
         of_equal_length("positions", positions, joint_names)?;
         match &self.now {
-            Err(why) if joint_names.is_empty() => Err(Rejection::NoJointState(why.clone())),
+            Err(why) if joint_names.is_empty() => Err(RequestRejection::NoJointState(why.clone())),
             _ => {
                 let named = self.named("joint_names", joint_names)?;
                 let (rest, note) = self.rest(&named)?;
@@ -74,7 +73,7 @@ impl<'a> RequestContext<'a> {
     ///
     /// # Errors
     /// Fails if a joint is not named and the joint states contradict each other.
-    pub fn rest(&self, named: &NamedJoints) -> Result<(Configuration, Option<String>), Rejection> {
+    pub fn rest(&self, named: &NamedJoints) -> Result<(Configuration, Option<String>), RequestRejection> {
         let robot = self.robot();
         let why = match &self.now {
             Ok(now) => return Ok(((*now).clone(), None)),
@@ -82,7 +81,7 @@ impl<'a> RequestContext<'a> {
         };
         let others = undecided(robot, named);
         if self.is_contradicted && !others.is_empty() {
-            return Err(Rejection::NoJointState(why.clone()));
+            return Err(RequestRejection::NoJointState(why.clone()));
         }
         let note = (!others.is_empty()).then(|| {
             format!("{} stand at their defaults, for there is no joint state: {why}", quoted_list(&others))
@@ -101,37 +100,4 @@ pub fn undecided(robot: &RobotModel, named: &NamedJoints) -> Vec<String> {
 pub fn revisions(evaluation: Option<&Evaluation>) -> (u64, u64) {
     let revision = evaluation.and_then(|evaluation| evaluation.revision.as_ref());
     revision.map_or((0, 0), |revision| (revision.model, revision.world))
-}
-
-/// Rejects a list that does not have one number for each joint.
-pub fn of_equal_length(what: &str, numbers: &[f64], joints: &[String]) -> Result<(), Rejection> {
-    if numbers.len() == joints.len() {
-        return Ok(());
-    }
-    Err(bad_request(format!(
-        "{what} has {} numbers, but joint_names has {} names",
-        numbers.len(),
-        joints.len()
-    )))
-}
-
-/// Rejects a number with the given unit that is negative or not finite.
-pub fn not_negative(name: &str, unit: &str, value: f64) -> Result<(), Rejection> {
-    if value.is_finite() && value >= 0.0 {
-        return Ok(());
-    }
-    Err(bad_request(format!("{name} is {value} {unit}, but must be finite and not negative")))
-}
-
-/// Deadline of a timeout (s) that started at `started`. A timeout of 0 selects `usual`; one beyond the range of the
-/// clock gives no deadline.
-pub fn deadline(
-    timeout: f64,
-    usual: Option<Duration>,
-    started: Instant,
-) -> Result<Option<Instant>, Rejection> {
-    not_negative("timeout", "s", timeout)?;
-    // a tiny timeout becomes zero and ends at once
-    let timeout = if timeout > 0.0 { Duration::try_from_secs_f64(timeout).ok() } else { usual };
-    Ok(timeout.and_then(|timeout| started.checked_add(timeout)))
 }

@@ -10,15 +10,15 @@ use clearance_scene::World;
 
 use crate::messages::clearance_msgs::{MovingObstacle, ObstacleLimit};
 use crate::messages::clearance_srvs::MotionTerms;
-use crate::services::rejection::{Rejection, bad_request};
-use crate::services::request_context::not_negative;
+use crate::services::request_fields::not_negative;
+use crate::services::request_rejection::{RequestRejection, bad_request};
 
 /// The trajectory with the obstacles that move in a request; without any, obstacles stand.
 pub fn with_requested_obstacles(
     trajectory: Trajectory,
     terms: &MotionTerms,
     world: &World,
-) -> Result<Trajectory, Rejection> {
+) -> Result<Trajectory, RequestRejection> {
     let trajectory = with_moving_obstacles(trajectory, &terms.moving_obstacles, world)?;
     with_obstacle_limits(trajectory, terms, world)
 }
@@ -28,7 +28,7 @@ fn with_moving_obstacles(
     trajectory: Trajectory,
     obstacles: &[MovingObstacle],
     world: &World,
-) -> Result<Trajectory, Rejection> {
+) -> Result<Trajectory, RequestRejection> {
     if obstacles.is_empty() {
         return Ok(trajectory);
     }
@@ -83,7 +83,7 @@ fn with_obstacle_limits(
     trajectory: Trajectory,
     terms: &MotionTerms,
     world: &World,
-) -> Result<Trajectory, Rejection> {
+) -> Result<Trajectory, RequestRejection> {
     let latency = terms.obstacle_latency;
     not_negative("obstacle_latency", "s", latency)?;
     if terms.obstacle_limits.is_empty() {
@@ -103,7 +103,7 @@ fn with_obstacle_limits(
 }
 
 /// Rejects motions without times.
-fn needs_times(what: &str, trajectory: &Trajectory) -> Result<(), Rejection> {
+fn needs_times(what: &str, trajectory: &Trajectory) -> Result<(), RequestRejection> {
     if trajectory.time(0, 0.0).is_some() {
         return Ok(());
     }

@@ -30,7 +30,7 @@ use crate::scene::command_conversion::clear_octomap;
 use crate::scene::scene_command_sender::SceneCommandSender;
 use crate::scene::scene_message_writer::{SceneMessages, scene_message};
 use crate::scene::shared_state::SharedState;
-use crate::services::rejection::shortened;
+use crate::services::request_rejection::shortened;
 use crate::services::state_validity::{StateValidity, ValidityContext, constraints_given, state_validity};
 
 /// Largest number of state queries in the queue. Further queries are rejected at once as not valid.

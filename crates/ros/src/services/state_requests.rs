@@ -18,8 +18,9 @@ use crate::messages::clearance_srvs::{
 use crate::messages::collision_state::distance_message;
 use crate::services::body_list::{BodyList, NOBODY};
 use crate::services::gradient_rows::{add_gradients, bytes_of_gradient};
-use crate::services::rejection::{Rejection, bad_request, shortened};
-use crate::services::request_context::{RequestContext, deadline, not_negative, revisions};
+use crate::services::request_context::{RequestContext, revisions};
+use crate::services::request_fields::{deadline, not_negative};
+use crate::services::request_rejection::{RequestRejection, bad_request, shortened};
 
 /// Maximum number of states per request: with distances they take about a second, while other requests wait.
 const STATES: usize = 10_000;
@@ -116,7 +117,7 @@ pub fn evaluate_distances(
 
 /// Response to a batch that was not checked.
 #[must_use]
-pub fn rejected_states(rejection: &Rejection) -> CheckStatesResponse {
+pub fn rejected_states(rejection: &RequestRejection) -> CheckStatesResponse {
     CheckStatesResponse {
         verdict: CheckStatesResponse::ERROR,
         message: rejection.message(),
@@ -127,7 +128,7 @@ pub fn rejected_states(rejection: &Rejection) -> CheckStatesResponse {
 
 /// Response for a state that was not checked.
 #[must_use]
-pub fn rejected_distances(rejection: &Rejection) -> GetDistancesResponse {
+pub fn rejected_distances(rejection: &RequestRejection) -> GetDistancesResponse {
     GetDistancesResponse {
         message: rejection.message(),
         reason_code: rejection.code().to_owned(),
@@ -138,7 +139,7 @@ pub fn rejected_distances(rejection: &Rejection) -> GetDistancesResponse {
 }
 
 /// Maximum distance (m) to search; 0 stands for no limit.
-fn limit(name: &str, distance: f64) -> Result<f64, Rejection> {
+fn limit(name: &str, distance: f64) -> Result<f64, RequestRejection> {
     not_negative(name, "m", distance)?;
     Ok(if distance > 0.0 { distance } else { f64::INFINITY })
 }
@@ -148,7 +149,7 @@ impl RequestContext<'_> {
     fn states(
         &self,
         request: &CheckStatesRequest,
-    ) -> Result<(Vec<Configuration>, Option<String>), Rejection> {
+    ) -> Result<(Vec<Configuration>, Option<String>), RequestRejection> {
         let CheckStatesRequest { joint_names, positions, .. } = request;
         if joint_names.is_empty() {
             return Err(bad_request("joint_names is empty"));
@@ -176,7 +177,7 @@ impl RequestContext<'_> {
     }
 
     /// The names of the bodies whose pairs are requested.
-    fn requested_bodies<'n>(&self, names: &'n [String]) -> Result<HashSet<&'n str>, Rejection> {
+    fn requested_bodies<'n>(&self, names: &'n [String]) -> Result<HashSet<&'n str>, RequestRejection> {
         let (robot, world) = (self.robot(), self.checker.world());
         let known = |name: &str| {
             robot.link_by_name(name).is_some()

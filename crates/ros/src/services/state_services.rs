@@ -23,7 +23,7 @@ use crate::messages::clearance_srvs::{
 use crate::monitor_events::current_evaluation::{CurrentEvaluation, newest};
 use crate::names::Names;
 use crate::services::recovery_requests::{rejected_search, search_free_state};
-use crate::services::rejection::Rejection;
+use crate::services::request_rejection::RequestRejection;
 use crate::services::state_requests::{
     evaluate_distances, evaluate_states, rejected_distances, rejected_states,
 };
@@ -118,7 +118,7 @@ impl StateServices {
     fn enqueue<'a>(&'a self, request: Request, sending: &LocalExecutor<'a>) {
         // when the worker has ended, the service reports that it is busy
         if let Err(rejected) = self.requests.try_send(request) {
-            self.send(rejected.into_inner().rejected(&Rejection::Busy(WAITING)), sending);
+            self.send(rejected.into_inner().rejected(&RequestRejection::Busy(WAITING)), sending);
         }
     }
 
@@ -150,15 +150,21 @@ impl StateWorker {
         match request {
             Request::States(id, request) => {
                 let response = self.guarded(|workspace| evaluate_states(&request, evaluation, workspace));
-                Response::States(id, response.unwrap_or_else(|| rejected_states(&Rejection::Internal)))
+                Response::States(id, response.unwrap_or_else(|| rejected_states(&RequestRejection::Internal)))
             }
             Request::Distances(id, request) => {
                 let response = self.guarded(|workspace| evaluate_distances(&request, evaluation, workspace));
-                Response::Distances(id, response.unwrap_or_else(|| rejected_distances(&Rejection::Internal)))
+                Response::Distances(
+                    id,
+                    response.unwrap_or_else(|| rejected_distances(&RequestRejection::Internal)),
+                )
             }
             Request::FreeState(id, request) => {
                 let response = self.guarded(|workspace| search_free_state(&request, evaluation, workspace));
-                Response::FreeState(id, response.unwrap_or_else(|| rejected_search(&Rejection::Internal)))
+                Response::FreeState(
+                    id,
+                    response.unwrap_or_else(|| rejected_search(&RequestRejection::Internal)),
+                )
             }
         }
     }
@@ -175,7 +181,7 @@ impl StateWorker {
 }
 
 impl Request {
-    fn rejected(self, rejection: &Rejection) -> Response {
+    fn rejected(self, rejection: &RequestRejection) -> Response {
         match self {
             Self::States(id, _) => Response::States(id, rejected_states(rejection)),
             Self::Distances(id, _) => Response::Distances(id, rejected_distances(rejection)),

@@ -10,7 +10,8 @@ use ros2_interfaces_jazzy_serde::std_msgs::msg::Header;
 
 use crate::messages::time_and_geometry::stamp_message;
 use crate::monitor_events::cloud_report::CloudReport;
-use crate::topics::activity::{Activity, Latencies};
+use crate::topics::activity::Activity;
+use crate::topics::latencies::Latencies;
 
 /// Diagnostics message: the current evaluation, the counters of the last `interval`, the error of the last model if it
 /// was rejected, and the last point cloud of each topic.

@@ -4,6 +4,7 @@ pub mod activity; // counters for the diagnostics
 pub mod demo_motion; // demonstration motion on `joint_states`
 pub mod diagnostics; // content of `/diagnostics`
 pub mod evaluation_publishers; // publishers of the evaluations
+pub mod latencies; // distribution of response times for the diagnostics
 pub mod link_volumes; // `~/link_volumes`
 pub mod marker_topic; // `~/markers`, on its own thread
 pub mod markers; // content of `~/markers`

@@ -1,6 +1,6 @@
 //! Reader of planning scenes in YAML.
 
-mod text;
+mod parser;
 
 use std::collections::HashMap;
 
@@ -48,7 +48,7 @@ impl SceneLoader {
         files: &MeshFiles,
     ) -> Result<(), SceneError> {
         let fault = |message: String| SceneError::of_file(file, message);
-        let scene = text::read(text, file)?;
+        let scene = parser::read(text, file)?;
         if is_empty_scene(&scene) {
             return Err(fault("no planning scene: expected 'world' or 'collision_objects'".to_owned()));
         }

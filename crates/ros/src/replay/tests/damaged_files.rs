@@ -1,4 +1,4 @@
-//! Recordings that are cut off or damaged.
+//! Tests of the replay of recordings that are cut off or damaged.
 
 use clearance_geometry::testing::Random;
 

@@ -16,7 +16,7 @@ use ros2_interfaces_jazzy_serde::trajectory_msgs::msg::{JointTrajectory, JointTr
 use super::*;
 use crate::messages::clearance_msgs::DistanceEvent;
 use crate::messages::clearance_srvs::MotionDistances;
-use crate::services::rejection::LONGEST_MESSAGE;
+use crate::services::request_rejection::LONGEST_MESSAGE;
 
 const URDF: &str = include_str!("../../../../../urdf/two_link/two_link.urdf");
 const JOINTS: [&str; 2] = ["joint1", "joint2"];

@@ -1,4 +1,4 @@
-//! Requests for free states of the two-link robot. Its URDF contains the derivation of the expected results.
+//! Tests of `~/find_free_state` requests for the two-link robot. Its URDF has the derivation of the expected results.
 
 use std::f64::consts::PI;
 use std::sync::Arc;

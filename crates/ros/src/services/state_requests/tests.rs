@@ -14,7 +14,7 @@ use clearance_scene::{Obstacle, World};
 use super::*;
 use crate::messages::clearance_msgs::BodyPair;
 use crate::services::body_list::LONGEST_NAMES;
-use crate::services::rejection::LONGEST_MESSAGE;
+use crate::services::request_rejection::LONGEST_MESSAGE;
 
 const URDF: &str = include_str!("../../../../../urdf/two_link/two_link.urdf");
 const JOINTS: [&str; 2] = ["joint1", "joint2"];

@@ -8,7 +8,7 @@ pub const LONGEST_MESSAGE: usize = 480;
 
 /// Reason why a request was rejected.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Rejection {
+pub enum RequestRejection {
     #[error("{0}")]
     NoModel(String),
     #[error("there is no joint state to start from: {0}")]
@@ -24,7 +24,7 @@ pub enum Rejection {
     Internal,
 }
 
-impl Rejection {
+impl RequestRejection {
     /// Code of the reason, for programs. The codes never change.
     #[must_use]
     pub fn code(&self) -> &'static str {
@@ -38,7 +38,7 @@ impl Rejection {
         }
     }
 
-    /// Rejection for a world that is unknown for this reason.
+    /// RequestRejection for a world that is unknown for this reason.
     #[must_use]
     pub fn of_world(why: &Reason) -> Self {
         let code = match why {
@@ -56,8 +56,8 @@ impl Rejection {
     }
 }
 
-pub fn bad_request(what: impl Into<String>) -> Rejection {
-    Rejection::BadRequest(what.into())
+pub fn bad_request(what: impl Into<String>) -> RequestRejection {
+    RequestRejection::BadRequest(what.into())
 }
 
 /// Truncates a text to at most [`LONGEST_MESSAGE`] bytes.

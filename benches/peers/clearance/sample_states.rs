@@ -1,4 +1,4 @@
-//! States of a robot: from a file, drawn at random, or walked.
+//! States of a robot: from a file, sampled at random, or from a random walk.
 
 use std::path::Path;
 

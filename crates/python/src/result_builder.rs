@@ -1,4 +1,4 @@
-//! Result classes: dataclasses of the Python module `clearance._results`.
+//! Builds instances of the Python result dataclasses (`clearance._results`) from named fields.
 
 use clearance::CollisionChecker;
 use clearance::geometry::math::Point;
@@ -16,7 +16,7 @@ macro_rules! result {
     ($py:expr, $class:literal, $($field:ident: $value:expr),* $(,)?) => {{
         let fields = pyo3::types::PyDict::new($py);
         $(fields.set_item(stringify!($field), $value)?;)*
-        crate::results::make($py, $class, &fields)
+        crate::result_builder::make($py, $class, &fields)
     }};
 }
 pub(crate) use result;

@@ -1,0 +1,107 @@
+//! Tests of scene messages: differences, robot states, whole scenes.
+
+use super::*;
+
+#[test]
+fn a_difference_changes_what_it_names() {
+    let mut cell = Cell::new();
+    cell.object(add("a", "", Pose::identity())).unwrap();
+    cell.object(add("b", "", Pose::identity())).unwrap();
+    // as MoveIt's tutorials attach: the same message removes the object from the world
+    let attach = hold("hand", ObjectChange::named("a", Operation::Add));
+    let warnings = cell.scene(difference(vec![remove("a")], vec![attach])).unwrap();
+    assert!(warnings[0].contains("'a' is attached"), "{warnings:?}");
+    assert_eq!((cell.names(), cell.held()), (vec!["b"], vec!["a"]));
+    // and as they detach: the object is detached and added again
+    let change = difference(vec![add("a", "", at(7.0, 0.0, 0.0))], vec![hold("hand", remove("a"))]);
+    cell.scene(change).unwrap();
+    assert_eq!((cell.places("a"), cell.held().len()), (vec![[7.0, 0.0, 0.0]], 0));
+
+    // valid parts of a message with an error are applied
+    let change = difference(
+        vec![add("c", "", Pose::identity()), remove("x")],
+        vec![hold("hand", add("d", "hand", Pose::identity()))],
+    );
+    assert_eq!(cell.scene(change).unwrap_err().object.as_deref(), Some("x"));
+    assert_eq!((cell.names(), cell.held()), (vec!["a", "b", "c"], vec!["d"]));
+}
+
+#[test]
+fn a_robot_state_that_is_no_difference_lets_go_of_everything_if_it_says_something() {
+    let attached = || vec![hold("hand", add("new", "hand", Pose::identity()))];
+    let state = |is_diff, names_joints, attached| RobotStateChange { is_diff, names_joints, attached };
+    for (change, held) in [
+        (state(false, false, vec![]), &["old"][..]),
+        (state(true, true, vec![]), &["old"]),
+        (state(false, true, vec![]), &[]),
+        (state(false, false, attached()), &["old", "new"]),
+        (state(false, true, attached()), &["new"]),
+    ] {
+        let mut cell = Cell::new();
+        cell.attach(hold("hand", add("old", "hand", Pose::identity()))).unwrap();
+        let change = SceneChange { robot_state: change, ..difference(vec![], vec![]) };
+        cell.scene(change).unwrap();
+        assert_eq!((cell.held(), cell.names().len()), (held.to_vec(), 0));
+    }
+    let mut cell = Cell::new();
+    let change = state(false, true, vec![hold("hand", remove("old"))]);
+    let change = SceneChange { robot_state: change, ..difference(vec![], vec![]) };
+    cell.assert_rejected(&SceneUpdate::Scene(Box::new(change)), Some("old"), "only ADD is possible");
+}
+
+#[test]
+fn a_whole_scene_takes_the_place_of_everything_but_what_sensors_see() {
+    let mut cell = Cell::new();
+    cell.object(add("a", "", Pose::identity())).unwrap();
+    cell.attach(hold("hand", add("held", "hand", Pose::identity()))).unwrap();
+    cell.scene.set_sensed("/cloud", Some(Obstacle::of_shape("/cloud", Pose::identity(), ball()))).unwrap();
+    let (pose_fo, shape) = (at(0.0, 0.0, 1.0), Some(ball()));
+    let octomap = OctomapPlacement { frame: "flange".to_owned(), pose_fo, shape, is_blank: false };
+    cell.apply(&SceneUpdate::Octomap(Some(octomap.clone()))).unwrap();
+    assert_eq!(cell.places(OCTOMAP), [[0.0, 2.0, 1.0]]);
+    let change = SceneChange {
+        link_padding: vec![("hand".to_owned(), 0.1)],
+        link_scale: vec![("hand".to_owned(), 1.1)],
+        matrix: entries(&["hand", "a"], true),
+        fixed_frames: vec![FixedFrame { name: "f".into(), parent: "base".into(), pose_pf: Pose::identity() }],
+        ..difference(vec![], vec![])
+    };
+    cell.scene(change).unwrap();
+    cell.object(remove("")).unwrap();
+    assert_eq!(cell.names(), ["/cloud", OCTOMAP]);
+
+    let world = WorldChange { objects: vec![add("b", "f", Pose::identity())], octomap: None };
+    cell.apply(&SceneUpdate::World(Box::new(WorldChange { octomap: Some(octomap), ..world }))).unwrap();
+    assert_eq!((cell.names(), cell.held()), (vec!["/cloud", OCTOMAP, "b"], vec!["held"]));
+    let warnings = cell.scene(SceneChange { robot_model_name: "other".to_owned(), ..SceneChange::default() });
+    assert!(warnings.unwrap()[0].contains("'other'"));
+    assert_eq!((cell.names(), cell.held().len()), (vec!["/cloud"], 0));
+    assert!(cell.scene.matrix.is_none() && cell.scene.fixed_frames.is_empty());
+    assert!(cell.scene.link_padding.is_empty() && cell.scene.link_scale.is_empty());
+    cell.scene.remove_sensed("/cloud");
+    assert!(cell.scene.world.is_empty());
+}
+
+#[test]
+fn the_octree_of_a_file_is_known_until_a_message_takes_its_place() {
+    let mut loader = SceneLoader::default();
+    let octree = Octomap::from_binary(0.1, &[0x80, 0]).unwrap();
+    loader.add_octomap(&octree, "a.bt", &Cell::new().robot).unwrap();
+    let map = OctomapPlacement::of(&octree, String::new(), Pose::identity(), false).unwrap();
+    let whole = SceneChange { keeps_octomap: true, ..SceneChange::default() };
+    for (update, is_known) in [
+        (SceneUpdate::Object(Box::new(add("a", "", Pose::identity()))), true),
+        (SceneUpdate::Object(Box::new(remove(""))), true),
+        (SceneUpdate::Scene(Box::new(whole)), true),
+        (SceneUpdate::Scene(Box::default()), false),
+        (SceneUpdate::World(Box::default()), false),
+        (SceneUpdate::Octomap(Some(map)), false),
+        (SceneUpdate::Octomap(None), false),
+    ] {
+        let mut cell = Cell { scene: loader.scene.clone(), ..Cell::new() };
+        let known = cell.scene.file_octree().unwrap().clone();
+        assert_eq!((known.resolution, known.data.as_slice()), (0.1, &[0x80, 0][..]));
+        cell.apply(&update).unwrap();
+        assert_eq!(cell.scene.file_octree(), Some(&known).filter(|_| is_known), "{update:?}");
+    }
+}
