@@ -1,5 +1,5 @@
-//! `cargo bench --bench along`: cost of `clearance_along` on free motions, also up to a limit of 5 cm, beside
-//! `check_motion` of the same motions and beside exact distances every 0.01 rad.
+//! `cargo bench --bench along`: cost of `clearance_along` (least distance along a motion), with and without a limit
+//! of 5 cm, compared with `check_motion` and with exact distances every 0.01 rad.
 //!
 //! Motions have the given length in joint space and start in free states. CPU time of the thread (µs): mean and median
 //! of all motions, each the fastest of some passes; then the multiples of the time of `check_motion`, the evaluations of

@@ -1,5 +1,5 @@
-//! `cargo bench --bench edges`: cost of `is_motion_free` on free and on colliding edges, beside `check_motion` in both
-//! orders.
+//! `cargo bench --bench edges`: cost of `is_motion_free` on free and on colliding edges, compared with `check_motion`
+//! in both orders.
 //!
 //! All three take the same edges in turn. Edges have the given length in joint space and start in free states; those
 //! that collide do so with a free end (`passing`) or with a colliding end (`colliding`). CPU time of the thread (µs):

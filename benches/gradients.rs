@@ -1,5 +1,5 @@
-//! `cargo bench --bench gradients`: derivatives of signed distances, on the bundled robots and, where the folder `../shared` exists,
-//! on real ones.
+//! `cargo bench --bench gradients`: cost and error of the derivatives of signed distances, on the bundled robots and,
+//! where the folder `../shared` exists, on real ones.
 //!
 //! Costs: pair distances, and the same with derivatives, in turn in one run, CPU time of the thread, least of the rounds. Errors:
 //! derivatives of smooth pairs against differences of distances; `-- --pairs N` sets their number for each robot.

@@ -1,5 +1,5 @@
-//! `cargo bench --bench recovery`: free states near colliding ones, on the bundled robots and, where the folder `../shared` exists, on real
-//! ones.
+//! `cargo bench --bench recovery`: search for a free state near a colliding one, compared with MoveIt's random
+//! jiggling, on the bundled robots and, where the folder `../shared` exists, on real ones.
 //!
 //! Random states that collide, with a free state within 0.3 (rad, m). `recovery` is `find_free_state` with default options and
 //! without clearance; `jiggles` is the method of MoveIt's request adapter: a hundred random states whose positions differ by up to 0.02. Of

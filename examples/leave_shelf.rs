@@ -1,5 +1,5 @@
-//! An arm reaches into a shelf and touches a board. It moves out by the derivatives of signed distances, then home, and a check of every
-//! step proves that nothing touches from the first free state on.
+//! An arm that touches a board in a shelf moves out of contact by the derivatives of signed distances, then home.
+//! A check of every step proves that nothing touches from the first free state on.
 
 use std::error::Error;
 use std::path::Path;

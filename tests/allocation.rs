@@ -1,4 +1,4 @@
-//! Warm queries allocate nothing. A process of its own, for the counter replaces the allocator.
+//! Tests that warm queries allocate no memory; a process of its own, since a counter replaces the allocator.
 
 use std::path::Path;
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! The examples run without an error, as `cargo run --example NAME` runs them.
+//! Tests that the Rust examples run without an error, as `cargo run --example NAME` runs them.
 
 #[path = "../examples/certify_motion.rs"]
 mod certify_motion;

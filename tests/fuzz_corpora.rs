@@ -1,4 +1,4 @@
-//! Replays the inputs of the fuzz targets (`fuzz/`): none panics, and each takes work in proportion to its size.
+//! Tests that replay the inputs of the fuzz targets (`fuzz/`): no panic, and work in proportion to their size.
 
 #![cfg(feature = "ros")]
 

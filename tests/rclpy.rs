@@ -1,4 +1,4 @@
-//! The node as ROS 2 users meet it: `tests/rclpy/` runs the binary beside real rclpy.
+//! Tests of the node with real rclpy: runs pytest in `tests/rclpy/` against the binary.
 
 #![cfg(feature = "ros")]
 

@@ -1,4 +1,4 @@
-//! The live view as its users meet it: `tests/view/` runs the binary beside a real headless browser.
+//! Tests of the live view in a headless browser: runs `tests/view/` against the binary.
 
 #![cfg(feature = "ros")]
 

@@ -1,4 +1,4 @@
-"""Measures the node and writes what was found; README.md says how. Called by run.sh."""
+"""Main program of the node benchmarks: runs each measurement and writes the results page. Called by run.sh."""
 
 import argparse
 import itertools

@@ -1,4 +1,4 @@
-"""Every peer restarted again and again: each time all has to be as before."""
+"""Benchmark of the node: time to recover after repeated restarts of each peer."""
 
 from peer import DEADLINE, Peer
 from restarts import Restarts

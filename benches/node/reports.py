@@ -1,4 +1,4 @@
-"""What the node tells of itself on `/diagnostics`, as numbers."""
+"""Reader of the node's periodic `/diagnostics` reports, as numbers."""
 
 import time
 from dataclasses import dataclass

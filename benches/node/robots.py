@@ -1,4 +1,4 @@
-"""The robots that are measured: those of this repository, and of the shared folder beside it."""
+"""Robots of the node benchmarks, from this repository and the shared folder: files, root link and joint ranges."""
 
 import json
 from dataclasses import dataclass

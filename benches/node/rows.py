@@ -1,4 +1,4 @@
-"""What was measured: a line of the table each."""
+"""Data type of one measurement of the node benchmarks, and the Markdown page with the table of all."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""From the start of the process to the first answer that reaches a subscriber, beside a driver that is there already."""
+"""Benchmark of the node: time from process start to the first FREE or COLLIDING state that a subscriber receives."""
 
 import time
 

@@ -1,4 +1,6 @@
-"""Clients of `~/check_trajectory`, each with one request on its way: python trajectory_clients.py SERVICE COUNT JOINTS.
+"""Load generator: clients that call `~/check_trajectory` without pause.
+
+Usage: python trajectory_clients.py SERVICE COUNT JOINTS.
 
 Says `ready` when the service is met, and when asked to end how many answers of which verdict came.
 """

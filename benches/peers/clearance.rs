@@ -1,4 +1,4 @@
-//! The contestant that drives this library, as a planner's author would: its public interface and nothing else.
+//! The benchmark contestant that measures this library, through its public interface only: command loop over stdin.
 //!
 //! `python3 benches/peers/run.py` starts it and speaks to it over lines of tab-separated words; `README.md` beside it
 //! has the words. It also prepares what all contestants are asked about: it reads robots and meshes, draws states and

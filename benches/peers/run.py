@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures this library against Coal, Pinocchio and FCL, and writes docs/benchmarks.md; README.md says how."""
+"""Main program: benchmarks this library against Coal, Pinocchio, FCL and Tesseract; writes docs/benchmarks.md."""
 
 from __future__ import annotations
 

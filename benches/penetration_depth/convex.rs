@@ -1,4 +1,4 @@
-//! Depths of convex pairs against exact ones.
+//! Errors of penetration depths of convex pairs, measured against exact depths.
 //!
 //! The Minkowski difference of two polyhedra has faces across the normals of either and across the cross products of their edges: the
 //! depth is the least overlap along these directions. Balls and capsules have closed formulas.

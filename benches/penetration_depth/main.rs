@@ -1,7 +1,7 @@
-//! Penetration depths and contacts: accuracy, bounds, times and laws, as one table.
+//! Benchmark of penetration depths and contacts: accuracy, bounds, times and checked properties, as one table.
 //!
 //! `cargo bench --bench penetration_depth`, pinned to one core by `taskset -c 1`; with `-- --short` a hundredth of the poses. Ends with 1
-//! if a law does not hold.
+//! if a property does not hold.
 
 #[path = "../../tests/it/random.rs"]
 #[allow(dead_code)] // the tests use the rest

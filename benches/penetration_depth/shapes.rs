@@ -1,4 +1,4 @@
-//! Closed meshes with dents.
+//! Closed non-convex meshes for the penetration depth bench: torus, knot and bumpy sphere.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;

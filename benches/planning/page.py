@@ -1,4 +1,4 @@
-"""The page of results."""
+"""Writes the results page of the planning benchmark: tables of times, ratios and requirements."""
 
 import datetime
 import importlib.metadata

@@ -1,4 +1,4 @@
-"""A planning problem as a text file for the C++ programs: see problem.hpp."""
+"""Writes a planning problem as a text file for the C++ programs: see problem.hpp."""
 
 import numpy as np
 import pinocchio as pin

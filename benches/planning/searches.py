@@ -1,4 +1,7 @@
-"""RRT-Connect of clearance, proven, and of VAMP, sampled spheres, on the same problems: searches.py SHARED PROBLEMS SEEDS. Prints JSON."""
+"""Times of RRT-Connect by clearance (proven edges) and VAMP (sampled edges), on the same problems. Prints JSON.
+
+Usage: searches.py SHARED PROBLEMS SEEDS.
+"""
 
 import json
 import sys

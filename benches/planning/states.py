@@ -1,4 +1,4 @@
-"""Time of states with one contestant: states.py SHARED CONTESTANT COUNT PASSES. Prints JSON, scene by scene."""
+"""Time of state checks with one contestant: states.py SHARED CONTESTANT COUNT PASSES. Prints JSON, scene by scene."""
 
 import json
 import sys

@@ -1,4 +1,4 @@
-//! CPU time of the states of a file in Rust, for `benches/planning/run.py`: `states URDF SRDF PACKAGES WORLD STATES`.
+//! CPU time of state checks in Rust, for `benches/planning/run.py`: `states URDF SRDF PACKAGES WORLD STATES`.
 //!
 //! `STATES` has positions of all joints of the robot, native `f64`, row by row. Output: the number of free states, then
 //! CPU time (s) of the process for a batch on one thread, on all threads, for one call a state, and for a batch on one

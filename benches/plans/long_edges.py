@@ -1,4 +1,4 @@
-"""VAMP's `validate_motion` of its Python package on long edges: it checks 8 states of an edge of up to 8 rad."""
+"""Counts colliding edges of up to 8 rad that VAMP's `validate_motion` accepts: it checks 8 states of an edge."""
 
 import collections
 

@@ -1,4 +1,4 @@
-"""Counts of paths: found, colliding, confirmed."""
+"""Plans with each planner, and counts the paths that are found, colliding, and confirmed as colliding by Coal."""
 
 import collections
 import sys

@@ -1,4 +1,4 @@
-"""Planners, as their users call them: each returns states (k, n), or None if it found no path in time."""
+"""Wrappers of the planners of OMPL and RoboPlan: each returns states (k, n), or None if it found no path in time."""
 
 import itertools
 

@@ -1,4 +1,4 @@
-"""VAMP's planner, as its users call it from Python, and what its model of the robot is."""
+"""Wrapper of VAMP's planner, and conversion of a problem to VAMP's Panda model and obstacles."""
 
 import numpy as np
 import vamp

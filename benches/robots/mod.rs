@@ -1,4 +1,4 @@
-//! Robots of benches, and robots among obstacles.
+//! Bench helper: loads robots, and builds checkers with random obstacles and random states.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -1,5 +1,5 @@
-//! `cargo bench --bench solid_meshes`: `--mesh solid` beside `--mesh surface` for states, streams and motions where nothing is inside
-//! anything.
+//! `cargo bench --bench solid_meshes`: times of `--mesh solid` compared with `--mesh surface` for states, streams of
+//! states and motions where no body is inside another.
 //!
 //! Both answer the same states in turn. CPU time of the thread (µs), best of the rounds; pin it to one core with `taskset -c 1`. Robots of
 //! `../shared/robots` are measured where that folder exists.

@@ -1,4 +1,4 @@
-//! Surroundings of closed meshes, near a robot and around it, whose insides do not contain it.
+//! Bench worlds: obstacles that are closed meshes (trench and rings) around a robot that is outside of them.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! Names the shared library for the dynamic linker.
+//! Build script: sets the soname of the shared library.
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");

@@ -1,4 +1,4 @@
-//! Fuzz target: OBJ meshes whose defects and distances are searched.
+//! Fuzz target: lint of OBJ meshes, defects and distances to the visual geometry.
 
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! Fuzz target: octrees.
+//! Fuzz target: OctoMap octree files.
 
 #![no_main]
 

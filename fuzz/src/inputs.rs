@@ -1,4 +1,4 @@
-//! One function per untrusted input: each takes any bytes, reads them through the library and uses the result.
+//! Functions of the fuzz targets, one for each input format: each reads arbitrary bytes and uses the result.
 //!
 //! The functions must not panic, and their work and memory must stay proportional to the input. They read no file and use
 //! no network. `recording` writes one file to the folder for temporary files, because recordings are read from a path.

@@ -1,3 +1,4 @@
-//! The inputs of the fuzz targets. See `README.md`.
+//! Library of the fuzz targets: one function for each input format.
+//! See `README.md`.
 
 pub mod inputs;

@@ -1,4 +1,4 @@
-//! Output of `clearance acm`.
+//! Output of `clearance acm` as text and JSON: decided pairs, and the audit of an SRDF.
 
 use clearance::collision_matrix::{
     AuditFinding, AuditedPair, DecidedPair, Decision, MatrixDocument, SrdfEntry,

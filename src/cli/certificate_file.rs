@@ -1,4 +1,4 @@
-//! The file that a certificate is written to.
+//! Writes a certificate to a file; replaces only an older certificate.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! Summary of a certificate: its motion, tube, settings, moving obstacles and hashes, as text or JSON.
+//! Summary of a certificate as text or JSON: its motion, tube, settings, moving obstacles and hashes.
 
 use clearance::motion::mesh_model_name;
 use clearance::motion::{Certificate, MovingObstacle, SegmentText, SpeedLimit, UncertaintyText};

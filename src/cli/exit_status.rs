@@ -1,4 +1,4 @@
-//! Exit code of a command, as a number: not only a process ends with it, but also the Python package returns it.
+//! Exit code of a command, as a number, for the process and for the Python package.
 
 use std::process::ExitCode;
 

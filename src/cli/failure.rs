@@ -1,4 +1,4 @@
-//! Reasons for which a command ended without a result.
+//! Errors that end a command without a result, and their exit codes.
 
 use std::borrow::Cow;
 

@@ -1,4 +1,4 @@
-//! Commands of the `clearance` program.
+//! Commands of the `clearance` program: argument parser, dispatch and exit codes.
 //!
 //! Exit codes: 0: everything in the query is free; 1: completed, and something is not free; 2: bad input; 3: internal error.
 //! The node also has 4: ended by a signal, before its orderly end was complete; and 5: more memory than `memory_limit`.

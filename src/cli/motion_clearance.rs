@@ -1,4 +1,4 @@
-//! Output of the least distances along a motion.
+//! Least distances along a motion, as `clearance motion` prints them in text and JSON.
 
 use clearance::checker::{
     CollisionChecker, LeastClearance, MotionClearance, MotionClearanceOptions, NearestMoment, UndecidedReason,

@@ -1,4 +1,4 @@
-//! Files that a command writes.
+//! Checks that the output files of a command can be written, differ, and are none of its input files.
 
 use std::path::{Path, PathBuf};
 

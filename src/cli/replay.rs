@@ -1,4 +1,4 @@
-//! `clearance replay`: runs a recording of the node again, without a network.
+//! `clearance replay`: runs a recording of the node again, without a network, and compares the results.
 
 use std::path::{Path, PathBuf};
 

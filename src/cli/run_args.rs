@@ -1,4 +1,4 @@
-//! Arguments that `check` and `motion` share: selection of pairs, number of threads, output format.
+//! Arguments that commands share: selection of pairs, threads and output format; helpers for values and output.
 
 use clap::Args;
 use clearance::checker::CollisionChecker;

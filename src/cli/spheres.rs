@@ -1,4 +1,4 @@
-//! `clearance spheres`: covers the links of a robot with spheres, capsules or boxes, simplifies its meshes, or measures a model of spheres.
+//! `clearance spheres`: covers links with spheres, capsules or boxes, simplifies meshes, or measures a sphere model.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;

@@ -1,4 +1,4 @@
-//! States on the command line.
+//! Command line arguments for states: `--states FILE` or `--state "J=X ..."`.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,4 @@
-//! Reads files of states: CSV, JSON, or the YAML of ROS messages.
+//! Parses the text of state files: CSV, JSON, or the YAML of ROS messages.
 
 use std::path::Path;
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! Reads states to check from a file or from the command line.
+//! Reads states, joint tolerances and edges from files or from the command line.
 
 use std::path::Path;
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! Last lines of the text that `clearance check` and `clearance motion` print.
+//! Summary lines (counts, times) at the end of the text that `clearance check` and `clearance motion` print.
 
 use super::timing::Timing;
 

@@ -1,4 +1,4 @@
-//! Measures passes over the same inputs.
+//! Measures the CPU time of repeated passes over the same inputs.
 
 use cpu_time::ThreadTime;
 use serde::Serialize;

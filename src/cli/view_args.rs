@@ -1,4 +1,4 @@
-//! `--view`: robot and world in a web browser.
+//! The option `--view`, which shows robot and world in a web browser.
 
 use clap::Args;
 use clearance_ros::{View, ViewAddress};

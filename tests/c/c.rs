@@ -1,4 +1,4 @@
-//! The C and C++ interface as its users meet it: installed by CMake, used by programs of gcc, g++ and clang.
+//! Tests of the C and C++ interface: CMake installs it, gcc, g++ and clang compile programs that use it.
 
 mod header;
 mod installation;

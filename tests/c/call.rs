@@ -1,4 +1,4 @@
-//! Time of `is_free` through the C interface beside that of the Rust library, on one core: cargo bench -p clearance-c-tests
+//! Benchmark: time of `is_free` through the C interface and through the Rust library, on one core.
 
 use std::ffi::c_char;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! The header fits the code.
+//! Tests that the C header is the one generated from the code, and declares all functions.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! The library as CMake installs it, in a folder that is moved afterwards.
+//! Test helper: installs the C library with CMake, moves its folder, and compiles and runs programs against it.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -108,6 +108,24 @@ void check_names() {
   CHECK_TEXT(error_of([&] { clearance::OmplJoints(misnamed, checker); }).c_str(), "one value of its own");
 }
 
+// OMPL would interpolate the components of a quaternion, which is another motion than the proven one.
+void check_floating_joint() {
+  const auto robot = clearance::Robot::from_urdf(
+      "<robot name='r'><link name='world'/><link name='body'><collision><geometry><sphere radius='0.1'/></geometry></collision></link>"
+      "<joint name='free' type='floating'><parent link='world'/><child link='body'/></joint></robot>");
+  const clearance::Checker checker(robot, clearance::World());
+  const auto unnamed = std::make_shared<ob::RealVectorStateSpace>(7);
+  unnamed->setBounds(-1.0, 1.0);
+  const std::string errors[] = {
+      error_of([&] { clearance::OmplJoints(unnamed, checker); }),
+      error_of([&] { clearance::OmplJoints(unnamed, checker, clearance::OmplSpaces::straight); }),
+      error_of([&] { clearance::ompl_state_space(checker); }),
+  };
+  for (const std::string &error : errors) {
+    CHECK_TEXT(error.c_str(), "the floating joint 'free' cannot be planned with OMPL");
+  }
+}
+
 // A part without joints would be ignored; half a turn is written within the bounds.
 void check_parts() {
   const auto checker = turner(0.0);
@@ -376,6 +394,7 @@ int main() {
   ompl::RNG::setSeed(1);
   try {
     check_names();
+  check_floating_joint();
     check_bent_space();
     check_parts();
     check_short_way();

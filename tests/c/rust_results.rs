@@ -1,4 +1,4 @@
-//! Results of the Rust library, for comparison.
+//! Test helper: results of the Rust library as text, for comparison with those of a C++ program.
 
 use std::fmt::Write;
 use std::path::Path;

@@ -1,4 +1,5 @@
-//! Inputs on which floating point goes wrong first. What is true is known by construction.
+//! Tests of queries on inputs that are hard for floating point: slivers, coplanar triangles, nearly touching solids.
+//! The true results are known by construction.
 
 use clearance::geometry::math::{Point, Pose, Vector};
 use clearance::geometry::{Primitive, Shape, Triangle, nearest_on_segments};

@@ -1,4 +1,4 @@
-//! Bodies against bodies: the hierarchies against brute force over all elements, and the laws of the questions.
+//! Tests of queries on two bodies: hierarchies against brute force, bounds of bounding volumes, laws of distances.
 
 use clearance::geometry::math::{Point, Pose, Vector};
 use clearance::geometry::simd::{Level, baseline};

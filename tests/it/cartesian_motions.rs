@@ -1,5 +1,4 @@
-//! Lines and arcs of a link frame (`MoveL`, `MoveC`), given as joint samples: the motion between the samples, by damped inverse
-//! kinematics, stays within the deviation that is computed from them, and the proof with this deviation is valid.
+//! Tests of Cartesian lines and arcs (`MoveL`, `MoveC`) as joint samples: deviation between samples, and its proof.
 
 use std::path::Path;
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! Numeric cases from other projects' test-suites: shape against shape and mesh against mesh.
+//! Tests with numeric cases from other projects' test suites: distances of shape pairs and mesh pairs.
 
 use clearance::geometry::math::{Point, Pose, Vector, pose_from_xyz_quaternion};
 use clearance::geometry::{Primitive, Shape, TriangleMesh};

@@ -1,4 +1,4 @@
-//! The checker's laws on a robot whose answers are worked out by hand, and on the demo arm.
+//! Tests of the collision checker: hand-computed results, padding, agreement of queries, reasons of skipped pairs.
 
 use clearance::checker::{CollisionChecker, Question};
 use clearance::geometry::math::Pose;

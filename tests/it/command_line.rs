@@ -1,4 +1,4 @@
-//! Tests of the program: exit codes, JSON output, errors. Functions for other tests of the program.
+//! Tests of the program: exit codes, JSON output, errors; test helpers for other tests of the program.
 
 use std::process::Output;
 

@@ -1,4 +1,4 @@
-//! Messages of the program about what it was given: one line each, that says what to do.
+//! Tests of the program's messages about wrong input: one line each, with a hint.
 
 use std::process::Output;
 

@@ -1,4 +1,4 @@
-//! Options of the program: joints that are not named, options without effect, limits, misspelt options.
+//! Tests of options of the program: unnamed joints, options without effect, limits, misspelt options.
 
 use std::process::Output;
 

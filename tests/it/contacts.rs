@@ -1,4 +1,4 @@
-//! Contacts through the program and on real robots.
+//! Tests of contacts: `clearance check --contacts`, and contacts of robots with themselves and with meshes.
 
 use std::path::Path;
 use std::process::Output;

@@ -1,4 +1,4 @@
-//! Which way round continuous joints go in `clearance motion`.
+//! Tests of the direction in which `clearance motion` turns continuous joints.
 
 use std::f64::consts::TAU;
 

@@ -1,4 +1,4 @@
-//! Convex bodies of the engine against two oracles that share no code with it: separating planes and feature walks.
+//! Tests of distances and depths of convex bodies against two independent oracles: separating planes and V-Clip.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! `<disable_default_collisions>` of an SRDF: a default entry of the allowed collision matrix, as in `MoveIt`.
+//! Tests of `<disable_default_collisions>` of an SRDF: a default entry of the collision matrix, as in `MoveIt`.
 
 use clearance::checker::{CollisionChecker, MotionOptions};
 use clearance::geometry::math::Pose;

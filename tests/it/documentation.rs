@@ -1,6 +1,4 @@
-//! Tests of the pages: links, anchors and file names are valid, the book lists every page, every page names its
-//! readers, lines are short, the table of parameters has the defaults of `config/clearance.yaml`, and the table of options
-//! names the commands that have them.
+//! Tests of the documentation pages: links, file names, readers, line lengths, tables of parameters and options.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Component, Path, PathBuf};

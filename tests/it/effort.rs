@@ -1,4 +1,4 @@
-//! Tolerances and deadlines: results have fewer exact distances, but their bounds and contacts stay correct.
+//! Tests of tolerances and deadlines of checks: fewer exact distances, but correct bounds and contacts.
 
 use clearance::checker::{
     CollisionChecker, CollisionReport, PairDistance, PairKind, Question, UndecidedPair, Workspace,

@@ -1,4 +1,4 @@
-//! Planes that a link holds and planes that move: against what is known in closed form, the extent of shapes along the plane's normal.
+//! Tests of planes that a link holds and of planes that move, against distances in closed form.
 
 use clearance::checker::{CollisionChecker, MotionOptions, MotionVerdict, Question, UndecidedReason};
 use clearance::geometry::math::{Point, Pose, UnitVector, Vector};

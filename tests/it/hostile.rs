@@ -1,4 +1,4 @@
-//! Broken and odd inputs: each gets the answer that `hostile.json` asks for, within its limits, and never a panic.
+//! Tests of broken and odd robot files: each gets the result that `hostile.json` requires, within its limits.
 //!
 //! Every case runs in a process of its own (this test binary again, with [`child`] as its only test), so that its time
 //! and its peak memory can be told and a crash is an outcome like any other.

@@ -1,4 +1,4 @@
-//! Broken and odd inputs to a running checker: states and obstacles.
+//! Tests of broken and odd requests: joint positions and obstacles.
 
 use clearance::robot::{MeshFiles, RobotModel};
 use clearance::scene::SceneLoader;

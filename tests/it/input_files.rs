@@ -1,4 +1,4 @@
-//! Files that never end, block, lie about their size or name things without end: one clear line each, for every option that takes a file.
+//! Tests of endless, blocking or oversized input files, nested YAML and long names: one error line each.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};

@@ -1,5 +1,4 @@
-//! Worlds of many objects and of many points: results are compared with separate queries for every pair, and with
-//! closed formulas.
+//! Tests of worlds with many objects or points, against separate queries for every pair and closed formulas.
 
 use clearance::checker::{CollisionChecker, Question, Workspace};
 use clearance::geometry::math::{Point, Pose, Vector};

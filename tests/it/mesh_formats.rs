@@ -1,4 +1,4 @@
-//! Every mesh format, where a user gives one: the link of a URDF and the object of a world file.
+//! Tests of every mesh format, in a link of a URDF and in an object of a world file.
 
 use std::path::Path;
 use std::process::Command;

@@ -1,4 +1,4 @@
-//! Values given for mimic joints, from outside: they move the joints that they mimic, or have to agree with them.
+//! Tests of the program with values of mimic joints: they move the joints that they mimic, or must agree with them.
 
 use std::process::Output;
 

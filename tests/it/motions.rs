@@ -1,4 +1,4 @@
-//! Certified motion against answers that nobody here wrote.
+//! Tests of certified motion checks against results of other software, on edges, scenes and shape casts.
 
 use clearance::checker::{CollisionChecker, MotionOptions, MotionOrder, MotionReport, MotionVerdict};
 use clearance::geometry::math::{Point, Pose};

@@ -1,4 +1,4 @@
-//! Obstacles that move, through the program: contacts against dense samples, proofs against the verifier.
+//! Tests of `clearance motion` with moving obstacles: contacts against dense samples, proofs against the verifier.
 
 use std::process::Output;
 

@@ -1,4 +1,4 @@
-//! A world of the shapes that robots are hardly ever made of.
+//! Test helper: a random world of a plane, a cone, a point cloud and voxels.
 
 use clearance::geometry::math::{Pose, Vector};
 use clearance::geometry::{Primitive, Shape};

@@ -1,4 +1,4 @@
-//! Rejected output files, certificates of another kind, and input files that would be read wrongly.
+//! Tests of rejected output files, certificates of another kind, and input files that would be read wrongly.
 
 use clearance::collision_matrix::{Decision, MatrixDocument};
 use clearance::robot::{MeshFiles, RobotModel};

@@ -1,4 +1,4 @@
-//! Passive joints of the SRDF: no path and no way out of a collision moves them.
+//! Tests of passive joints of the SRDF: neither the planner nor the recovery from a collision moves them.
 
 use std::process::Output;
 

@@ -1,4 +1,4 @@
-//! Penetration depths of small meshes against slow computations that share no code with them.
+//! Tests of penetration depths of small meshes against slow independent computations.
 
 use std::sync::Arc;
 

@@ -1,5 +1,4 @@
-//! Paths of the planner: each edge is proven, dense samples are free, the verifier accepts the certificates, and all problems of the shared
-//! scenes are solved.
+//! Tests of the planner: its paths are proven and free in dense samples, its certificates verify.
 
 use std::path::Path as FilePath;
 use std::sync::Arc;

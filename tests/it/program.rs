@@ -1,4 +1,4 @@
-//! The program under test, as a process.
+//! Test helper: runs the program `clearance` as a process, in a temporary folder.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -1,4 +1,4 @@
-//! Deterministic random shapes and poses.
+//! Test helper: deterministic random numbers, shapes and poses.
 
 use clearance::geometry::math::{Point, Pose, Rotation, UnitVector, Vector};
 use clearance::geometry::{Cube, Plane, PointCloud, Primitive, Shape, Triangle, TriangleMesh, Voxels};

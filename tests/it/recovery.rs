@@ -1,4 +1,4 @@
-//! Ways out of collisions: free states near colliding ones, and joint velocities that reduce the penetration.
+//! Tests of recovery from collisions: nearby free states, and joint velocities that reduce the penetration.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};

@@ -1,4 +1,4 @@
-//! Regression tests: replays the recordings in `tests/replays/`, and expects the recorded results.
+//! Regression tests that replay the recordings in `tests/replays/`, and expect the recorded results.
 //!
 //! `clearance replay FILE --save-test tests/replays/NAME` adds one.
 

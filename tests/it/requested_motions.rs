@@ -1,5 +1,4 @@
-//! The motion that is checked is the motion that was requested: random robots with mimic, continuous and prismatic joints, from the
-//! library and from the command line, against kinematics of this file.
+//! Tests that the checked motion is the requested one: random robots with mimic, continuous and prismatic joints.
 //!
 //! `CLEARANCE_RANDOM_ROBOTS` sets the number of robots of the test of the library; the command line gets a hundredth of them.
 

@@ -1,4 +1,4 @@
-//! The shared robots: what they are made of, and where their links are.
+//! Tests of loading the shared robots: joints, links, meshes and link poses against published values.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;

@@ -1,4 +1,4 @@
-//! `clearance check`: distances of the robot from itself and from the world.
+//! Test of `clearance check`: distances of the robot from itself and from the world.
 
 use crate::command_line::{TWO_LINK, check, json};
 

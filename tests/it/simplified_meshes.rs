@@ -1,4 +1,4 @@
-//! The command `clearance spheres --shape mesh`: files that are read back, report, rejected input.
+//! Tests of `clearance spheres --shape mesh`: written meshes, report, deadline and rejected input.
 
 use std::f64::consts::{PI, TAU};
 

@@ -1,4 +1,4 @@
-//! Whole reports and work counters of the bundled robots: a slow-down or a change of answer shows in a diff.
+//! Snapshot tests of the reports and work counters of robots: a slow-down or another result shows in a diff.
 
 use clearance::checker::{CollisionChecker, Question};
 use clearance::robot::{MeshFiles, RobotModel};

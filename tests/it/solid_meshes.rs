@@ -1,4 +1,4 @@
-//! `--mesh solid` from outside: meshes whose faces are wound in both ways or against each other hold what is inside, and are named.
+//! Tests of `--mesh solid`: meshes with inconsistent winding contain what is inside; open ones are named.
 
 use std::fmt::Write;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! The command `clearance spheres`: covers, files for other programs, measurement.
+//! Tests of the command `clearance spheres`: covers, files for other programs, measurement.
 
 use std::collections::BTreeMap;
 

@@ -1,5 +1,4 @@
-//! Transforms of planar joints in files of states and in `trajectory_start`: they are read, or rejected by name, and nothing is called free
-//! without them.
+//! Tests of transforms of planar joints in state files and in `trajectory_start`: read, or rejected by name.
 
 use std::process::Output;
 

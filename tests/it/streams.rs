@@ -1,4 +1,4 @@
-//! Streams, batches, threads and instruction sets: however a state is asked about, the report is the same.
+//! Tests that streams, batches, threads and instruction sets give the reports of single states.
 
 use clearance::checker::{CollisionChecker, CollisionReport, Question, Workspace};
 use clearance::proximity::Work;

@@ -1,4 +1,4 @@
-//! Counts what agrees with the truth and names what does not.
+//! Test helper: counts the cases that agree with expected results, lists the others; finds the shared test data.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! Text inputs through the program: what is misspelt, cut, given beside each other, or would be obeyed by a terminal.
+//! Tests of text inputs of the program: misspelt names, trajectory starts, other documents, control characters.
 
 use std::process::Output;
 

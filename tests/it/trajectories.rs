@@ -1,4 +1,4 @@
-//! What is asked about motions beyond straight edges, on robots whose answers can be worked out with pencil and paper.
+//! Tests of motion and trajectory checks with hand-computed results: contacts, tubes, look-ahead, swept volumes.
 
 use clearance::checker::{
     CollisionChecker, LookAheadState, MotionOptions, MotionOrder, MotionReport, MotionVerdict, PairKind,

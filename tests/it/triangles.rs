@@ -1,4 +1,4 @@
-//! Triangle against triangle: nearest points and contact, checked by methods that share no code with them.
+//! Tests of nearest points and contact of two triangles, against independent methods.
 
 use clearance::geometry::Triangle;
 use clearance::geometry::math::{Point, Vector};

@@ -1,4 +1,4 @@
-//! Whole robots against answers that nobody here wrote.
+//! Tests of whole robots against results of other software: collisions, distances, walks, worlds and point clouds.
 
 use clearance::checker::{CollisionChecker, Question};
 use clearance::geometry::math::{Pose, Vector};

@@ -1,4 +1,4 @@
-//! Scenes and paths of other projects: samples of their paths, and scene files as MoveIt writes them, against independent results.
+//! Tests with scenes and paths of other projects, against independent results: path samples and MoveIt scene files.
 
 use clearance::checker::{CollisionChecker, Question};
 use clearance::geometry::math::Pose;

@@ -1,4 +1,4 @@
-//! Selected bounding volumes: reports of robots are the same for every kind, of single states and of streams.
+//! Tests that the selected kind of bounding volume does not change reports, of single states and of streams.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! Octrees and clouds that the programs wrote which define their formats (`tests/worlds/make.py`).
+//! Tests of reading octrees and clouds that the programs which define their formats wrote (`tests/worlds/make.py`).
 
 use std::path::PathBuf;
 

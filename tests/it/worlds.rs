@@ -1,4 +1,4 @@
-//! Worlds that change, and that a robot carries a part of: against worlds built anew, and against robots that have the part as a link.
+//! Tests of changing worlds and attached objects, against rebuilt worlds and against robots with the object as a link.
 
 use clearance::checker::{
     CollisionChecker, CollisionReport, MotionOptions, MotionOrder, MotionVerdict, Question, Workspace,

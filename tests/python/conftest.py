@@ -1,4 +1,4 @@
-"""Robot, world and checkers that the tests share."""
+"""Test fixtures: robot, world and checkers that the tests share."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-//! The Python package as its users meet it: `tests/python/run.sh` installs it in a fresh virtual environment and runs pytest.
+//! Tests of the Python package: `tests/python/run.sh` installs it in a fresh virtual environment and runs pytest.
 
 use std::io::Write;
 use std::path::Path;

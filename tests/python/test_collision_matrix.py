@@ -1,4 +1,4 @@
-"""Collision matrices: decisions, SRDF text, certificates, errors."""
+"""Tests of collision matrices: decisions, SRDF text, certificates, errors."""
 
 import json
 import subprocess

@@ -1,4 +1,4 @@
-"""The command `clearance` of the package: results, exit codes and signals of the binary."""
+"""Tests of the command `clearance` of the package: output, exit codes and signals, as of the binary."""
 
 import os
 import signal

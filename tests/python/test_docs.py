@@ -1,4 +1,4 @@
-"""The scripts of pages that use the Python package print what the pages show."""
+"""Tests that the scripts of pages that use the Python package print what the pages show."""
 
 import re
 import subprocess

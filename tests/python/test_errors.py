@@ -1,4 +1,4 @@
-"""Wrong arguments: the class of the exception, and words of its text."""
+"""Tests of wrong arguments: the class of the exception, and words of its text."""
 
 import importlib
 import sys

@@ -1,4 +1,4 @@
-"""Simplified collision meshes: arrays, errors against samples of both surfaces, files, time limits, errors."""
+"""Tests of simplified collision meshes: arrays, errors against samples, files, time limits, rejected arguments."""
 
 import struct
 

@@ -1,4 +1,4 @@
-"""Motions against sampled states; certificates."""
+"""Tests of motion checks: edges and trajectories against sampled states, least distances, certificates."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""Planners of OMPL: motions are those that OMPL interpolates, and every path is free by other means, too."""
+"""Tests of the planners of OMPL: motions as OMPL interpolates them, and paths that are proven free."""
 
 import gc
 import json
@@ -106,7 +106,7 @@ def test_spaces_have_names_and_limits(arm, spinner):
 @pytest.mark.parametrize(
     "urdf, bounds, words",
     [
-        (ALL_KINDS, None, "the floating joint 'f' can not be planned with OMPL"),
+        (ALL_KINDS, None, "the floating joint 'f' cannot be planned with OMPL"),
         (CART, None, "joint position 'p/x' has limits -inf to inf: give finite ones, as bounds="),
         (SPINNER, {"turn": (0, 1)}, "bounds: the checker has no joint position 'turn'; it has spin, lift"),
         (SPINNER, {"lift": (0, math.inf)}, "'lift' has limits 0 to inf"),

@@ -1,4 +1,4 @@
-"""Paths: proven edges from start to goal, within limits; the same seed gives the same path; failures have names."""
+"""Tests of the planner: proven paths within limits, the same path for the same seed, named failures."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Pickles, processes, threads and signals."""
+"""Tests of pickles, processes, threads and signals."""
 
 import copy
 import multiprocessing

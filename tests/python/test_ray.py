@@ -1,4 +1,4 @@
-"""The example that builds a roadmap on a Ray cluster, one of whose workers is lost on the way."""
+"""Test of the example that builds a roadmap on a Ray cluster, of which one worker is lost."""
 
 import importlib.util
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Robots: names, limits, kinematics."""
+"""Tests of robots: names, limits, forward kinematics, random states, xacro."""
 
 import sys
 import xml.etree.ElementTree as ET

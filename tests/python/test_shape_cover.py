@@ -1,4 +1,4 @@
-"""Covers by capsules and boxes: arrays, proofs against samples of the surface, texts, time limits, errors."""
+"""Tests of covers by capsules and boxes: arrays, proofs against samples of the surface, time limits, errors."""
 
 import numpy as np
 import pytest

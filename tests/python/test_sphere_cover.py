@@ -1,4 +1,4 @@
-"""Sphere covers: arrays, proofs against samples, texts, time limits, errors."""
+"""Tests of sphere covers: arrays, proofs against samples, texts, time limits, errors."""
 
 import re
 

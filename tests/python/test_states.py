@@ -1,4 +1,4 @@
-"""Queries on states: batches against single states, derivatives against differences."""
+"""Tests of queries on states: batches against single states, derivatives against differences, contacts, pairs."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The stub has every name of the native part, with its arguments and defaults."""
+"""Tests that the type stub has every name of the native module, with its arguments and defaults."""
 
 import ast
 import inspect

@@ -1,4 +1,4 @@
-"""The view in a web browser, as far as HTTP requests see it."""
+"""Tests of the view in a web browser by HTTP requests: page, sliders, states and rejected requests."""
 
 import json
 import math

@@ -1,4 +1,4 @@
-"""Bounding volumes: results do not depend on the selected kind."""
+"""Tests of bounding volumes: results do not depend on the selected kind."""
 
 import pickle
 

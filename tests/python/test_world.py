@@ -1,4 +1,4 @@
-"""Worlds: shapes, poses, files."""
+"""Tests of worlds: shapes, poses, files, attached objects."""
 
 import pickle
 

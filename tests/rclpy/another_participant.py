@@ -1,4 +1,4 @@
-"""A publisher of a robot description, or a client, in a process of its own: it can come and go while other participants spin.
+"""Test helper: a publisher of a robot description, or a client, in a process of its own.
 
 python another_participant.py describe TOPIC: publishes the description on standard input, latched, until it is killed.
 python another_participant.py check_motion PREFIX: calls this service once, and prints the verdict and the time [s] from its start.

@@ -1,4 +1,4 @@
-"""A robot cell: a node, the driver of a two-link robot beside it, and the record of what the node says."""
+"""Test helper: a node, the driver of its two-link robot, and recorders of the states that the node publishes."""
 
 import itertools
 from functools import cached_property

@@ -1,4 +1,4 @@
-"""Point clouds as drivers of sensors lay them out."""
+"""Test helper: `PointCloud2` messages in the memory layouts of sensor drivers."""
 
 from dataclasses import dataclass
 from math import nan

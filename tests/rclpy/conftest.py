@@ -1,4 +1,4 @@
-"""A ROS domain of its own for every test, and what the nodes printed beside every failure."""
+"""Test fixtures: a ROS domain, a peer and nodes for every test; the output of nodes in reports of failures."""
 
 import itertools
 import os

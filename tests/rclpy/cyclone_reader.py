@@ -1,4 +1,4 @@
-"""Another middleware: prints what a `std_msgs/Bool` topic says, with Cyclone DDS alone. cyclone_reader.py DOMAIN TOPIC
+"""Test helper: prints a `std_msgs/Bool` topic, received with Cyclone DDS. cyclone_reader.py DOMAIN TOPIC
 
 A process of its own: the libraries of rclpy's middleware are not to be mixed with these.
 """

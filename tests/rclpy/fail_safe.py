@@ -1,4 +1,4 @@
-"""The fail-safe table of the documentation, and helpers that bring its conditions about."""
+"""Test helper: the fail-safe table of the documentation, and functions that cause its conditions."""
 
 import re
 from dataclasses import dataclass

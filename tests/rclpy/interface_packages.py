@@ -1,4 +1,4 @@
-"""Writes the interfaces of a text file as ament packages: interface_packages.py FILE FOLDER
+"""Build helper: writes the interfaces of a text file as ament packages: interface_packages.py FILE FOLDER
 
 Prints the names of the packages in the order in which they have to be built.
 """

@@ -1,4 +1,4 @@
-"""A driver in a process of its own that publishes joint states at a steady rate: a thousand a second cost a twentieth of a core.
+"""Test helper: publishes joint states at a steady rate, in a process of its own, with little CPU time.
 
 python joint_state_source.py TOPIC RATE JOINTS: JOINTS is a JSON object, the least and greatest position of each joint by name.
 """

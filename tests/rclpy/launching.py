@@ -1,4 +1,4 @@
-"""Launch files without `launch` and `launch_ros`, whose wheels are not on PyPI: stand-ins with what our files use of them.
+"""Test helper: evaluates launch files by stand-ins for `launch` and `launch_ros`, whose wheels are not on PyPI.
 
 What they make of a file is the command line that launch_ros starts: program, arguments, then --ros-args with name,
 namespace, parameters as files, remaps.

@@ -1,4 +1,4 @@
-"""Counts what a node sends on an interface that is not the loopback, while a peer on localhost hears it.
+"""Test helper: counts the packets of a node on an interface other than loopback, with a peer on localhost.
 
 Run it in a network namespace of its own: localhost_probe.py DOMAIN_ID [VARIABLE=VALUE of the node]...
 """

@@ -1,4 +1,4 @@
-"""Where the root of a robot is in the room, as `tf` tells."""
+"""Test helper: publishes the pose of a robot's root in the world on `tf`."""
 
 from geometry_msgs.msg import TransformStamped
 from tf2_msgs.msg import TFMessage

@@ -1,4 +1,4 @@
-"""A client of `~/check_motion` and `~/check_trajectory`."""
+"""Test helper: client of `~/check_motion` and `~/check_trajectory`."""
 
 import json
 

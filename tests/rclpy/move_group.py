@@ -1,4 +1,4 @@
-"""Another node that has a planning scene and tells it when asked, as `move_group` does."""
+"""Test helper: stand-in for `move_group`, a node that returns its planning scene by a service."""
 
 from moveit_msgs.msg import PlanningScene
 from moveit_msgs.srv import GetPlanningScene

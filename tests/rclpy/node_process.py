@@ -1,4 +1,4 @@
-"""The binary under test, as a process of its own."""
+"""Test helper: the binary under test, as a process of its own."""
 
 import os
 import signal

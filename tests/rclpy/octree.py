@@ -1,4 +1,4 @@
-"""An octree of voxels, written as OctoMap streams it.
+"""Test helper: an octree of voxels, encoded as OctoMap messages and files.
 
 The tree is 16 levels deep. Child i of a node is the half where bit 0 of i is set for +x, bit 1 for +y, bit 2 for +z; the
 origin is the corner that the eight children of the root share. A leaf above the lowest level is a voxel of that size.

@@ -1,4 +1,4 @@
-"""Client of the standard parameter services of a node."""
+"""Test helper: client of the standard parameter services of a node."""
 
 from rclpy.parameter import Parameter, parameter_value_to_python
 from rclpy.parameter_client import AsyncParameterClient

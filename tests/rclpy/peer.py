@@ -1,4 +1,4 @@
-"""The other side of the wire: an rclpy node whose callbacks run in a thread of their own."""
+"""Test helper: an rclpy node with a thread for its callbacks, and recorders of the messages that it receives."""
 
 import functools
 import threading

@@ -1,4 +1,4 @@
-"""A node that subscribes to point clouds, beside the two-link robot.
+"""Test helper: a node under test that subscribes to point clouds, with the two-link robot.
 
 With both joints at zero the ball of the tip, of radius 0.1, is around (2, 0, 0). Every point has a radius of 0.02.
 """

@@ -1,4 +1,4 @@
-"""Checks whether this user may run threads with realtime priority (SCHED_FIFO, priority 49)."""
+"""Test helper: checks whether this user may run threads with realtime priority (SCHED_FIFO, priority 49)."""
 
 import subprocess
 import sys

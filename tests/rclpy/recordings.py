@@ -1,4 +1,4 @@
-"""Recordings as others read them, and `clearance replay`."""
+"""Test helper: reads recordings with a general MCAP reader, alters them, and runs `clearance replay`."""
 
 import json
 import subprocess

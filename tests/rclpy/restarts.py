@@ -1,4 +1,4 @@
-"""Whoever takes part is restarted, one at a time: after each restart everything has to be as before."""
+"""Test helper: restarts node, driver, client or description publisher, and waits until all results are back."""
 
 import time
 from contextlib import ExitStack

@@ -1,4 +1,4 @@
-"""Scenes as MoveIt's users describe them: `moveit_msgs` from a few words. Metres, radians."""
+"""Test helper: builds messages of `moveit_msgs` from a few words: objects, shapes and scenes. Metres, radians."""
 
 from math import cos, sin, sqrt
 

@@ -1,4 +1,4 @@
-"""A client that changes the world of a node, by topic or by service, and waits until it has."""
+"""Test helper: changes the world of a node, by topic or by service, and waits until the change is in force."""
 
 from time import monotonic
 

@@ -1,4 +1,4 @@
-"""The commands and scripts that README, CONTRIBUTING and docs show."""
+"""Test helper: extracts the commands and scripts that README, CONTRIBUTING and docs show."""
 
 import re
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""A client of `~/check_states` and `~/get_distances`."""
+"""Test helper: client of `~/check_states` and `~/get_distances`."""
 
 from clearance_msgs.srv import CheckStates, GetDistances
 

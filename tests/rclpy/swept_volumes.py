@@ -1,4 +1,4 @@
-"""Capsules that `~/swept_volume` shows."""
+"""Test helper: reads capsules from the markers of `~/swept_volume`."""
 
 from math import dist
 

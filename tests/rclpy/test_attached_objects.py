@@ -1,4 +1,4 @@
-"""`attached_collision_object`: what the robot holds moves with it, and may be hit by everything else.
+"""Tests of `attached_collision_object`: held objects move with their link, and are checked against everything else.
 
 The part is a ball of radius 0.05 at (1, 0.4, 0) of the tip's frame, beside the ball at the tip's end.
 """

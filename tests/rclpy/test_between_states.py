@@ -1,4 +1,4 @@
-"""Contacts between two successive joint states: `motion_since_previous` and `passed_through` in `~/state`."""
+"""Tests of contacts between two joint states: `motion_since_previous` and `passed_through` in `~/state`."""
 
 from clearance_msgs.msg import CollisionState
 from rclpy.time import Time

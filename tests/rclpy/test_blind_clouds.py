@@ -1,4 +1,4 @@
-"""Sensors that show nothing of the environment: a blind sensor is no empty room."""
+"""Tests of blind sensors, whose point clouds show nothing of the environment: they are reported, never free space."""
 
 from math import inf, nan, pi
 from time import monotonic

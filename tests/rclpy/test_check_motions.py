@@ -1,4 +1,4 @@
-"""`~/check_motions` against `~/check_motion`, motion by motion."""
+"""Tests of `~/check_motions` (batches) against `~/check_motion`, motion by motion."""
 
 from math import inf, nan, pi
 

@@ -1,4 +1,4 @@
-"""Point clouds of every layout, and what becomes of them when they grow old.
+"""Tests of point clouds: layouts, stamps and age, broken clouds, self-filter, crop, voxels, several sensors.
 
 With both joints at zero the ball of the tip, of radius 0.1, is around (2, 0, 0). Every point has a radius of 0.02.
 """

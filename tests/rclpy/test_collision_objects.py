@@ -1,4 +1,4 @@
-"""`collision_object`: obstacles come, go, grow and move, and every distance can be worked out by hand.
+"""Tests of `collision_object`: obstacles are added, extended, moved, removed and rejected.
 
 With both joints at zero the ball of the tip, of radius 0.1, is around (2, 0, 0): an obstacle that begins at x = 2.2 is 0.1 away.
 """

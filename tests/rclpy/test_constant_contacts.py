@@ -1,4 +1,4 @@
-"""Pairs of links that touch in every joint state: reported with the SRDF entry that would allow them."""
+"""Tests of pairs of links that touch in every joint state: reported with the SRDF entry that would allow them."""
 
 from math import pi
 

@@ -1,4 +1,4 @@
-"""Contacts as MoveIt's clients know them: several for each pair of bodies, with position, normal and depth."""
+"""Tests of contacts as MoveIt's clients expect them: several for each pair, with position, normal and depth."""
 
 import pytest
 from clearance_msgs.msg import CollisionState

@@ -1,4 +1,4 @@
-"""Which way round a continuous joint goes in `~/check_motion` and `~/check_trajectory`, and what their answers say of it."""
+"""Tests of the direction of continuous joints in `~/check_motion` and `~/check_trajectory`."""
 
 import json
 from math import pi

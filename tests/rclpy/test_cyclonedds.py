@@ -1,4 +1,4 @@
-"""Clients with another middleware than the wheels': Cyclone DDS hears the node too."""
+"""Test that a client with Cyclone DDS receives `~/is_free` of the node."""
 
 import subprocess
 import sys

@@ -1,4 +1,4 @@
-"""`/diagnostics`: what an operator's panel shows."""
+"""Tests of `/diagnostics`: level, message and values, and counters of joint states."""
 
 from math import pi
 

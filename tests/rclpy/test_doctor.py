@@ -1,4 +1,4 @@
-"""`clearance doctor` says what is wrong, and is silent about what is not."""
+"""Tests of `clearance doctor`: it reports faults of the ROS network and the robot, and nothing else."""
 
 import json
 import subprocess

@@ -1,4 +1,4 @@
-"""The examples, run as users run them."""
+"""Tests of the example `check_states.py`: its output and exit codes."""
 
 import subprocess
 import sys

@@ -1,4 +1,4 @@
-"""The fail-safe table (docs/reference/fail_safe.md): each condition is brought about, and published as its row says."""
+"""Tests of the fail-safe table (docs/reference/fail_safe.md): the published results of each condition."""
 
 from math import nan
 

@@ -1,4 +1,4 @@
-"""Two faults at once: the line of the fail-safe table that stands first decides.
+"""Tests of two faults at once: the row that is first in the fail-safe table decides.
 
 Each scenario brings both about, and after the `yield` takes the first one away.
 """

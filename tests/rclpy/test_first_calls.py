@@ -1,4 +1,4 @@
-"""The first call of a client that was created just before, from a process that stays."""
+"""Test that the first service call of a new client gets its response without delay."""
 
 import rclpy
 from clearance_msgs.srv import GetDistances

@@ -1,4 +1,4 @@
-"""A node that follows another one: by its service at first, then by its `monitored_planning_scene`.
+"""Tests of a node that follows another node's scene: by its service, then by its `monitored_planning_scene`.
 
 With both joints at zero the ball of the tip, of radius 0.1, is around (2, 0, 0).
 """

@@ -1,4 +1,4 @@
-"""`~/get_distances` with gradients: the rows are the derivatives of the distances that the same service reports."""
+"""Tests of `~/get_distances` with gradients: derivatives of the distances that the same service reports."""
 
 from math import isnan, pi, sqrt
 

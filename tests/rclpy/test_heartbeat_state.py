@@ -1,4 +1,4 @@
-"""Subscribers that receive only some of the results: `~/heartbeat_state`, and the counters of contacts in `~/state`."""
+"""Tests of `~/heartbeat_state` and of the contact counters in `~/state`, for subscribers that miss messages."""
 
 from math import inf, isnan, pi
 

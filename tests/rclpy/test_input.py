@@ -1,4 +1,4 @@
-"""Joint states that cannot be judged become UNKNOWN with a reason, and never pass for free."""
+"""Tests of invalid joint states: missing, old, malformed or non-finite ones give UNKNOWN with a reason."""
 
 from math import inf, isnan, nan, pi
 

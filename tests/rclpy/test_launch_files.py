@@ -1,4 +1,4 @@
-"""What the files of launch_scripts start, works; by stand-ins for `launch`: see launching.py."""
+"""Tests of the launch files in launch_scripts: the nodes and arguments that they start; see launching.py."""
 
 import shlex
 import subprocess

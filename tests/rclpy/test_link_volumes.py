@@ -1,4 +1,4 @@
-"""`~/link_volumes`: boxes of the hierarchies at a chosen level, in the frames of the links."""
+"""Tests of `~/link_volumes`: bounding volumes of a chosen level, in the frames of the links."""
 
 import pytest
 from rclpy.qos import DurabilityPolicy

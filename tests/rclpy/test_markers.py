@@ -1,4 +1,4 @@
-"""`~/markers`: what RViz shows."""
+"""Tests of `~/markers` for RViz: lines and distances of near pairs, colliding links."""
 
 from math import pi, sqrt
 

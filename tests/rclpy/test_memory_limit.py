@@ -1,4 +1,4 @@
-"""A node that takes more memory than `memory_limit` says so and ends, before the machine suffers."""
+"""Tests of `memory_limit`: a node that takes more memory reports it and ends."""
 
 from clearance_msgs.msg import CollisionState
 

@@ -1,4 +1,4 @@
-"""Values of mimic joints in requests and in joint states.
+"""Tests of values of mimic joints in requests and in joint states.
 
 In a request, the value of a mimic joint sets the joint that it mimics. If both have values, they must agree. In a joint
 state, they must always agree.

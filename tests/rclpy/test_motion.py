@@ -1,4 +1,4 @@
-"""`~/check_motion` and `~/check_trajectory` against answers worked out by hand."""
+"""Tests of `~/check_motion` and `~/check_trajectory` against hand-computed results."""
 
 import json
 import re

@@ -1,4 +1,4 @@
-"""The scene of another node, such as `move_group`: the node asks for it when its service appears.
+"""Tests of requesting the scene of another node, such as `move_group`, when its service appears.
 
 With both joints at zero the ball of the tip, of radius 0.1, is around (2, 0, 0).
 """

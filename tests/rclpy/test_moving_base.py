@@ -1,4 +1,4 @@
-"""A robot whose root drives through the room: what stands in the room stays there."""
+"""Tests of a robot whose root drives: obstacles stay fixed in the world, and time to contact."""
 
 import pytest
 from clearance_msgs.msg import CollisionState

@@ -1,4 +1,4 @@
-"""Planar joints of the robot in the `multi_dof_joint_state` of `check_state_validity`."""
+"""Tests of planar joints in the `multi_dof_joint_state` of `check_state_validity`."""
 
 from math import cos, pi, sin
 

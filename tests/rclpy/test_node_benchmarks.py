@@ -1,4 +1,4 @@
-"""The words of `benches/node` about figures that are made up: when a row is missed, whatever the machine."""
+"""Tests of `benches/node` with made-up figures: when a row of the results is missed."""
 
 import sys
 

@@ -1,4 +1,4 @@
-"""Obstacles whose poses and velocities a tracker publishes on `~/obstacle_states`."""
+"""Tests of `~/obstacle_states`: poses and velocities of obstacles that a tracker publishes."""
 
 import pytest
 from clearance_msgs.msg import CollisionState

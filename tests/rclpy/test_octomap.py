@@ -1,4 +1,4 @@
-"""Octomaps, binary and full, from the topics of octomap_server and inside scenes.
+"""Tests of octomaps, binary and full, from the topics of octomap_server and inside scenes.
 
 With both joints at zero the ball of the tip, of radius 0.1, is around (2, 0, 0). A voxel of 0.1 around (2.25, 0.05, 0.05)
 begins at x = 2.2, with an edge on the x axis.

@@ -1,4 +1,4 @@
-"""What the parameter services refuse, and that they say why."""
+"""Tests of rejected parameter changes, with their reasons, and of atomic changes."""
 
 import pytest
 

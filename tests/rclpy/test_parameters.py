@@ -1,4 +1,4 @@
-"""The parameters: by file, by command line, and live through the standard services."""
+"""Tests of parameters: by file, by command line, and while the node runs by the standard services."""
 
 from contextlib import ExitStack
 from itertools import cycle

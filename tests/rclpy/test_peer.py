@@ -1,4 +1,4 @@
-"""The peer of these tests: whatever comes and goes while callbacks run, they go on, and where they end nobody waits for them."""
+"""Tests of the test helper `peer`: parts come and go while callbacks run, and no caller waits for dead callbacks."""
 
 import threading
 

@@ -1,4 +1,4 @@
-"""`planning_scene` and `planning_scene_world`: whole scenes and what changes in them, as MoveIt reads them.
+"""Tests of `planning_scene` and `planning_scene_world`: whole scenes and differences, as MoveIt reads them.
 
 With both joints at zero the ball of the tip, of radius 0.1, is around (2, 0, 0).
 """

@@ -1,4 +1,4 @@
-"""The process: how it ends, and how both sides find each other again after a restart."""
+"""Tests of the node's process: exit codes on signals, restarts, duplicate names, bad command lines."""
 
 import os
 import signal

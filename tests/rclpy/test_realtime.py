@@ -1,4 +1,4 @@
-"""`use_realtime_priority`: which threads run before all others, and what is said where the system refuses it."""
+"""Tests of `use_realtime_priority`: which threads get priority, and the error where the system rejects it."""
 
 import os
 import shutil

@@ -1,4 +1,4 @@
-"""The recorders of these tests: an answer about an older input is never taken for one about the newer, however late it arrives."""
+"""Tests of the test helper `Recorder`: a result for an older input is never taken for a newer one."""
 
 import pytest
 from clearance_msgs.msg import CollisionState

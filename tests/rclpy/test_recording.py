@@ -1,4 +1,4 @@
-"""What a node records, others can read; and run again it is the same, bit for bit."""
+"""Tests of recordings: other programs read them, and a replay gives the same results, bit for bit."""
 
 import shutil
 from math import pi

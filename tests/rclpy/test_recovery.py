@@ -1,4 +1,4 @@
-"""Ways out of a collision: `~/find_free_state` and `~/retreat_direction`."""
+"""Tests of recovery from collisions: `~/find_free_state` and `~/retreat_direction`."""
 
 from math import asin, hypot, inf, nan, pi
 

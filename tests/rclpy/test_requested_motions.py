@@ -1,4 +1,4 @@
-"""The motion that `~/check_motion` checks is the requested one, for robots with mimic, continuous and prismatic joints.
+"""Test that `~/check_motion` checks the requested motion, for robots with mimic, continuous and prismatic joints.
 
 Random robots come on `robot_description`, one after another. The kinematics of this file compute where the ball at the
 end of each robot is.

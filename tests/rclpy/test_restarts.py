@@ -1,4 +1,4 @@
-"""Whoever is restarted is met again, every time."""
+"""Tests that results return after each restart of node, driver, client or description publisher."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""The robot model comes by file or by topic, and a new one swaps in whole or not at all."""
+"""Tests of the robot model from a file or a topic: a new description replaces it as a whole, or not at all."""
 
 import pytest
 from clearance_msgs.msg import CollisionState

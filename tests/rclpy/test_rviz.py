@@ -1,4 +1,4 @@
-"""`launch_scripts/clearance.rviz` shows what the node says, with classes that RViz has."""
+"""Tests of `launch_scripts/clearance.rviz`: topics and markers of the node, with display classes of RViz."""
 
 import re
 from pathlib import Path

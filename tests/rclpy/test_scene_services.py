@@ -1,4 +1,4 @@
-"""`get_planning_scene` and `apply_planning_scene` as MoveIt's clients use them."""
+"""Tests of `get_planning_scene` and `apply_planning_scene` as MoveIt's clients use them."""
 
 import pytest
 from clearance_msgs.msg import CollisionState

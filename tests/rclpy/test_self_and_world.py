@@ -1,4 +1,4 @@
-"""How near the robot is to itself, and how near to the world: on every topic and in every response that tells distances."""
+"""Tests of the distances of the robot from itself and from the world, on every topic and in every response."""
 
 from math import inf, isinf, isnan, nan, pi, sqrt
 

@@ -1,4 +1,4 @@
-"""Speed and separation monitoring: the speed falls towards an obstacle that may be a person, and not away from it.
+"""Tests of speed and separation monitoring: the speed falls only towards an obstacle that may be a person.
 
 The beacon is at (2.3, 0, 0). The tip's ball is at (1 + cos(joint2), sin(joint2)), with joint1 at zero: see urdf/two_link.
 """

@@ -1,4 +1,4 @@
-"""Several drivers share the topic joint_states, as an arm and its gripper do."""
+"""Tests of several drivers that share the topic joint_states, as an arm and its gripper do."""
 
 from contextlib import contextmanager
 from math import pi

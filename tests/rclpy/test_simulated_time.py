@@ -1,4 +1,4 @@
-"""A played bag, or a simulator: joint states and `/clock` that run fast, stand still, and begin again."""
+"""Tests of simulated time (bag, simulator): joint states and `/clock` run fast, pause, and start again."""
 
 import threading
 

@@ -1,4 +1,4 @@
-"""Every script and command that README and docs show runs as the first action of a fresh process."""
+"""Tests that every script and command that README and docs show runs as the first action of a fresh process."""
 
 import os
 import re

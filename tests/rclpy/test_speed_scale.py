@@ -1,4 +1,4 @@
-"""`~/speed_scale`: slower when near, not at all when unknown, never slowed when moving away.
+"""Tests of `~/speed_scale`: lower near obstacles, zero when UNKNOWN, never lower for motion away from them.
 
 Beside the base the tip's ball is at height sin(joint2), with joint1 at zero: see urdf/two_link. Below it the top of the base is at 0.2.
 """

@@ -1,4 +1,4 @@
-"""`~/state`, `~/is_free` and `~/distance` against answers worked out by hand."""
+"""Tests of `~/state`, `~/is_free` and `~/distance` against hand-computed results."""
 
 from math import isnan, nan, pi
 

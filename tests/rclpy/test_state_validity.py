@@ -1,4 +1,4 @@
-"""`check_state_validity` as MoveIt's clients use it."""
+"""Tests of `check_state_validity` as MoveIt's clients use it."""
 
 from math import cos, nan, pi, sin
 

@@ -1,4 +1,4 @@
-"""`~/check_states` and `~/get_distances` against answers worked out by hand, and against `~/state`."""
+"""Tests of `~/check_states` and `~/get_distances` against hand-computed results, and against `~/state`."""
 
 from math import cos, inf, isnan, nan, pi, sin
 

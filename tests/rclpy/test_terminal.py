@@ -1,4 +1,4 @@
-"""What users see: the live table in a terminal, and the address of the view."""
+"""Tests of terminal output: the live table of the demo, and no address of a view that is never served."""
 
 import fcntl
 import os

@@ -1,4 +1,4 @@
-"""The node ends within 2 s of a signal, whatever it is doing."""
+"""Tests that the node ends within 2 s of a signal, under every kind of load."""
 
 import fcntl
 import os

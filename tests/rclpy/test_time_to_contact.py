@@ -1,4 +1,4 @@
-"""`~/time_to_contact` and its fields in `~/state` against answers worked out by hand."""
+"""Tests of `~/time_to_contact` and its fields in `~/state` against hand-computed results."""
 
 from math import nan, pi
 

@@ -1,4 +1,4 @@
-"""`~/check_trajectory` as an action, with rclpy's own client."""
+"""Tests of `~/check_trajectory` as an action, with rclpy's action client."""
 
 from math import isnan, pi
 

@@ -1,4 +1,4 @@
-"""A base that drives stands where tf tells."""
+"""Tests of a mobile base whose pose comes from `tf` instead of joint states."""
 
 from math import cos, pi, sin
 

@@ -1,4 +1,4 @@
-"""Several robots: each node hears, judges and answers for its own."""
+"""Tests of several robots, each with a node: every node evaluates its own robot only."""
 
 from math import pi
 

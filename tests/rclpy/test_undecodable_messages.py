@@ -1,4 +1,4 @@
-"""Messages that cannot be decoded, such as text that is not UTF-8: what they announce is missing, and nothing is free without it."""
+"""Tests of messages that cannot be decoded, such as text that is not UTF-8: nothing is free without their content."""
 
 import pytest
 from clearance_msgs.msg import CollisionState, ObstacleState, ObstacleStates

@@ -1,4 +1,4 @@
-"""Publishers on topics of the world from which the node cannot receive: warnings while they exist."""
+"""Tests of warnings about publishers of world topics from which the node cannot receive."""
 
 import pytest
 from clearance_msgs.msg import CollisionState

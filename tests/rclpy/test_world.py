@@ -1,4 +1,4 @@
-"""A robot beside an obstacle from a scene file."""
+"""Tests of a node with an obstacle from a scene file: names, padding, complete messages."""
 
 from pathlib import Path
 

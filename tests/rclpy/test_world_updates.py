@@ -1,4 +1,4 @@
-"""A world that lags behind its messages: nothing is free in it, and no service proves anything about it."""
+"""Tests of updates of the world that are not in force yet: nothing is free, and services prove nothing."""
 
 from clearance_msgs.msg import CollisionState
 from clearance_msgs.srv import CheckStates

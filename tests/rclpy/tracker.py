@@ -1,4 +1,4 @@
-"""What tracks an obstacle that moves."""
+"""Test helper: a tracker, which publishes pose and velocity of a moving obstacle on `~/obstacle_states`."""
 
 from clearance_msgs.msg import ObstacleState, ObstacleStates
 from rclpy.time import Time

@@ -1,4 +1,4 @@
-"""The robot of urdf/two_link: its answers by hand, and a driver that publishes its joint states."""
+"""Test helper: the robot of urdf/two_link, its hand-computed results, and a driver of its joint states."""
 
 import re
 import threading

@@ -1,4 +1,4 @@
-"""The two-link robot with an SRDF, for tests of the services of `move_group`.
+"""Test fixture: a node with the two-link robot and an SRDF, for tests of the services of `move_group`.
 
 With both joints at zero the ball of the tip, of radius 0.1, is around (2, 0, 0).
 """

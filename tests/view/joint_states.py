@@ -1,4 +1,4 @@
-"""Publishes joint states of the two-link robot: those of the last line of stdin ("q1 q2", rad), again and again; after an empty one, none."""
+"""Test helper: publishes joint states ("q1 q2", rad) of the two-link robot from stdin; an empty line pauses it."""
 
 import sys
 import threading

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the files of this folder with the programs that define their formats.
+"""Writes the octree and point cloud files of this folder, with the programs that define their formats.
 
     pip install octomap-python pypcd4 plyfile numpy
     python3 make.py

@@ -1,4 +1,4 @@
-//! What one question about one state is answered with.
+//! Data type of the result of one benchmark query on one state or edge, and its text.
 
 use clearance::CollisionReport;
 use clearance::checker::MotionVerdict;

@@ -1,4 +1,4 @@
-//! What it costs to verify a certificate, as a multiple of making it.
+//! Times of making and verifying certificates of free edges.
 
 use std::time::Duration;
 

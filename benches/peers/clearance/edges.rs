@@ -1,4 +1,5 @@
-//! Reader of edge files, and an untimed check of one edge. An edge is a straight motion in joint space.
+//! Reader of edge files, and queries on one edge: motion check and least distance. An edge is a straight motion in
+//! joint space.
 
 use std::collections::BTreeMap;
 use std::path::Path;

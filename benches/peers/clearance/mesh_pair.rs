@@ -1,4 +1,4 @@
-//! Two meshes at poses whose gap is known: the library's calls about one pair of bodies.
+//! Benchmark queries of two meshes, at generated poses of known gap or in contact.
 
 use std::collections::BTreeMap;
 use std::path::Path;

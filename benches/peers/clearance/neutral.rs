@@ -1,4 +1,4 @@
-//! The neutral form: what every contestant is asked about, in words that need no URDF reader. `README.md` describes it.
+//! Writer of the neutral file format: robots, worlds, meshes, states and poses for all contestants. See `README.md`.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};

@@ -1,4 +1,4 @@
-//! What only this library is asked: batches, streams, the filter before the hierarchies, memory, and what its volumes cost.
+//! Benchmark queries only for this library: batches, streams, level 0, memory, and costs of bounding volume types.
 
 use std::collections::BTreeMap;
 use std::hint::black_box;

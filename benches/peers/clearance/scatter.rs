@@ -1,4 +1,4 @@
-//! Primitives scattered around a robot, as those of the shared truth: boxes, cylinders and spheres at random.
+//! Generates random worlds of boxes, cylinders and spheres scattered around a robot.
 
 use std::collections::BTreeSet;
 

@@ -1,4 +1,4 @@
-//! A robot among obstacles, asked about those alone.
+//! Benchmark queries of a robot in one world, with self-collision checking switched off.
 
 use clearance::{CollisionChecker, Configuration, Question, Settings, Workspace, World};
 

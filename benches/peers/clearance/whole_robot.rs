@@ -1,4 +1,4 @@
-//! A whole robot against itself: its states, and the library's calls about them.
+//! Benchmark of one robot: loads it, samples its states, and dispatches all queries on its states, edges and worlds.
 
 use std::borrow::Borrow;
 use std::collections::{BTreeMap, BTreeSet};

@@ -1,4 +1,4 @@
-//! The obstacles of a file, and the cubes that stand for its points.
+//! Reader of world files, and conversion of a point cloud to cubes.
 
 use std::collections::BTreeSet;
 use std::path::Path;

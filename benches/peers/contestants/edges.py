@@ -1,4 +1,4 @@
-"""Straight motions in joint space: from a file, and where who samples them looks."""
+"""Reader of edge files (straight motions in joint space), and the order in which samples of an edge are checked."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""FCL's conservative advancement along an edge, pair by pair."""
+"""FCL's conservative advancement along an edge, pair by pair, also with bounding spheres tested first."""
 
 from __future__ import annotations
 

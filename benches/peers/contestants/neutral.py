@@ -1,4 +1,4 @@
-"""The neutral form as the Python contestants read it, and the protocol they speak. README.md describes both."""
+"""Reader of the neutral file format, and the command loop of all Python contestants. README.md describes both."""
 
 from __future__ import annotations
 

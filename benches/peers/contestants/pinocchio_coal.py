@@ -1,4 +1,4 @@
-"""Pinocchio with Coal, as Python users run it: the URDF's collision geometry, the same pairs, one call a state."""
+"""Contestant Pinocchio with Coal, as Python users run it: the URDF's collision geometry, one call per state."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pinocchio's order of joints: a continuous joint is its cosine and sine, a mimicking one has its own value."""
+"""Converts states to Pinocchio's joint order: continuous joints as cosine and sine, mimic joints as own values."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Obstacles in Pinocchio: added to the robot's geometry, and asked about apart from its own pairs."""
+"""Obstacles in Pinocchio: added to the robot's geometry, and queried without the robot's self pairs."""
 
 from __future__ import annotations
 

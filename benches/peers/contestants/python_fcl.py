@@ -1,4 +1,4 @@
-"""FCL through python-fcl: persistent objects, a fixed list of pairs. Transforms are given to it, in its favour."""
+"""Contestant FCL through python-fcl: persistent objects, a fixed list of pairs. Kinematics are not timed."""
 
 from __future__ import annotations
 

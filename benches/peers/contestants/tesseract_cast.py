@@ -1,4 +1,4 @@
-"""Tesseract's continuous check, Bullet's cast: the convex hull of where each triangle is before and after a step.
+"""Contestant Tesseract with Bullet's cast: the convex hull of each triangle before and after a step.
 
 Transforms are given to it, in its favour. What turns is outside that hull on the way: no step is safe, short ones are
 less unsafe.

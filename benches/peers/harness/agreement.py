@@ -1,4 +1,4 @@
-"""Whether contestants give the same answers: a fast wrong answer is worth nothing."""
+"""Compares the results of contestants: counts and sizes of disagreements per query."""
 
 from __future__ import annotations
 

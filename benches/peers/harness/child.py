@@ -1,4 +1,4 @@
-"""A contestant's process: it lives as long as the comparison and answers one line with one line."""
+"""Process of one contestant: starts it, sends it one line per command, and reads one line per response."""
 
 from __future__ import annotations
 

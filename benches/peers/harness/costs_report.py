@@ -1,4 +1,4 @@
-"""What the report says about the cost of each bounding volume: a section that may be written alone."""
+"""Report section on the cost model of bounding volume types; it can be written alone."""
 
 from __future__ import annotations
 

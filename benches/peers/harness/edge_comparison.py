@@ -1,4 +1,4 @@
-"""Asks contestants about the edges of one robot."""
+"""Runs the edge benchmarks of one robot on all contestants: times and agreement of results."""
 
 from __future__ import annotations
 

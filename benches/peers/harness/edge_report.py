@@ -1,4 +1,4 @@
-"""What the report says about edges."""
+"""Report section on edges: times, certificates, and agreement of results."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Edges, drawn once for all contestants: straight motions in joint space that are free, and such that collide."""
+"""Generates random edges for all contestants: straight motions in joint space, free or colliding according to Coal."""
 
 from __future__ import annotations
 

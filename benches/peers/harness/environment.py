@@ -1,4 +1,4 @@
-"""What the contestants are made of: PyPI wheels, the C++ contestant, this library's contestant."""
+"""Installs and builds the contestants: PyPI wheels, the C++ programs for Coal and FCL, and this library's program."""
 
 from __future__ import annotations
 

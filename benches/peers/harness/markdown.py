@@ -1,4 +1,4 @@
-"""Forms of the report."""
+"""Markdown tables and number formats of the report."""
 
 from __future__ import annotations
 

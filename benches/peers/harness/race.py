@@ -1,4 +1,4 @@
-"""Time: every contestant in turn, round after round, so that what disturbs the machine disturbs all alike."""
+"""CPU time measurement: the contestants run in turn, round after round, so that disturbances affect all alike."""
 
 from __future__ import annotations
 

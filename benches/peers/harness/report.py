@@ -1,4 +1,4 @@
-"""`docs/benchmarks.md`: the tables, and how they came about."""
+"""Composes `docs/benchmarks.md` from the results: tables of times, conditions, requirements and disagreements."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What must be reached and what is aimed at, and whether it is."""
+"""Required and aimed-at speed ratios and figures, and whether the results reach them (states, mesh pairs, edges)."""
 
 from __future__ import annotations
 

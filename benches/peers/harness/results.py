@@ -1,4 +1,4 @@
-"""What a run found, before it is put into words."""
+"""Data types of the results of a run, for robots and mesh pairs."""
 
 from __future__ import annotations
 

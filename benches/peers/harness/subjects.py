@@ -1,4 +1,4 @@
-"""What is measured: robots and pairs of meshes, the shared ones or, without them, those of this repository."""
+"""Finds the robots and mesh pairs to benchmark: the shared ones or, without them, those of this repository."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Asks contestants about one robot among obstacles, self-collision left out."""
+"""Runs the benchmarks of one robot among obstacles on all contestants, without self-collision."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the report says about robots among obstacles: a section that stands alone, and may be written alone."""
+"""Report section on robots among obstacles; it can be written alone."""
 
 from __future__ import annotations
 

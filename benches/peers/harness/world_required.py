@@ -1,4 +1,4 @@
-"""What must be reached among obstacles."""
+"""Required and aimed-at speed ratios and figures among obstacles, and whether the results reach them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What was found about robots among obstacles."""
+"""Data types of the results for robots among obstacles."""
 
 from __future__ import annotations
 

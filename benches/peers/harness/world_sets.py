@@ -1,4 +1,4 @@
-"""The worlds that robots are asked about: those of the shared truth, and scattered primitives."""
+"""The benchmark worlds of each robot (shared files, or random primitives), and comparison with the true results."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-//! The joints of a checker's states: all of the robot, or those of a group, with fixed values for the others.
+//! Joint space of a checker (all joints, or a group with the others fixed): converts rows of positions to states.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! Names of joints and objects in arguments.
+//! Lookup of joints by name, and error messages for unknown joints and objects.
 
 use clearance::robot::{JointId, RobotModel};
 use clearance::scene::Scene;

@@ -1,4 +1,5 @@
-//! Pairs that are allowed to collide, or checked although the SRDF allows them.
+//! Pairs of names that may collide, or are checked although the SRDF allows them: validation, and allowed collision
+//! matrix.
 
 use clearance::robot::{LinkId, RobotModel};
 use clearance::scene::{AllowedCollisionMatrix, AttachedObject, Scene, Settings};

@@ -1,4 +1,5 @@
-//! Conversion of what C passes: handles, texts and arrays. All accesses to memory of the caller are here.
+//! Reads arguments (handles, texts, arrays) through pointers from C, and writes results. All accesses to memory of the
+//! caller are here.
 //!
 //! A null pointer, a pointer that is not aligned and a length that no array can have are errors. Whether other pointers are valid can not
 //! be checked: the header requires it.

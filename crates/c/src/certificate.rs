@@ -1,4 +1,4 @@
-//! Certificates, and their verification.
+//! C interface of certificates: reading and writing JSON, and verification.
 
 use std::cell::RefCell;
 use std::ffi::{CString, c_char};

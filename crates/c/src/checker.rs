@@ -1,4 +1,4 @@
-//! Checkers.
+//! C interface of the collision checker: creation, attached objects, joints, limits, states and pairs.
 
 use std::collections::HashMap;
 use std::ffi::{CString, c_char};

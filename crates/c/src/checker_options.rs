@@ -1,4 +1,4 @@
-//! Options of a checker.
+//! C struct of the options of a checker, its defaults, and its conversion to settings.
 
 use std::collections::HashMap;
 use std::ffi::{c_char, c_int};

@@ -1,4 +1,4 @@
-//! Least distances along motions and trajectories.
+//! C interface of least distances along motions and trajectories.
 
 use std::ptr;
 

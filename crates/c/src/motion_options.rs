@@ -1,4 +1,4 @@
-//! Options and verdicts of motion checks.
+//! C types of the options and verdicts of motion checks, and their conversion.
 
 use std::ffi::c_int;
 use std::ptr;

@@ -1,4 +1,4 @@
-//! Queries on motions: edges, single motions and trajectories.
+//! C interface of motion checks: edges, also in batches, single motions and trajectories.
 
 use std::ffi::c_int;
 use std::ptr;

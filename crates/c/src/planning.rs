@@ -1,4 +1,4 @@
-//! Paths of the planner.
+//! C interface of the motion planner: options, search, and certificate of the path.
 
 use std::ffi::{CStr, c_char, c_int};
 use std::ptr;

@@ -1,4 +1,4 @@
-//! Ways out of a collision.
+//! C interface of the search for a free state near a colliding one.
 
 use std::ffi::c_char;
 use std::ptr;

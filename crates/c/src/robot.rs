@@ -1,4 +1,4 @@
-//! Robots.
+//! C interface of the robot model: loading, names, limits, group states, random states and forward kinematics.
 
 use std::ffi::{CString, c_char};
 use std::fmt::Display;

@@ -1,4 +1,4 @@
-//! Rows of joint positions, whose errors have the name of the argument.
+//! Conversion of rows of joint positions to configurations; errors name the argument.
 
 use clearance::robot::Configuration;
 use clearance_bindings::JointSpace;

@@ -1,4 +1,4 @@
-//! Shapes from numbers.
+//! Conversion of C meshes, point arrays and mesh files to shapes.
 
 use std::path::Path;
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! Queries on states.
+//! C interface of state queries: free or not, least distance, contacts, and distance derivatives.
 
 use clearance::checker::{Clearance, Contact, LocalContact, PairContacts, PairKind, WitnessCount};
 use clearance::robot::Configuration;

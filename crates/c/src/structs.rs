@@ -1,4 +1,4 @@
-//! Structs that arguments and results are made of.
+//! C structs that several functions share: states, edges, poses, pairs and named values.
 
 use std::ffi::c_char;
 use std::ptr;

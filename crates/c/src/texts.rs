@@ -1,4 +1,4 @@
-//! Texts that C reads.
+//! Strings for C: texts with a final NUL, and lists of names.
 
 use std::ffi::{CString, c_char};
 use std::ptr;

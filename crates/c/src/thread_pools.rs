@@ -1,4 +1,4 @@
-//! Threads of batches.
+//! Thread pool of a batch query, for the number of threads that C gives.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! Memory of the queries of one thread.
+//! C interface of the workspace: scratch memory of one thread's queries, guarded against concurrent use.
 
 use std::cell::UnsafeCell;
 use std::sync::Arc;

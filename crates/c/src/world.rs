@@ -1,4 +1,4 @@
-//! Worlds: the obstacles around a robot.
+//! C interface of worlds: creation, files, and adding, moving and removing obstacles.
 
 use std::ffi::{c_char, c_int};
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! Least distances along motions, and the first time at which a distance is reached.
+//! Methods of the collision checker: least distances along motions, and the first time at which a distance is reached.
 
 use clearance_motion::{MotionSegment, Trajectory};
 

@@ -1,4 +1,4 @@
-//! Result of a query on one state.
+//! Result of a query on one state: colliding pairs, distances of pairs, nearest pairs, and undecided pairs.
 
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::{Extremes, Point};

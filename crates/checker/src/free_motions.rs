@@ -1,4 +1,4 @@
-//! Motions that are free, for planners that need no more than yes or no.
+//! Methods of the collision checker: whether one motion or many are free, without further results.
 
 use clearance_motion::MotionSegment;
 use clearance_robot::Configuration;

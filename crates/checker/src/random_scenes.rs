@@ -1,4 +1,4 @@
-//! Random robots in random worlds, for tests.
+//! Test helper: random robots, worlds, states and motions.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! Numbers that tell checkers, and their worlds, apart.
+//! Revision number of a checker or a world, unique in the process.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 

@@ -1,4 +1,4 @@
-//! Per-thread state of queries, owned by the caller.
+//! Workspace: scratch memory and stream memory of queries on one thread, owned by the caller.
 
 use clearance_proximity::{Effort, Scratch, WitnessPairs, Work};
 use clearance_robot::Configuration;

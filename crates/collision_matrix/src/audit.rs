@@ -1,4 +1,4 @@
-//! Pairs that an SRDF disables, compared with the decisions about them.
+//! Audit of an SRDF: its disabled pairs, compared with the decisions about them.
 
 use std::collections::HashMap;
 

@@ -1,4 +1,4 @@
-//! Points of two links that touch and never move relative to each other.
+//! Search for contact points of two links that touch and never move relative to each other.
 
 use clearance_geometry::Shape;
 use clearance_geometry::Triangle;

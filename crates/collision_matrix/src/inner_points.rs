@@ -1,4 +1,4 @@
-//! Points deep inside two overlapping solids.
+//! Search for points deep inside two overlapping solids.
 //!
 //! A ball around a point, as large as the point is deep, lies in the solid. Two balls with the same centre, one in each solid, overlap until
 //! the centre has moved by the sum of their radii. A point near a joint axis hardly moves.

@@ -1,4 +1,4 @@
-//! Decisions as a JSON document, from which an interrupted search resumes.
+//! Decisions as a JSON document, from which an interrupted search resumes, and as a certificate.
 
 use clearance_motion::Fingerprint;
 use clearance_robot::RobotModel;

@@ -1,4 +1,4 @@
-//! Limits of the computation of a matrix.
+//! Limits of the computation of a matrix, and its error type.
 
 use std::time::Instant;
 

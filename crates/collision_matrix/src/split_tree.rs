@@ -1,4 +1,4 @@
-//! Tree of splits of a box of joint positions, as text.
+//! Proof tree over a box of joint positions, as text: splits, and the kind of proof of each leaf.
 //!
 //! A digit or letter is a box that is halved along the variable of that number (`0`–`9`, then `A`–`Z`); its lower half follows, then its
 //! upper half. A leaf is a box that is proven: `.` by the distance at its centre, `|` by the gap along a joint axis, `/` and three

@@ -1,4 +1,4 @@
-//! Which pairs become entries of an SRDF.
+//! Selects the pairs that become new entries of an SRDF.
 
 use clearance_robot::{LinkId, RobotModel};
 

@@ -1,4 +1,4 @@
-//! Evidence that links always collide: it verifies with the independent verifier, and changed evidence does not.
+//! Tests of the evidence that links always collide: the independent verifier accepts it, and rejects changed evidence.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! Decisions of an earlier run: what is not proven by itself is computed again.
+//! Tests of decisions taken over from an earlier run: those that are not proven by themselves are computed again.
 
 use std::sync::Arc;
 

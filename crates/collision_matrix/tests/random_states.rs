@@ -1,4 +1,5 @@
-//! Proven decisions against random states, and against a search that brings links as near to each other as it can.
+//! Tests of proven decisions against random states, and against a search that brings links as near to each other as it
+//! can.
 
 use std::path::Path;
 use std::sync::Arc;

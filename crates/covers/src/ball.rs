@@ -1,4 +1,4 @@
-//! Balls: what covers are made of.
+//! Ball in a link frame: the element of sphere covers, with a point test.
 
 use clearance_geometry::math::Point;
 

@@ -1,4 +1,4 @@
-//! Proof that balls contain a solid.
+//! Proof that balls contain a solid, and enlargement of balls until they do.
 //!
 //! Each triangle is split until every piece lies in one ball, by a margin: then, all points within the margin of the surface are covered, too.
 //! The box around the closed parts is split into cells until each lies in one ball, lies outside, or is within the margin of the surface.

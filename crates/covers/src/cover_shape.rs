@@ -1,4 +1,4 @@
-//! Capsules and oriented boxes that covers are made of.
+//! Data types of the capsules and oriented boxes of a cover, and nearest points on them.
 
 use clearance_geometry::math::{Extremes, Point, Pose, Vector, pose_from_xyz_rpy};
 

@@ -1,4 +1,4 @@
-//! Files of covers for other programs. Lengths in metres, coordinates in the link frames.
+//! Writers of covers for other programs: URDF, STL, XRDF and cuRobo YAML. Metres, coordinates in the link frames.
 
 mod collision_elements;
 mod curobo_yaml;

@@ -1,4 +1,4 @@
-//! Measures how far the spheres of a link stick out of its geometry, and how much of its surface is in no sphere.
+//! Measures given spheres of a robot: how far they stick out of each link, and how much of its surface is in no sphere.
 
 use clearance_geometry::math::Extremes;
 use clearance_geometry::{Primitive, Shape};

@@ -1,4 +1,4 @@
-//! Size of a cover, and what is rejected.
+//! Data types: requested size of a cover, and the errors of a cover.
 
 use clearance_robot::LinkId;
 

@@ -1,4 +1,5 @@
-//! Sample points of a solid that a cover must contain. They guide the search; the proof follows in `containment`.
+//! Sample points on the surface and inside of a solid, to guide the search for a cover; the proof follows in
+//! `containment`.
 
 use std::collections::HashSet;
 

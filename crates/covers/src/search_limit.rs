@@ -1,4 +1,4 @@
-//! End of a search by time or on request.
+//! Search limit: ends a search at a deadline or on request.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

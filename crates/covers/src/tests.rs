@@ -1,4 +1,4 @@
-//! Covers of random solids against brute force.
+//! Tests of covers of random solids, by spheres, capsules and boxes, against brute force.
 
 use std::sync::Arc;
 

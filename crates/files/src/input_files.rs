@@ -1,4 +1,5 @@
-//! Bounded reading of input files. Every file that a command, the node or the library opens is opened here.
+//! Bounded reading of input files, and writing of result files. Every file that a command, the node or the library
+//! opens is opened here.
 //!
 //! Guarantees: opening never blocks; only regular files are opened (no FIFO, device, socket or directory); no more than
 //! the limit is read, whatever the size in the file's metadata is (`/proc` files have size 0, other files grow).

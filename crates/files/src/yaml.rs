@@ -1,4 +1,4 @@
-//! YAML texts: one document, or several with a line of three dashes between them.
+//! Reader of YAML and JSON: splits a text into documents at lines of three dashes, deserializes one within limits.
 //!
 //! `ros2 topic echo` ends every message with such a line, so a saved message is a document followed by an empty one.
 

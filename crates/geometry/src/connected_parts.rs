@@ -1,4 +1,4 @@
-//! Connected parts of a mesh.
+//! Connected parts of a mesh, by disjoint sets (union-find), and one point of each part.
 
 use std::collections::HashSet;
 

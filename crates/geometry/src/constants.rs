@@ -1,4 +1,4 @@
-//! Tolerances, each with its unit, reason and source.
+//! Shared numeric constants: tolerances, rounding slacks and limits, each with its unit, reason and source.
 
 /// Distance (m) at or below which two solids count as touching: f64 rounding at robot scale is about 1e-14 m, GJK on
 /// curved primitives stops near 1e-10 m, and the shared truth files define contact as a distance of at most 1e-9 m.

@@ -1,4 +1,4 @@
-//! Inside test of many points against a mesh.
+//! Inside test of many points against one mesh; successive points share results.
 
 use crate::InsideWork;
 use crate::math::Point;

@@ -1,4 +1,4 @@
-//! Type aliases, and the notation for frames.
+//! Types of points, vectors and poses, with constructors, and the notation for frames.
 //!
 //! A pose of frame B in frame A is `pose_ab`; a point with coordinates in A is `point_a`; inner letters cancel:
 //! `point_a = pose_ab * point_b`, `pose_ac = pose_ab * pose_bc`. The world is `w`, the robot's root `r`, an obstacle `o`.

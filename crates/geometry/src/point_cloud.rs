@@ -23,7 +23,7 @@ pub enum PointCloudError {
         point: usize,
     },
     /// The radius is negative, not finite, or larger than [`LARGEST_COORDINATE`].
-    #[error("the radius of points is {0}, but must be a finite number of metres, zero or more")]
+    #[error("the radius of points is {0}, but must be a number of metres from 0 to {LARGEST_COORDINATE:e}")]
     BadRadius(f64),
     /// There are more points than 31 bits can number.
     #[error("the cloud has {0} points, more than 31 bits can number")]

@@ -1,5 +1,6 @@
 //! Solid primitives: box, sphere, cylinder, cone, capsule.
 
+use crate::constants::LARGEST_COORDINATE;
 use crate::math::Point;
 
 /// A solid primitive, centred on its own origin; the axis of cylinders, cones and capsules is z. Lengths in metres.
@@ -40,7 +41,7 @@ pub enum Primitive {
 
 /// An invalid dimension of a solid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{shape} {dimension} is {value}, but must be a finite number of metres, zero or more")]
+#[error("{shape} {dimension} is {value}, but must be a number of metres from 0 to {LARGEST_COORDINATE:e}")]
 pub struct PrimitiveError {
     /// Name of the kind of shape.
     pub shape: &'static str,
@@ -135,7 +136,7 @@ impl Primitive {
 }
 
 fn check(shape: &'static str, dimension: &'static str, value: f64) -> Result<(), PrimitiveError> {
-    if value.is_finite() && (0.0..=crate::constants::LARGEST_COORDINATE).contains(&value) {
+    if (0.0..=LARGEST_COORDINATE).contains(&value) {
         Ok(())
     } else {
         Err(PrimitiveError { shape, dimension, value })

@@ -1,4 +1,4 @@
-//! Shapes for collision checking: solids and surfaces.
+//! Shape type: primitive, mesh, plane, point cloud or voxels, with its kind and scaling.
 
 use std::sync::Arc;
 

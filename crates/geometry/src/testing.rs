@@ -1,4 +1,4 @@
-//! Test utilities for all crates: random numbers, and every SIMD level of this machine.
+//! Test helper for all crates: random numbers, vectors and primitives, and every SIMD level of this machine.
 
 use crate::Primitive;
 use crate::math::{Pose, Rotation, UnitVector, Vector};

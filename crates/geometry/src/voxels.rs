@@ -34,7 +34,7 @@ pub enum VoxelsError {
         cube: usize,
     },
     /// The edge is negative, not finite, or larger than [`LARGEST_COORDINATE`].
-    #[error("half the edge of cube {cube} is not a finite number of metres, zero or more")]
+    #[error("half the edge of cube {cube} is not a number of metres from 0 to {LARGEST_COORDINATE:e}")]
     BadEdge {
         /// Index of the cube.
         cube: usize,

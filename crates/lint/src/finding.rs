@@ -1,4 +1,4 @@
-//! One finding about a robot model.
+//! Data type of one finding about a robot model: check, severity, place and message.
 
 use clearance_geometry::math::Point;
 use serde::Serialize;

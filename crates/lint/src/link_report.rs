@@ -1,4 +1,4 @@
-//! Measurements of one link: triangles, and distances between its collision and visual geometry.
+//! Measurements of one link: triangles, and distances between collision and visual geometry, with their findings.
 
 use std::sync::Arc;
 

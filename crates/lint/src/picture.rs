@@ -1,4 +1,4 @@
-//! Pictures of a link: collision and visual geometry in one orthographic view, drawn with depth buffers.
+//! Renders pictures of a link: collision and visual geometry in one orthographic view, with depth buffers.
 
 // pixels and colours are small whole numbers
 #![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss)]

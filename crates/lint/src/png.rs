@@ -1,4 +1,4 @@
-//! Writes small PNG pictures.
+//! Encoder of PNG pictures and of base64.
 
 /// Encodes rows of RGB pixels.
 pub(crate) fn encode(width: u32, height: u32, rgb: &[u8]) -> Vec<u8> {

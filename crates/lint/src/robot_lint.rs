@@ -1,4 +1,4 @@
-//! All checks of a robot model.
+//! Runs all checks of a robot model: options, report, and checks for missing or unreadable geometry.
 
 use std::collections::HashMap;
 use std::sync::Arc;

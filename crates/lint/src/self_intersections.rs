@@ -1,4 +1,4 @@
-//! Faces of a mesh that pass through each other.
+//! Search for faces of a mesh that intersect each other.
 
 use std::cell::Cell;
 use std::time::Instant;

@@ -1,4 +1,4 @@
-//! Sizes that suggest a wrong unit or scale.
+//! Checks for sizes that suggest a wrong unit or scale, against the robot, visual geometry and adjacent links.
 
 use clearance_geometry::Shape;
 use clearance_geometry::math::{Extremes, Point};

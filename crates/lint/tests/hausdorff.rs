@@ -1,4 +1,4 @@
-//! Certified Hausdorff distances against exact cases and dense samples.
+//! Tests of certified Hausdorff distances against exact cases and dense samples.
 
 use std::sync::Arc;
 

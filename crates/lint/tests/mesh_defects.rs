@@ -1,4 +1,4 @@
-//! Tests of the mesh defects: each has a small mesh that has it, and a clean mesh has none.
+//! Tests of mesh defects: each is found in a small mesh that has it, and none in a clean mesh.
 
 use clearance_geometry::TriangleMesh;
 use clearance_geometry::math::Point;

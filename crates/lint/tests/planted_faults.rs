@@ -1,4 +1,4 @@
-//! Faults that are planted in meshes of real robots are found.
+//! Tests with faults that are planted in meshes of real robots: all are found.
 
 use std::path::{Path, PathBuf};
 

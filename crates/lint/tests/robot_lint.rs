@@ -1,4 +1,4 @@
-//! Findings about whole robots, and the report.
+//! Tests of findings about whole robots, of the report's fields, and of the HTML page.
 
 use clearance_lint::{Check, LintOptions, LintReport, Severity, html_report, lint};
 use clearance_robot::{MeshFiles, RobotModel, RobotText, VisualGeometry};

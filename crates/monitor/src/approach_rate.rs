@@ -1,6 +1,6 @@
-//! Approach rate of two bodies: finite difference of the positions of their witness points over a short time step.
+//! Approach rate of two bodies: finite difference of the positions of their witness points; and the slow-down range.
 //!
-//! It is an estimate, not a bound.
+//! The rate is an estimate, not a bound.
 use clearance_checker::{CollisionChecker, PairDistance};
 use clearance_geometry::math::{Extremes, Point, Pose, Vector, without_whole_turns};
 use clearance_robot::{Configuration, JointKind, LinkId, LinkPoses, Reach, RobotModel};

@@ -1,5 +1,4 @@
-//! Contacts counted since the start, and what happened since the last heartbeat message: for subscribers that receive
-//! only some of the evaluations.
+//! Contact counter since the start, and summary of contacts and distances since the last heartbeat message.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;

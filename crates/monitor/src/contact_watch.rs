@@ -1,4 +1,4 @@
-//! Detects pairs of links that touch in every joint state since the robot model was loaded.
+//! Warns about pairs of links that touch in every joint state since the robot model was loaded.
 
 use clearance_checker::{CollisionChecker, ConstantContacts};
 

@@ -1,4 +1,4 @@
-//! Joint state messages that make up the robot's state, and their ages.
+//! Stamps, ages and freshness of the joint state messages that make up the robot's state.
 
 use std::time::Duration;
 

@@ -1,4 +1,4 @@
-//! Evaluation of the robot's state: status, distances and warnings.
+//! Data types: evaluation of the robot's state (status, distances, warnings, expiry), and the revision of its checker.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

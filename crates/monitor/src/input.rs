@@ -1,4 +1,4 @@
-//! Inputs of the monitor.
+//! Data types of the monitor's input: a received joint state, and the identity of its publisher.
 
 use super::Time;
 

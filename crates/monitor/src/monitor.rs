@@ -1,4 +1,4 @@
-//! The monitor: receives joint states and heartbeats, returns evaluations.
+//! The monitor: receives joint states, heartbeats, transforms and settings, and returns evaluations.
 
 mod notifications;
 mod staleness;

@@ -1,4 +1,4 @@
-//! Result of the check of the motion from the previous evaluated state to the current one.
+//! Data type of the result of the check between the previous evaluated state and the current one.
 
 use std::fmt;
 

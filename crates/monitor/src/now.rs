@@ -1,4 +1,4 @@
-//! Readings of the clocks.
+//! Data type of a reading of both clocks: ROS time and steady clock.
 
 use std::time::Duration;
 

@@ -1,4 +1,4 @@
-//! Velocity of world-fixed obstacles relative to the moving root link.
+//! Velocity of world-fixed obstacles relative to the moving root link, from recent `tf` poses of their frames.
 
 use std::collections::VecDeque;
 

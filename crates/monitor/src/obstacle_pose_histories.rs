@@ -1,5 +1,4 @@
-//! Poses that tracked obstacles had since the last motion of the joints began: their tracker may have stopped them since, or turned
-//! them back.
+//! Pose histories of tracked obstacles since the last motion of the joints began, and their largest displacements.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! How far obstacles may have moved, relative to the root, between two joint states.
+//! Bound on the displacement of obstacles, relative to the root, between two joint states.
 //!
 //! The world has each obstacle in one place. A motion of the joints is proven free beside it if it is free beside all places
 //! where the obstacle may have been meanwhile.

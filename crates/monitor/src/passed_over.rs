@@ -1,6 +1,6 @@
-//! Joint states and positions from `tf` that were received and never evaluated: newer ones replaced them before.
+//! Buffer of joint states and positions from `tf` that newer ones replaced before they were evaluated.
 //!
-//! The robot was there, wherever the straight line between the evaluated states lies.
+//! The robot was in these states, wherever the straight line between the evaluated states lies.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! Configurations that were evaluated, for questions about where the robot was.
+//! History of evaluated configurations, divided into nearly straight legs of the past motion.
 
 use std::collections::VecDeque;
 

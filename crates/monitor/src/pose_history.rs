@@ -1,4 +1,4 @@
-//! Poses that something had since the last motion of the joints began.
+//! Poses of a frame or an obstacle since the last motion of the joints began, and their largest displacement.
 
 use clearance_geometry::math::{Extremes, Pose};
 use clearance_scene::is_elsewhere;

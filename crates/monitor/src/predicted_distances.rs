@@ -1,4 +1,4 @@
-//! Distances while the robot moves on at its joint velocities: also those of parts that are not the nearest ones now.
+//! Least distances of near pairs while the robot moves on at its joint velocities, by checks of states on the way.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! Result of speed and separation monitoring for one state.
+//! Result of speed and separation monitoring for one state: the pair that requests the lowest speed.
 
 use clearance_geometry::math::Extremes;
 use clearance_scene::BodyId;

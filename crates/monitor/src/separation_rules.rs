@@ -1,4 +1,4 @@
-//! Which obstacles are monitored for speed and separation, and how fast they may approach.
+//! Rules of speed and separation monitoring: which obstacles are monitored, and with which settings.
 
 use clearance_geometry::math::Extremes;
 

@@ -1,4 +1,4 @@
-//! Speed and separation monitoring: protective separation distance and allowed approach speed.
+//! Settings and formulas of speed and separation monitoring: protective separation distance and allowed speed.
 //!
 //! After ISO/TS 15066:2016, 5.5.4, the protective separation distance of a robot that approaches at speed `v` is
 //! `S_p = S_h + S_r + S_s + C + Z_d + Z_r`. A constant deceleration `a` after the reaction time `T` gives:

@@ -1,4 +1,4 @@
-//! Contacts of the colliding pairs of a state.
+//! Search for the contact points of the colliding pairs of a state, with limits on number and time.
 
 use clearance_checker::{CollisionChecker, CollisionReport, PairContacts, Workspace};
 use clearance_proximity::Effort;

@@ -1,4 +1,4 @@
-//! Status of the robot: FREE, COLLIDING, or UNKNOWN with a reason.
+//! Status of the robot: FREE, COLLIDING, or UNKNOWN with a reason; codes and texts of all reasons.
 
 use std::fmt;
 

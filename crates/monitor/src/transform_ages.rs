@@ -1,4 +1,4 @@
-//! Ages of the transforms on a path between two frames.
+//! Stamps and ages of the transforms on a path between two frames.
 
 use std::time::Duration;
 

@@ -1,4 +1,4 @@
-//! Stamps of the transforms that positions of a joint state are from.
+//! Stamps of the transforms that give positions of a joint state, and the time between them.
 
 use clearance_geometry::math::Extremes;
 

@@ -1,4 +1,4 @@
-//! Sensors of the world, and the lifetime of their data.
+//! Sensors of the world, and the age and staleness of their data.
 
 use std::time::Duration;
 

@@ -1,4 +1,4 @@
-//! Messages about the world that were received and are not in force yet.
+//! Queue of world messages that are received and not yet in use, and when they are overdue.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::time::Duration;

@@ -1,4 +1,4 @@
-//! Direction of rotation of continuous joints, and of planar joints.
+//! Direction of rotation of continuous and planar joints: as given, or shortest by subtracting full turns.
 //!
 //! Positions that differ by full turns are the same pose, but different paths. `joint_trajectory_controller` moves from its current state
 //! to the first point in the shortest direction: it subtracts full turns from the current position (`wraparound_joint`), and so does

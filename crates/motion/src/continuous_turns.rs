@@ -1,4 +1,4 @@
-//! Continuous joints that rotate in a trajectory.
+//! Lists the continuous joints that rotate in a trajectory, and warns of rotations by half a turn or more.
 
 use std::f64::consts::PI;
 

@@ -1,4 +1,4 @@
-//! Reader of moving obstacle files.
+//! Reader of moving obstacle files (YAML): known motions, and limits of unknown ones.
 
 use std::sync::Arc;
 

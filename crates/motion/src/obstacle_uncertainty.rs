@@ -1,4 +1,4 @@
-//! Unknown motion of obstacles: they may be anywhere that their speed and acceleration limits allow.
+//! Speed and acceleration limits of obstacles with unknown motion, and the bound on their displacement.
 //!
 //! An obstacle whose points move at most at speed v at time 0, and accelerate by at most a, is displaced by at most
 //! v t + ½ a t² at time t (Hubbard 1995, *Collision detection for interactive graphics applications*: space-time bounds).

@@ -1,4 +1,4 @@
-//! How far a motion may be from the straight motions between its samples.
+//! Estimates how far a smooth motion deviates from the straight motions between its samples.
 
 use clearance_geometry::math::Extremes;
 use clearance_robot::Configuration;

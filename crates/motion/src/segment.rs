@@ -1,4 +1,4 @@
-//! Motion segment: one smooth part of a motion.
+//! Motion segment: positions as polynomials of t in [0, 1], with tolerances, moving obstacles and their uncertainty.
 
 use clearance_geometry::constants::LARGEST_COORDINATE;
 use clearance_geometry::math::{Extremes, Rotation, UnitVector, Vector};

@@ -1,4 +1,4 @@
-//! Error of numbers that are not a valid motion.
+//! Error type: numbers that are not a valid motion.
 
 use clearance_geometry::constants::LARGEST_COORDINATE;
 use clearance_robot::ConfigurationError;

@@ -1,4 +1,4 @@
-//! Join between two consecutive segments of a motion.
+//! Join between two consecutive segments of a motion: exact, or with a small gap that is a motion of its own.
 //!
 //! Each segment is proven free by itself, up to its own end. If the next one starts with exactly the same numbers, there is no gap.
 //! Otherwise, however small the difference, the robot passes through configurations that belong to neither segment: thin surfaces can be

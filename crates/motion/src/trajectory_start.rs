@@ -1,4 +1,4 @@
-//! Start state of a trajectory.
+//! Start state of a trajectory message, and its comparison with the first point.
 
 use std::f64::consts::TAU;
 

@@ -1,4 +1,4 @@
-//! Reason why a text is not a trajectory.
+//! Error type: reasons why a text is not a trajectory.
 
 use super::{StartMismatch, TrajectoryError};
 

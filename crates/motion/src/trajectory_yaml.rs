@@ -1,4 +1,4 @@
-//! Reads trajectories: the YAML or JSON of ROS's messages.
+//! Constructors of a trajectory from a YAML or JSON text of a ROS message.
 
 use clearance_robot::{Configuration, RobotModel};
 

@@ -1,4 +1,4 @@
-//! Limits of a search, and input that is rejected.
+//! Options of the planner: limits of a search, and the error type of rejected input.
 
 use std::time::Instant;
 

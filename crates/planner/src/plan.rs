@@ -1,4 +1,4 @@
-//! Results of a search.
+//! Results of the planner: a path with its trajectory and certificate, or the reason why there is none.
 
 use clearance_checker::{CollisionChecker, MotionOptions, Workspace};
 use clearance_motion::{Certificate, MotionSegment, Trajectory};

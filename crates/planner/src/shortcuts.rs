@@ -1,5 +1,5 @@
-//! Shorter paths (R. Geraerts, M. Overmars: Creating high-quality paths for motion planning, IJRR 2007): states are left out, then edges
-//! replace what is between two random states of the path.
+//! Shortcutting of paths (R. Geraerts, M. Overmars: Creating high-quality paths for motion planning, IJRR 2007): states
+//! are left out, then edges replace the part of the path between two random states.
 
 use crate::rrt_connect::{Over, Search};
 use crate::space::{between, squared_distance};

@@ -1,4 +1,4 @@
-//! The positions that move, and their ranges.
+//! State space of the planner: the positions that move, their ranges, random samples and distances.
 
 use std::f64::consts::PI;
 

@@ -1,4 +1,4 @@
-//! Trees of states.
+//! Search tree of robot states: adds nodes, finds the nearest node, and returns the path to the root.
 
 use crate::space::squared_distance;
 

@@ -1,4 +1,4 @@
-//! Conversion of NumPy arrays and whatever NumPy makes arrays of.
+//! Conversion of Python arguments to arrays of numbers and rows of joint positions, and of results to NumPy arrays.
 
 use std::collections::HashSet;
 

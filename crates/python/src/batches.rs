@@ -1,4 +1,4 @@
-//! Long work on the threads of a pool: without the GIL, and ended by Ctrl-C.
+//! Runs batches and other long work on a thread pool, without the GIL; Ctrl-C ends it.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Condvar, Mutex, PoisonError};

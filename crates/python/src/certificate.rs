@@ -1,4 +1,4 @@
-//! Class `Certificate`.
+//! Class `Certificate`: the proof that a motion is free, read from and written to JSON.
 
 use std::path::PathBuf;
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! Class `Checker`.
+//! Class `Checker`: its properties, worlds and attached objects, and queries on states, motions and paths.
 
 mod construction;
 

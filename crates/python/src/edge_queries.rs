@@ -1,4 +1,4 @@
-//! Batches of straight motions, such as the edges of a roadmap.
+//! Collision checks of batches of straight motions, such as the edges of a roadmap.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 

@@ -1,4 +1,4 @@
-//! Lists of results whose memory may not be there: `MemoryError` instead of the end of the process.
+//! Allocation of lists of results: missing memory raises `MemoryError` instead of ending the process.
 
 use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;

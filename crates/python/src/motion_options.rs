@@ -1,4 +1,4 @@
-//! Options of motion checks, as keyword arguments.
+//! Options of motion checks and of searches for the least distance along motions, from keyword arguments.
 
 use std::time::Instant;
 

@@ -1,4 +1,4 @@
-//! Queries on single motions and trajectories.
+//! Checks of single motions and trajectories: reports, certificates, and the first time within a distance.
 
 use std::sync::Arc;
 

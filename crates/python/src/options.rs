@@ -1,4 +1,4 @@
-//! Values of options: every error names the option and the value.
+//! Conversion of option values from Python; every error names the option and the value.
 
 use std::time::{Duration, Instant};
 

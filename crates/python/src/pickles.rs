@@ -1,4 +1,5 @@
-//! States of pickles: a version, and what the object is made of. States that do not fit are rejected with `Error`.
+//! Pickling of the Python classes: arguments of `__reduce__` with a version, and the object made from them again.
+//! States that do not fit are rejected with `Error`.
 
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;

@@ -1,4 +1,4 @@
-//! Paths of the planner.
+//! Path planning between two states: limits of the search, the path found, and its certificate.
 
 use std::time::Instant;
 

@@ -1,4 +1,4 @@
-//! Poses: 4×4 matrices, positions, or positions with quaternions.
+//! Conversion of poses from Python (4×4 matrices, positions, or positions with quaternions) and back.
 
 use clearance::geometry::constants::LARGEST_COORDINATE;
 use clearance::geometry::math::{Pose, Rotation, pose_from_xyz_quaternion};

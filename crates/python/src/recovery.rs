@@ -1,4 +1,4 @@
-//! Ways out of a collision.
+//! Search for a free state near a given state, such as a way out of a collision.
 
 use std::time::Instant;
 

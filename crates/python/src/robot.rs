@@ -1,4 +1,4 @@
-//! Class `Robot`.
+//! Class `Robot`: a robot read from URDF and SRDF, its joints, limits, groups and forward kinematics.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;

@@ -1,4 +1,4 @@
-//! Shapes from numbers.
+//! Shapes from Python arguments: primitives, planes, meshes, mesh files, points and voxels.
 
 use std::path::Path;
 use std::sync::Arc;

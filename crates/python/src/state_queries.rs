@@ -1,4 +1,4 @@
-//! Queries on states.
+//! Queries on states: free or not, distances, reports with contacts, and signed distances with derivatives.
 
 use std::time::{Duration, Instant};
 

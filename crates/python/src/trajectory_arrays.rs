@@ -1,4 +1,4 @@
-//! Points of a trajectory, as arrays.
+//! Conversion of arrays (times, positions, velocities, accelerations) to a trajectory.
 
 use clearance::motion::ContinuousDirection;
 use clearance::{Trajectory, TrajectoryPoint};

@@ -1,4 +1,4 @@
-//! Verification of certificates.
+//! Function `verify`: checks that a certificate proves a motion of a robot in a world free.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! Class `World`.
+//! Class `World`: obstacles around a robot, read from a file, or added by shape, moved and removed.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

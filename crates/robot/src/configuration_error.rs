@@ -1,4 +1,4 @@
-//! Errors of joint positions.
+//! Errors of joint positions: why values are not a valid configuration, such as a contradictory mimic joint.
 
 use clearance_geometry::constants::LARGEST_COORDINATE;
 

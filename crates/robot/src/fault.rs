@@ -1,4 +1,4 @@
-//! Source locations, so that every error can name its element, file and line.
+//! Error in an input text and its source location: element, file and line.
 
 use clearance_files::readable_text::on_one_line;
 

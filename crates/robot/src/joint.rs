@@ -1,4 +1,4 @@
-//! Joint: type, axis and limits.
+//! Joint: type, axis, limits and mimic rule, and its motion at given positions.
 
 use clearance_geometry::math::{Extremes, Pose, Rotation, RotationMatrix, UnitVector, Vector};
 

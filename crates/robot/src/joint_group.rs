@@ -1,4 +1,4 @@
-//! Groups of the SRDF as sub-vectors of a configuration: what a planner of one arm works with.
+//! Joint groups of the SRDF as sub-vectors of a configuration, with which planners of one arm work.
 
 use std::collections::BTreeSet;
 

@@ -1,4 +1,4 @@
-//! Planar and floating joints given as transforms, as `sensor_msgs/MultiDOFJointState` does.
+//! Conversion of transforms to positions of planar and floating joints, as in `sensor_msgs/MultiDOFJointState`.
 
 use clearance_geometry::math::{Extremes, Pose, Vector};
 

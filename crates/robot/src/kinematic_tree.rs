@@ -1,4 +1,4 @@
-//! The kinematic tree of links and joints.
+//! Kinematic tree of links and joints: root, topological order, rigid bodies, and errors such as cycles.
 
 use std::collections::{HashMap, VecDeque};
 

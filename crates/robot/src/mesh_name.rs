@@ -1,4 +1,4 @@
-//! Parses mesh names, before any folder is accessed.
+//! Parser of mesh names (`package://`, `model://`, `file://` and paths), before any folder is accessed.
 
 use std::path::{Component, Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! Ranges of positions: joint limits, with those of the joints that mimic them.
+//! Ranges of positions: joint limits narrowed by mimic joints, contradictory limits, and ranges for samples.
 
 use std::f64::consts::PI;
 

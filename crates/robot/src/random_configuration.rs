@@ -1,4 +1,4 @@
-//! Random configurations.
+//! Random configurations: uniform within joint limits, and within a box for planar and floating joints.
 
 use std::f64::consts::{PI, TAU};
 

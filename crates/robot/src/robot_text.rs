@@ -1,4 +1,4 @@
-//! Loads a robot from its texts and files.
+//! Loads a robot model from the texts or files of its URDF and SRDF, with its mesh files.
 
 use std::path::{Path, PathBuf};
 

@@ -1,8 +1,11 @@
 //! Log output to stderr and to `/rosout`.
 
+use std::io::{self, Write};
 use std::sync::{Mutex, PoisonError};
 
+use chrono::{SecondsFormat, Utc};
 use clearance_files::readable_text;
+use env_logger::fmt::Formatter;
 use log::{Level, LevelFilter, Log, Metadata, Record};
 
 use crate::dds::log_line::LogLine;
@@ -29,8 +32,7 @@ pub fn start_logging(level: LevelFilter) {
         .filter_module("cdr_encoding", quiet)
         // it warns if ROS_DISTRO is not set, although this variable says nothing about the peers
         .filter_module("ros2_client::distributions", very_quiet)
-        .format_timestamp_millis()
-        .format_target(false)
+        .format(write_line)
         .build();
     // errors that end the network threads are processed even if nothing is printed
     let most = stderr.filter().max(LevelFilter::Error);
@@ -38,6 +40,13 @@ pub fn start_logging(level: LevelFilter) {
         Ok(()) => log::set_max_level(most),
         Err(_) => log::debug!("the log was set up before"),
     }
+}
+
+/// `[2026-01-31T12:00:00.000Z WARN ] text`, with further lines of the text indented.
+fn write_line(stderr: &mut Formatter, record: &Record) -> io::Result<()> {
+    let time = Utc::now().to_rfc3339_opts(SecondsFormat::Millis, true);
+    let text = record.args().to_string().replace('\n', "\n    ");
+    writeln!(stderr, "[{time} {:<5}] {text}", record.level())
 }
 
 /// Opens the queue of log lines for `/rosout`. From now on, lines are also sent to it.

@@ -1,4 +1,5 @@
-//! Anchors: poses of obstacles in world-fixed frames. A table in a room keeps its place in the room while the robot drives.
+//! Updates of anchors: obstacles keep their poses in world-fixed frames while the robot moves. A table in a room keeps
+//! its place in the room while the robot drives.
 //!
 //! All poses of the world are stored in the root frame. An obstacle therefore also stores its pose in a world-fixed frame. This is
 //! MoveIt's planning frame, the parent of the SRDF's virtual joint, if `tf` connects it with the root, or else the topmost `tf` frame

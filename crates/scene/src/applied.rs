@@ -1,4 +1,4 @@
-//! Result of applying a scene update.
+//! Result of applying a scene update: whether anything changed, warnings, and rejected parts.
 
 use super::SceneRejection;
 

@@ -1,4 +1,4 @@
-//! Frame look-up in a scene: poses of named frames in the root frame.
+//! Frame look-up in a scene: poses of named frames in the root frame, and whether robot links can move a frame.
 
 use clearance_geometry::math::Pose;
 use clearance_robot::quoted;

@@ -1,4 +1,4 @@
-//! The scene around a robot: obstacles, attached objects, allowed collisions, paddings and frames, as `moveit_msgs` describes them.
+//! The scene around a robot, as in `moveit_msgs`: obstacles, attached objects, allowed collisions, paddings, frames.
 //!
 //! Messages and files are converted to the same [`SceneUpdate`]s, which [`Scene::apply`] applies as MoveIt 2 does. No I/O and no ROS
 //! types. A rejected object or field changes nothing.

@@ -1,4 +1,4 @@
-//! Joint that a transform of `sensor_msgs/MultiDOFJointState` belongs to.
+//! Finds the URDF joint or the virtual joint that a transform of `sensor_msgs/MultiDOFJointState` belongs to.
 //!
 //! A joint of the URDF has priority. A virtual joint of the SRDF places the root link in a frame outside of the robot. As in MoveIt, the
 //! first virtual joint with the root as child link places the root; others have no effect on poses.

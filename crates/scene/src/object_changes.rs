@@ -1,4 +1,4 @@
-//! Obstacles: added, replaced, extended, moved and removed.
+//! Applies changes of obstacles to a scene: add, replace, append, move and remove; sets the octomap.
 
 use std::collections::HashSet;
 

@@ -1,4 +1,4 @@
-//! Obstacles whose pose and velocity a tracker measures.
+//! Poses and velocities of tracked obstacles: data types, and their application to the scene.
 
 use std::collections::{BTreeMap, HashSet};
 use std::time::Duration;

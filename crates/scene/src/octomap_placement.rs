@@ -1,4 +1,4 @@
-//! Octomaps as obstacles: their pose and their occupied cells.
+//! Converts octomap messages and octrees to the octomap of a scene: its frame, pose and occupied cells.
 
 use clearance_geometry::Shape;
 use clearance_geometry::math::Pose;

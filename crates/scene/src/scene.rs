@@ -1,4 +1,4 @@
-//! The scene around a robot.
+//! The scene that messages change: world, allowed collisions, paddings, frames and sensed obstacles.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! Rejections: errors of scene updates.
+//! Error of a rejected scene update, with the gap that it leaves in the scene.
 
 use clearance_robot::quoted;
 

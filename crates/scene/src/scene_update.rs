@@ -1,4 +1,4 @@
-//! Changes of a scene, as messages and files describe them: numbers are checked, frames are still unresolved names.
+//! Data types of scene updates, as messages and files contain them: numbers are checked, frames are unresolved names.
 
 use std::borrow::Cow;
 use std::collections::HashMap;

@@ -1,4 +1,4 @@
-//! A robot for the tests of this crate.
+//! Test helper: an arm with a tool, for the tests of this crate.
 
 use clearance_robot::{MeshFiles, RobotModel, RobotText};
 

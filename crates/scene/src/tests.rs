@@ -1,4 +1,4 @@
-//! Tests of every operation and every rejection, without a network.
+//! Tests of scene updates: changes of objects, frames, link sizes and rejections, without a network; test helpers.
 
 mod anchor_updates;
 mod attached;

@@ -1,4 +1,4 @@
-//! Time stamps.
+//! Time stamp of messages and transforms, in nanoseconds.
 
 /// A point in time: nanoseconds since the Unix epoch, or since the start of a simulation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]

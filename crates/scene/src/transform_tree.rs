@@ -1,4 +1,4 @@
-//! Frames of other publishers: the latest transform of each, from `tf` and `tf_static`.
+//! Tree of `tf` frames: the latest transform of each frame, its replaced transforms, and paths between frames.
 
 use std::collections::{HashMap, VecDeque};
 

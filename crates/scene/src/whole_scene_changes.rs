@@ -1,4 +1,4 @@
-//! Updates by whole scenes and by differences.
+//! Applies whole scenes and scene differences: world, fixed frames, robot state, collision matrix and link sizes.
 
 use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};

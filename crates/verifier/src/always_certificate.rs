@@ -1,4 +1,4 @@
-//! Proof that two links collide in every state, as a document.
+//! Data types of the proof that two links collide in every state: balls inside their solids and points in contact.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,4 +1,4 @@
-//! Checks that a certificate belongs to this robot, this world and one connected motion.
+//! Checks the format, hash, robot, world, joints and pairs of a certificate, and that its ends are valid states.
 
 use std::collections::HashSet;
 

@@ -1,4 +1,4 @@
-//! Connected closed part of a mesh, and points inside it.
+//! Connected closed part of a mesh, and a test whether it winds around a point.
 
 use std::collections::{HashMap, HashSet};
 

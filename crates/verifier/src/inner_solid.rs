@@ -1,4 +1,4 @@
-//! Solid of a link with balls inside it: a primitive, or a closed part of a mesh.
+//! Solid of a link, a primitive or a closed part of a mesh, and a test whether it contains a ball.
 
 use clearance_geometry::math::{Extremes, MatrixPose, Point, Pose};
 use clearance_geometry::{Primitive, Shape};

@@ -1,4 +1,4 @@
-//! Poses of all bodies at the middle of an interval.
+//! Poses of all bodies and joint axes at the middle of an interval, and how far each body reaches from each axis.
 
 use clearance_geometry::math::{Extremes, MatrixPose, Point, Vector};
 use clearance_robot::{LinkId, LinkPoses, RobotModel};

@@ -1,4 +1,4 @@
-//! Boxes of joint positions of a proof: the text of a tree of halvings.
+//! Reads the text of a proof, a tree of halved boxes of joint positions, and verifies each of its leaves.
 
 use clearance_geometry::math::Vector;
 

@@ -1,4 +1,4 @@
-//! Tests of boxes of joint positions of two links.
+//! Separation test of two links within a box of joint positions: distance at its centre against motion in it.
 
 use clearance_geometry::math::{Extremes, MatrixPose, Point, Vector};
 

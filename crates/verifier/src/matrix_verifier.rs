@@ -1,4 +1,4 @@
-//! Verifies the proofs of a collision matrix.
+//! Verifies the certificate of a collision matrix: pairs of links that never collide, or always.
 
 use std::collections::HashSet;
 

@@ -1,4 +1,4 @@
-//! Interval of a proof.
+//! Interval of a proof, by its middle and half width.
 
 use clearance_geometry::math::Extremes;
 

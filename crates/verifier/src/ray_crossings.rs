@@ -1,4 +1,4 @@
-//! Winding number of a closed surface by the faces that a ray crosses: each counts once, with the sign of the side that it is crossed from.
+//! Winding number of a closed surface around a point: signed count of the faces that a ray crosses.
 //!
 //! The ray is parallel to the x axis. The count is an integer and exact: the signs of all determinants are proven by bounds on their
 //! rounding (Shewchuk 1997, *Adaptive precision floating-point arithmetic and fast robust geometric predicates*, sections 4.3 and 4.4).

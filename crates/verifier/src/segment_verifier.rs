@@ -1,4 +1,4 @@
-//! Verifies the proofs of one segment.
+//! Verifies the proofs of one segment: a pair of bodies stays apart during each interval.
 
 use std::borrow::Cow;
 

@@ -1,4 +1,4 @@
-//! Tests that true certificates are accepted, false ones are rejected, and the trusted bounds hold for sampled points.
+//! Tests of the verifier: true certificates are accepted, false ones rejected, and trusted bounds hold.
 
 mod alterations;
 mod motion_bound;

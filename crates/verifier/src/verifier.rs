@@ -1,4 +1,4 @@
-//! Verifies that a certificate proves its claims.
+//! The verifier: checks all claims of a certificate of a motion for one robot in one world.
 
 use clearance_motion::{Certificate, MotionSegment};
 use clearance_robot::RobotModel;

@@ -1,4 +1,4 @@
-//! Everything that a verifier derives from robot, world and settings before it sees a certificate.
+//! Data that a verifier derives from robot, world and settings before it reads a certificate: bodies and pairs.
 
 use clearance_motion::{certificate_parts, model_fingerprint, world_fingerprint};
 use clearance_robot::{LinkId, RobotModel};

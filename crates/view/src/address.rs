@@ -1,4 +1,4 @@
-//! Address of the view's web server.
+//! Address of the view's web server: parses IP address and port.
 
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::str::FromStr;

@@ -1,4 +1,4 @@
-//! Responses to HTTP requests.
+//! Responses to HTTP requests: page, geometry, stream of updates and slider moves; rejects requests of other origins.
 
 use std::convert::Infallible;
 use std::net::IpAddr;

@@ -1,5 +1,4 @@
-//! Slot with the last evaluation, exchanged without a lock: a slow reader receives the newest one, never a queue of old
-//! ones.
+//! Slot with the last evaluation, exchanged without a lock: a slow reader receives only the newest one.
 
 use std::time::Instant;
 

@@ -1,4 +1,4 @@
-//! Estimated reach of the robot, for the camera of the view.
+//! Estimated reach of the robot, a bounding box over sampled states, for the camera of the view.
 
 use clearance_geometry::Shape;
 use clearance_geometry::math::{Extremes, Point, Vector};

@@ -1,4 +1,4 @@
-//! The state of a view without a node: set by the program or by a browser, and evaluated at once.
+//! State of a view without a node: a program or a browser's sliders set it, and it is evaluated at once.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Instant, SystemTime, UNIX_EPOCH};

@@ -1,4 +1,4 @@
-//! The view without a node: sliders, and that nothing but their moves is accepted.
+//! Tests of the view without a node: sliders, states that a program sets, and rejected requests.
 
 use std::io::{Read, Write};
 use std::net::TcpStream;

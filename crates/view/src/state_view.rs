@@ -1,4 +1,4 @@
-//! View without a node: the program and the browsers set the state of the robot.
+//! Public handle of a view without a node: opens its web server, sets and returns the robot's state.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! The view without a browser: content, access control, and that no client can block it.
+//! Tests of the view without a browser: updates, geometry, access control, and clients that stop reading.
 
 use clearance_checker::CollisionChecker;
 use clearance_geometry::math::{Pose, Vector};

@@ -1,4 +1,4 @@
-//! Conversion of an evaluation to the update that the page reads.
+//! Converts an evaluation to the JSON update that the page displays: status, distances, contacts and poses.
 
 use clearance_checker::{CollisionChecker, CollisionReport, PairContacts, PairDistance, PairKind};
 use clearance_geometry::math::{Point, Vector};

@@ -1,5 +1,5 @@
-//! Hash grid (Teschner, Heidelberger, Müller, Pomeranets & Gross 2003, *Optimized spatial hashing*): stores boxes in the grid cells that
-//! they overlap.
+//! Broad phase for comparison: hash grid, which stores boxes in the grid cells that they overlap.
+//! Teschner, Heidelberger, Müller, Pomeranets & Gross 2003, *Optimized spatial hashing*.
 
 use std::collections::HashMap;
 

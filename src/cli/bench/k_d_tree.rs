@@ -1,4 +1,5 @@
-//! K-d tree of boxes (Bentley 1975): planes across the axes in turn divide space. A box that a plane crosses stays at the plane's node.
+//! Broad phase for comparison: k-d tree of boxes (Bentley 1975), whose planes across the axes divide space in turn.
+//! A box that a plane crosses stays at the plane's node.
 
 use clearance::proximity::bvh::AxisBox;
 

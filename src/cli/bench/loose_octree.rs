@@ -1,5 +1,6 @@
-//! Loose octree (Ulrich 2000, *Loose octrees*, in *Game Programming Gems*): a box belongs to the cell of its size that holds its centre. A
-//! cell with its boxes extends by half an edge beyond its sides.
+//! Broad phase for comparison: loose octree, where a box belongs to the cell of its size that holds its centre.
+//! Ulrich 2000, *Loose octrees*, in *Game Programming Gems*. A cell with its boxes extends by half an edge beyond
+//! its sides.
 
 use clearance::proximity::bvh::AxisBox;
 

@@ -1,5 +1,4 @@
-//! `clearance bench`: measures the time of a check with this robot, world and machine, and compares broad phase structures or kinds of
-//! bounding volumes.
+//! `clearance bench`: measures the time of checks, and compares broad phase structures or kinds of bounding volumes.
 
 mod hash_grid;
 mod k_d_tree;

@@ -1,4 +1,4 @@
-//! Broad phase structures: find the boxes that overlap a given box. The library's tree, and alternatives.
+//! Trait of the broad phase structures that `clearance bench` compares, and its implementation by the library's tree.
 
 use clearance::geometry::simd::Level;
 use clearance::proximity::bvh::{AxisBox, DynamicTree};

@@ -1,4 +1,5 @@
-//! Cost of each kind of bounding volume: `T = T_0 + N_bv * C_bv + N_p * C_p` (Gottschalk, Lin & Manocha 1996).
+//! Measures the cost of each kind of bounding volume: `T = T_0 + N_bv * C_bv + N_p * C_p`.
+//! Gottschalk, Lin & Manocha 1996.
 
 use std::hint::black_box;
 

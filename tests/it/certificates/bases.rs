@@ -1,4 +1,4 @@
-//! Scenes with certificates that the forger of `mutations` begins with.
+//! Test helper: robots, worlds and certificates that the tests in `mutations` alter.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! Samples what a certificate says, with geometry of its own: which balls and boxes touch while the document's motion goes on.
+//! Test helper: samples the motion of a certificate for contacts of balls and boxes, with geometry of its own.
 
 use std::collections::HashMap;
 

@@ -1,4 +1,4 @@
-//! `clearance verify`: the motion that was meant, where obstacles start, and what differs.
+//! Tests of `clearance verify`: expected motions, start poses of obstacles, and reported differences.
 
 use std::process::Output;
 

@@ -1,4 +1,4 @@
-//! Segments join exactly, or the gap between them is proven free.
+//! Tests of the joins of a certificate's segments: they are exact, or the gap between them is proven free.
 
 use clearance::checker::{MotionOptions, MotionVerdict};
 use clearance::geometry::math::{Point, Pose};

@@ -1,4 +1,4 @@
-//! Certificates with a margin: the verifier proves that no pair is ever nearer than it.
+//! Tests of certificates with a margin: the verifier proves that no pair is ever nearer than it.
 
 use clearance::Question;
 use clearance::checker::MotionOptions;

@@ -1,4 +1,4 @@
-//! Certificates of motions: what the verifier accepts is free, and is the motion that was asked about.
+//! Tests of certificates of motions: an accepted one is free, and is of the requested motion; test helpers.
 
 mod bases;
 mod brute_force;

@@ -1,5 +1,4 @@
-//! Documents altered at random and signed again, as a forger would: what is still accepted is free, by sampling it, and is the motion
-//! that was expected.
+//! Tests of forged certificates, altered at random and signed again: accepted ones are free and as expected.
 //!
 //! `CLEARANCE_SOUNDNESS=long` makes 10⁵ of them.
 

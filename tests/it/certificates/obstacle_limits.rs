@@ -1,4 +1,4 @@
-//! Certificates that hold for every motion of obstacles within their limits.
+//! Tests of certificates that hold for every motion of obstacles within their limits.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! Certificates of collision matrices: proofs verify with the independent verifier, changed ones do not.
+//! Tests of certificates of collision matrices: proofs verify with the independent verifier, changed ones do not.
 
 use std::path::Path;
 use std::sync::Arc;

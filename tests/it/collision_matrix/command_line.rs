@@ -1,4 +1,4 @@
-//! `clearance acm` and `--ignore` from outside.
+//! Tests of the command `clearance acm` and of the option `--ignore`.
 
 use serde_json::Value;
 

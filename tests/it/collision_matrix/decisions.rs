@@ -1,4 +1,4 @@
-//! Decisions about small random robots hold on dense grids and against a search for counterexamples.
+//! Tests of collision matrix decisions for small random robots, on dense grids and by a search for counterexamples.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! Proven collision matrices: decisions hold on grids and against searches, certificates verify, tampered ones do not, SRDFs keep their text.
+//! Tests of proven collision matrices: decisions, certificates and the command line.
 
 mod certificates;
 mod command_line;

@@ -1,4 +1,4 @@
-//! Small random robots, and their matrices.
+//! Test helper: small random robots, their collision matrices, and collisions of a pair of links in a state.
 
 use std::fmt::Write;
 use std::sync::Arc;

@@ -1,4 +1,5 @@
-//! Convex hull by enumeration: a plane through three points is a face if no point is beyond it. O(n⁴), for few points.
+//! Test helper: convex hull of few points by enumeration of planes through three points, O(n⁴).
+//! A plane is a face if no point is beyond it.
 
 use clearance::geometry::math::{Point, Vector};
 

@@ -1,5 +1,7 @@
-//! V-Clip (Mirtich 1998, *V-Clip: fast and robust polyhedral collision detection*): two features are nearest if each is in the Voronoi region
-//! of the other. While one is not, it is replaced by a neighbour, and the distance of the features decreases.
+//! Test oracle: distance of convex polytopes by V-Clip, a walk between features (vertices, edges, faces).
+//! Mirtich 1998, *V-Clip: fast and robust polyhedral collision detection*. Two features are nearest if each is in
+//! the Voronoi region of the other. While one is not, it is replaced by a neighbour, and the distance of the
+//! features decreases.
 
 use clearance::geometry::math::{Point, Vector};
 

@@ -1,5 +1,6 @@
-//! Linear programming in few variables (Seidel 1991, *Small-dimensional linear programming and convex hulls made easy*): constraints are
-//! added one by one in random order. If the optimum violates the next one, the new optimum is on its boundary, a program with one variable
+//! Test helper: linear programming in few variables (Seidel 1991).
+//! *Small-dimensional linear programming and convex hulls made easy*: constraints are added one by one in random
+//! order. If the optimum violates the next one, the new optimum is on its boundary, a program with one variable
 //! less.
 
 use crate::random::Random;

@@ -1,4 +1,5 @@
-//! Two oracles for convex polytopes. They share no code with the engine, and none with each other.
+//! Test oracles for convex polytopes: separation by a plane, and distance by V-Clip.
+//! They share no code with the engine, and none with each other.
 //!
 //! | file | what it decides |
 //! |---|---|

@@ -1,4 +1,4 @@
-//! A convex polytope as vertices, edges and faces.
+//! Test helper: convex polytope as vertices, edges and faces; cuts and placements of it.
 
 use clearance::geometry::TriangleMesh;
 use clearance::geometry::math::{Point, Pose, Vector};

@@ -1,4 +1,4 @@
-//! Two point sets are strictly apart if and only if a plane separates them: a linear program with four variables.
+//! Test oracle: separating plane with the widest gap between two point sets, by a linear program in four variables.
 //!
 //! Maximise the gap t under `n · (b - a) >= t` for all points a and b, with every coordinate of n between -1 and 1. The optimum is the
 //! distance in the sum norm: |x| + |y| + |z| is at most n · (x, y, z) for the best such n. The distance in space is at most as long, and

@@ -1,5 +1,5 @@
-//! Voronoi regions of the features of a polytope: the points outside that are nearest to this feature. Planes between a feature and its
-//! neighbours bound them.
+//! Test helper: Voronoi regions of the features of a polytope, and the clipping of edges to them.
+//! Planes between a feature and its neighbours bound them.
 
 use clearance::geometry::math::{Point, Vector};
 

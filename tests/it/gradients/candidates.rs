@@ -1,4 +1,4 @@
-//! Candidates of pairs with several witness pairs, against one-sided directional derivatives.
+//! Tests of gradients of pairs with several witness pairs, against one-sided directional derivatives.
 
 use std::sync::Arc;
 

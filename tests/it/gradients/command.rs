@@ -1,4 +1,4 @@
-//! `clearance check --gradient`.
+//! Test of the command `clearance check --gradient`.
 
 use serde_json::Value;
 

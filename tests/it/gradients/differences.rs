@@ -1,4 +1,4 @@
-//! Derivatives of signed distances by differences: central ones, extrapolated to a step of zero.
+//! Test helper: derivatives of signed distances by central differences, extrapolated to a step of zero.
 
 use std::collections::HashMap;
 

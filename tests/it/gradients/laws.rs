@@ -1,4 +1,4 @@
-//! Laws of signed distances, and their agreement with other queries.
+//! Tests of signed distances: agreement with other queries, witness points and normals, limits, unknown depths.
 
 use std::sync::Arc;
 

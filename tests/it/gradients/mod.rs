@@ -1,4 +1,4 @@
-//! Signed distances and their derivatives: against differences, against other queries, and their laws.
+//! Tests that gradients of signed distances equal difference quotients, for random and real robots.
 
 mod candidates;
 mod command;

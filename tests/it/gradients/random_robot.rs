@@ -1,4 +1,4 @@
-//! Random robots with all kinds of joints, primitives and meshes, in a random world, with an attached object.
+//! Test helper: random robots with all joint types, primitives, meshes and an attached object, in a random world.
 
 use std::fmt::Write as _;
 use std::sync::{Arc, LazyLock};

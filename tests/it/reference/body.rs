@@ -1,4 +1,4 @@
-//! A body with the reference engine's hierarchies.
+//! Test oracle: a body of the reference engine, with its OBB tree and RSS tree.
 
 use clearance::geometry::Shape;
 use clearance::geometry::math::Pose;

@@ -1,4 +1,4 @@
-//! One simple solid around points or around a primitive.
+//! Test oracle: trait of the reference engine's bounding volumes (OBB, RSS).
 
 use clearance::geometry::Primitive;
 use clearance::geometry::math::{Point, Pose, RotationMatrix, Vector};

@@ -1,4 +1,4 @@
-//! Do two bodies touch?
+//! Test oracle: collision test of two bodies, which descends both OBB trees of the reference engine.
 
 use clearance::geometry::math::{Point, Pose};
 use clearance::proximity::element_contact;

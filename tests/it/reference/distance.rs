@@ -1,4 +1,4 @@
-//! How far are two bodies apart?
+//! Test oracle: distance of two bodies, which descends both RSS trees of the reference engine.
 
 use clearance::geometry::constants::CONTACT_DISTANCE;
 use clearance::geometry::math::Pose;

@@ -1,4 +1,4 @@
-//! The reference engine: the slow and simple path that the fast one is checked against.
+//! Test oracle: the reference engine, slow and simple collision and distance queries.
 //!
 //! Plain f64, one volume and one pair of triangles at a time: per body a binary OBB tree for booleans (Gottschalk, Lin &
 //! Manocha 1996) and a binary RSS tree for distances (Larsen, Gottschalk, Lin & Manocha 1999). It shares with the engine the

@@ -1,4 +1,5 @@
-//! Oriented bounding boxes and their separating-axis test (Gottschalk, Lin & Manocha 1996, *OBBTree*, section 5).
+//! Test oracle: oriented bounding boxes and their separating-axis test (Gottschalk, Lin & Manocha 1996).
+//! *OBBTree*, section 5.
 
 use super::bounding_volume::{BoundingVolume, principal_axes};
 use clearance::geometry::constants::{CONTACT_DISTANCE, FIT_SLACK};

@@ -1,4 +1,4 @@
-//! Rectangle swept spheres: all points within a radius of a rectangle (Larsen, Gottschalk, Lin & Manocha 1999).
+//! Test oracle: rectangle swept spheres, all points within a radius of a rectangle (Larsen et al. 1999).
 
 use super::bounding_volume::{BoundingVolume, principal_axes};
 use clearance::geometry::constants::{CONTACT_DISTANCE, FIT_SLACK};

@@ -1,4 +1,4 @@
-//! Top-down construction: a volume around all, split at the median along the longest principal axis.
+//! Test oracle: bounding volume tree, built top down with splits at the median along the longest principal axis.
 
 use clearance::geometry::math::{Point, Vector};
 use clearance::proximity::Element;

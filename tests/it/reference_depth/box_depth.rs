@@ -1,4 +1,4 @@
-//! Exact penetration depth of two unions of axis-aligned boxes, by enumeration.
+//! Test oracle: exact penetration depth of two unions of axis-aligned boxes, by enumeration.
 //!
 //! Translations after which two boxes overlap form a box, their Minkowski difference; those after which two unions overlap form the union
 //! of such boxes. The nearest translation that is inside of none has coordinates that are zero or a face of a box.

@@ -1,4 +1,4 @@
-//! Penetration depth of two small solid meshes by a dense search over directions.
+//! Test oracle: penetration depth of two small solid meshes by a dense search over directions.
 //!
 //! Along one direction the result is exact: each pair of triangles overlaps for an interval of translations, which is the part of a line
 //! inside the Minkowski difference of the two, the convex hull of nine points. The solids come apart at the first translation that is in

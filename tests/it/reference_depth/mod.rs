@@ -1,5 +1,5 @@
-//! Slow paths that penetration depths are checked against. They share no code with the engine: exact depths of unions of boxes, and a
-//! dense search over directions for small meshes.
+//! Test oracles for penetration depths: exact for unions of boxes, by dense search for small meshes.
+//! They are slow, and share no code with the engine.
 
 mod box_depth;
 mod direction_search;

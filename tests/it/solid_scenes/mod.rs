@@ -1,4 +1,4 @@
-//! Solid meshes in random scenes: every question, streams, batches and motions have the results of brute force.
+//! Tests of solid meshes in random scenes: queries, streams, batches and motions against brute force.
 //!
 //! Brute force takes surfaces from the reference engine, points of clouds one by one, and adds the solid angles of all faces to find out
 //! whether something is inside.

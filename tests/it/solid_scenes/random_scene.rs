@@ -1,4 +1,4 @@
-//! Robots and worlds of random meshes, closed ones and open ones.
+//! Test helper: random robots and worlds of closed and open meshes.
 
 use std::fmt::Write;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! Bodies without hierarchies: the slow path of the comparison.
+//! Test oracle: distance and containment of bodies by brute force, with solid angles instead of hierarchies.
 
 use clearance::geometry::math::{Point, Pose};
 use clearance::geometry::{Primitive, Shape};

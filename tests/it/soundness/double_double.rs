@@ -1,4 +1,4 @@
-//! Numbers of 106 bits: the oracle's arithmetic, so that no cancellation of f64 inputs can mislead it.
+//! Test helper: double-double numbers (106 bits), and vectors and poses of them, for the oracles.
 //!
 //! A number is an unevaluated sum of two f64 (Dekker 1971, *A floating-point technique for extending the available
 //! precision*; Joldes, Muller & Popescu 2017, *Tight and rigorous error bounds for basic building blocks of double-word

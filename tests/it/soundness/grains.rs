@@ -1,4 +1,4 @@
-//! Planes, clouds of points and voxels against everything, and among themselves.
+//! Tests of planes, point clouds and voxels against all kinds of shapes, and among themselves.
 
 use super::random_pairs::{CLOSED, Kind, OF_BOXES, OF_CLOSED_FORMS, OF_CYLINDERS, ask};
 use super::triangles::OF_TRIANGLES;

@@ -1,5 +1,6 @@
-//! Grid mode: corners at integers times a power of two, poses that map the grid to itself. Everything touches, overlaps
-//! and lines up all the time, and every answer is known exactly.
+//! Tests of triangles and meshes with corners on a grid, against distances in exact integers.
+//! Corners are at integers times a power of two, and poses map the grid to itself. Everything touches, overlaps
+//! and lines up all the time, and every result is known exactly.
 
 use clearance::geometry::TriangleMesh;
 use clearance::geometry::math::{Point, Pose, Rotation, RotationMatrix};

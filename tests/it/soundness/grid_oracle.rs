@@ -1,4 +1,4 @@
-//! The exact distance of two triangles with integer corners, as a quotient of integers: nothing is rounded.
+//! Test oracle: exact distance of two triangles with integer corners, as a quotient of integers.
 
 type Corner = [i64; 3];
 

@@ -1,5 +1,4 @@
-//! Properties of the queries between any two bodies: agreement with the oracle, symmetry, limits, margins, witness
-//! points, and independence of the frame.
+//! Test helper: checks query results for two bodies against the oracle, symmetry, limits, witness points and frames.
 
 use clearance::geometry::constants::CONTACT_DISTANCE;
 use clearance::geometry::math::{Point, Pose};

@@ -1,4 +1,4 @@
-//! Counts, disagreements and largest errors of one family of test cases: one row of the error table.
+//! Test helper: disagreements and largest errors of a family of test cases, as one row of the error table.
 
 use std::path::Path;
 use std::sync::Mutex;

@@ -1,4 +1,4 @@
-//! Links of real robots: at relative poses of every kind, and where joints and obstacles bring them.
+//! Tests of links of real robots: at random relative poses, and in random states of robots in worlds.
 
 use clearance::checker::{CollisionChecker, CollisionReport, PairDistance, Question};
 use clearance::geometry::constants::CONTACT_DISTANCE;

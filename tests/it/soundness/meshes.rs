@@ -1,4 +1,4 @@
-//! Mesh against mesh, from one to two thousand triangles: the hierarchies must never lose a pair.
+//! Tests of meshes against meshes, with one to two thousand triangles, and of points inside solid meshes.
 
 use clearance::geometry::math::{Point, Pose, Vector};
 use clearance::geometry::{Shape, TriangleMesh};

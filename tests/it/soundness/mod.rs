@@ -1,4 +1,4 @@
-//! The soundness of the proximity queries: every answer against oracles that share no code with the library.
+//! Tests of the soundness of proximity queries, against oracles that share no code with the library.
 //!
 //! The suite speaks to the public questions only, so that it judges any engine behind them. What is true comes from
 //! construction ([`slabs`]), from exact integers ([`grid`]) or from brute force in 106 bits ([`solid_oracle`]).

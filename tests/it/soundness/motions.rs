@@ -1,4 +1,4 @@
-//! Motions: what is proven free against many states of it, and contacts against the states that they name.
+//! Tests of motion checks: free motions against dense samples, contacts against the states at their times.
 //!
 //! A motion that comes within 5 mm of contact is looked at every 0.001 (rad and m, in the joints' 2-norm); of the others it is enough
 //! to see that they stay farther away. Families: robots alone, among primitives, before a mesh world, before walls a millimetre thin, full turns,

@@ -1,4 +1,4 @@
-//! The oracles against each other and against answers worked out by hand.
+//! Tests of the oracles: against each other, and against results computed by hand.
 
 use clearance::geometry::math::{Point, Pose, Rotation, Vector};
 use clearance::geometry::{Primitive, Shape};

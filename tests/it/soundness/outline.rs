@@ -1,5 +1,5 @@
-//! Parts of oracle bodies and their bounds in f64. They only prove that distant parts are apart; near parts need
-//! double-double arithmetic.
+//! Test helper: parts of oracle bodies in f64, and lower bounds on their distances.
+//! They only prove that distant parts are apart; near parts need double-double arithmetic.
 
 use clearance::geometry::math::{Point, Pose, RotationMatrix, Vector};
 

@@ -1,4 +1,4 @@
-//! What bodies are made of: triangles and solid primitives, and how far two of them are apart.
+//! Test oracle: parts of bodies (triangles and solid primitives), and the distance of two parts.
 
 use clearance::geometry::Primitive;
 use clearance::geometry::math::{Point, Vector};

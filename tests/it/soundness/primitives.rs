@@ -1,5 +1,4 @@
-//! Distance and signed distance of boxes, spheres, cylinders, cones and capsules, also against meshes, compared with
-//! oracles.
+//! Tests of distances and signed distances of primitives, also against meshes, compared with oracles.
 
 use clearance::geometry::math::{Point, Pose, Vector};
 use clearance::geometry::{Primitive, Shape};

@@ -1,4 +1,4 @@
-//! Random pairs of shapes of given kinds, compared with the oracle: the kinds, and the accuracy that they have.
+//! Test helper: compares random pairs of shapes with the oracle; kinds of shapes and their accuracy.
 
 use clearance::geometry::math::Vector;
 use clearance::geometry::{Primitive, Shape};

@@ -1,4 +1,4 @@
-//! Truth by construction: one body below the plane z = 0 and one above it, each touching it, then lifted by a gap.
+//! Tests of nearly touching triangles and sheets on both sides of a plane, whose exact distance is known.
 //!
 //! The distance is the gap, to the last bit: the plane proves that it is not less, the touching points that it is not
 //! more. Sunk instead of lifted, a corner over a face pierces it.

@@ -1,4 +1,4 @@
-//! How far two bodies are apart: every part against every part, less what a tree of boxes proves too far.
+//! Test oracle: distance of two bodies, the least over all pairs of parts, pruned by a tree of boxes.
 
 use clearance::geometry::math::{Point, Pose, Vector};
 use clearance::geometry::{Plane, Primitive, Shape};

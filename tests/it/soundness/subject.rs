@@ -1,4 +1,4 @@
-//! Body under test, in two representations: the engine's and the oracle's.
+//! Test helper: body under test, in two representations: the engine's and the oracle's.
 
 use clearance::geometry::math::{Point, Pose};
 use clearance::geometry::{Shape, Triangle, TriangleMesh};

@@ -1,4 +1,4 @@
-//! How far two triangles are apart, from first principles in 106 bits.
+//! Test oracle: distance of two triangles in 106-bit arithmetic.
 //!
 //! Two triangles cross, or are nearest at a corner of one over the face of the other, at a corner and an edge, or at two
 //! edges. Every squared distance is a quotient whose numerator and denominator are sums of few products, so that one

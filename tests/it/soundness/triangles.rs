@@ -1,4 +1,4 @@
-//! Triangle against triangle, each a body of its own: wherever floating point may go wrong.
+//! Tests of triangle against triangle: slivers, needles, coplanar and degenerate ones, huge and tiny ones.
 
 use clearance::geometry::math::{Point, Pose, Vector};
 

@@ -1,4 +1,4 @@
-//! How far a solid cylinder or cone is from a triangle or another of its kind, by nothing but convexity.
+//! Test oracle: distance of a solid cylinder or cone from a triangle or another such solid, by golden-section search.
 //!
 //! The distance of a point from one has a closed form and is convex; over a convex set its least value is found by
 //! golden-section searches nested in one another (Kiefer 1953): slow, simple, and without any idea of GJK.

@@ -48,9 +48,30 @@ enum class OmplSpaces {
   straight
 };
 
+namespace detail {
+
+// Throws Error for a floating joint: spaces of real values interpolate the components of its quaternion, but a motion turns the short
+// way.
+inline void reject_floating(const std::vector<std::string> &names) {
+  const std::string last = "/rot_w";
+  for (const std::string &name : names) {
+    if (name.size() <= last.size() || name.compare(name.size() - last.size(), last.size(), last) != 0) {
+      continue;
+    }
+    const std::string joint = name.substr(0, name.size() - last.size());
+    const auto has = [&](const char *part) { return std::find(names.begin(), names.end(), joint + part) != names.end(); };
+    if (has("/trans_x") && has("/trans_y") && has("/trans_z") && has("/rot_x") && has("/rot_y") && has("/rot_z")) {
+      throw Error(CLEARANCE_STATUS_REJECTED,
+                  "the floating joint '" + joint + "' cannot be planned with OMPL: leave it out, by the group of the checker");
+    }
+  }
+}
+
+}  // namespace detail
+
 // Where the positions of a checker are in the states of an OMPL space.
 //
-// Throws Error if a joint is missing, if the space has values or parts that are not joints, if a joint with limits is in an SO2StateSpace,
+// Throws Error for a floating joint, if a joint is missing, if the space has values or parts that are not joints, if a joint with limits is in an SO2StateSpace,
 // or if the space may not interpolate along straight lines.
 class OmplJoints {
  public:
@@ -58,6 +79,7 @@ class OmplJoints {
       : space_(space) {
     space->computeLocations();
     const std::vector<std::string> names = checker.joint_names();
+    detail::reject_floating(names);
     if (!is_in_order(names.size())) {
       for (std::size_t i = 0; i < names.size(); ++i) {
         add(names[i], checker.is_continuous(i));
@@ -471,9 +493,10 @@ inline void use_in_ompl(const ::ompl::base::SpaceInformationPtr &si, const Check
 
 // A state space of the joints of a checker, with their limits: SO2StateSpaces for continuous joints, real values for the others.
 //
-// Throws Error for joints that are neither continuous nor limited on both sides.
+// Throws Error for joints that are neither continuous nor limited on both sides, and for floating joints.
 inline ::ompl::base::StateSpacePtr ompl_state_space(const Checker &checker) {
   const std::vector<std::string> names = checker.joint_names();
+  detail::reject_floating(names);
   const auto [lower, upper] = checker.limits();
   const auto compound = std::make_shared<::ompl::base::CompoundStateSpace>();
   const auto real = std::make_shared<::ompl::base::RealVectorStateSpace>();

@@ -1,4 +1,4 @@
-//! A tight capsule around points.
+//! Fits a tight capsule around points or shapes.
 
 use clearance_geometry::math::{Extremes, Point, Pose, RotationMatrix, UnitVector, Vector};
 use clearance_geometry::{Primitive, Shape};

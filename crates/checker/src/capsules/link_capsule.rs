@@ -1,4 +1,4 @@
-//! Capsule around a link or an attached object, in double precision.
+//! Capsule around a link or an attached object, and the lower bound on the distance of two, in double precision.
 
 use clearance_geometry::constants::MOTION_SLACK;
 use clearance_geometry::math::{MatrixPose, Point};

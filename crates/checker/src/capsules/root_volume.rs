@@ -1,4 +1,5 @@
-//! Bounding volumes in the root frame, in single precision: capsules of robot parts, capsules and boxes of obstacles.
+//! Bounding volumes in the root frame, in single precision, with lower bounds on their distances: capsules of robot
+//! parts, capsules and boxes of obstacles.
 //!
 //! # The bounds
 //!

@@ -1,4 +1,4 @@
-//! Clearance queries of a collision checker.
+//! Methods of the collision checker for clearance: signed distances with derivatives, of one state or many.
 
 use std::time::Instant;
 

@@ -1,4 +1,4 @@
-//! Result of a clearance query: near pairs, and the derivatives of their signed distances.
+//! Options and result of a clearance query: near pairs, and the derivatives of their signed distances.
 
 use clearance_geometry::math::{Extremes, Point, Vector};
 use clearance_proximity::{TieTolerance, UnknownDepth, Work};

@@ -1,4 +1,4 @@
-//! Least distances along motions: bounds hold at dense samples and are within the tolerance.
+//! Tests of least distances along motions: bounds hold at dense samples and are within the tolerance.
 
 use std::sync::Arc;
 
@@ -191,6 +191,27 @@ fn a_stopped_search_has_wider_bounds_and_a_reason() {
         assert_eq!((least.lower, least.nearest), (0.0, None));
         assert_eq!(found.unfinished, Some(UndecidedReason::Deadline));
     }
+}
+
+/// 160,000 turns: their parts would take gigabytes before the budget ends.
+#[test]
+fn a_search_with_many_waiting_intervals_is_stopped() {
+    let arm = "<robot name='arm'><link name='base'/><link name='tool'><collision><origin xyz='0.5 0 0'/>
+        <geometry><box size='1 0.1 0.1'/></geometry></collision></link>
+        <joint name='turn' type='continuous'><parent link='base'/><child link='tool'/><axis xyz='0 0 1'/></joint></robot>";
+    let robot = Arc::new(RobotModel::from_urdf(arm, &MeshFiles::default()).unwrap());
+    let mut world = World::default();
+    let post = Shape::Primitive(Primitive::sphere(0.1).unwrap());
+    world.add(Obstacle::of_shape("post", Pose::translation(0.0, 2.0, 0.0), post)).unwrap();
+    let checker = CollisionChecker::new(robot, &world, Settings::default()).unwrap();
+    let [from, to] = [0.0, 1e6].map(|turn| checker.robot().configuration(&[turn]).unwrap());
+    let motion = MotionSegment::straight(checker.robot(), &from, &to);
+    let options = MotionClearanceOptions { budget: u64::MAX, ..MotionClearanceOptions::default() };
+    let found = checker.clearance_along(&motion, &options, &mut checker.workspace());
+    assert_eq!(found.unfinished, Some(UndecidedReason::Budget));
+    let world = found.nearest_world.unwrap();
+    let least = 1.9 - 1.0_f64.hypot(0.05);
+    assert!(world.lower <= least && world.upper >= least - ROUNDING, "{world:?}");
 }
 
 /// With a tracking tolerance, the lower bound holds for states off the motion.

@@ -1,4 +1,4 @@
-//! Free motions: a motion is free exactly if the check finds it free, for less work.
+//! Tests of free motions and the look-ahead: agreement with the full motion check, work, and moving obstacles.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! Motion of a robot, and of some obstacles, that is checked.
+//! One motion that is checked: its pairs placed at any time, with moving and uncertain obstacles.
 
 use clearance_geometry::math::MatrixPose;
 use clearance_geometry::simd::{Level, dispatch};

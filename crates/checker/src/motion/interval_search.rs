@@ -1,4 +1,4 @@
-//! Search of a motion: the order in which its intervals are proven.
+//! Search of a motion for its earliest or any contact: the order in which its intervals are evaluated.
 
 use std::collections::VecDeque;
 

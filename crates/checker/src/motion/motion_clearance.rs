@@ -30,7 +30,8 @@ pub struct MotionClearanceOptions {
     pub limit: f64,
     /// Time at which the search stops. What it has not searched may be at any distance: `lower` is then 0.
     pub deadline: Option<Instant>,
-    /// Number of pair evaluations after which the search stops; each takes some microseconds.
+    /// Number of pair evaluations after which the search stops; each takes some microseconds. It also stops when a million
+    /// intervals wait for their evaluation.
     pub budget: u64,
     /// Handle by which another thread stops the search.
     pub watch: Option<Watch>,

@@ -1,4 +1,4 @@
-//! Scratch memory of motion checks.
+//! Scratch memory of motion checks, and the types of the intervals in its stack and priority queue.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;

@@ -1,4 +1,4 @@
-//! States of a motion that are tested before its pairs are searched, where that is worth its cost.
+//! Decides by recent successes whether single states of a motion are tested before its pairs are searched.
 
 /// Fractions of a motion at which states are tested: most motions that collide do so at their end or in the middle.
 pub const PROBES: [f64; 2] = [1.0, 0.5];

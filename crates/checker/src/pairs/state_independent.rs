@@ -1,4 +1,4 @@
-//! Results that are the same in all states of a robot in its world, computed at their first use.
+//! Results that are the same in all states, computed once: parts in reach of obstacles, nearest obstacle to fixed parts
 
 use std::sync::OnceLock;
 

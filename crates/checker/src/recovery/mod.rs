@@ -1,4 +1,4 @@
-//! Recovery: ways out of a collision.
+//! Recovery from a collision: a near free state, and the joint velocity that reduces the penetration fastest.
 //!
 //! | content | file |
 //! |---|---|

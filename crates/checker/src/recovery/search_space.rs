@@ -1,4 +1,4 @@
-//! The positions that matter for a way out of a collision, and their ranges.
+//! Search space of a recovery: the positions that may change, and their ranges.
 
 use clearance_geometry::math::Extremes;
 use clearance_robot::{Configuration, RobotModel};

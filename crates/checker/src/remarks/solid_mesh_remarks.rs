@@ -1,4 +1,4 @@
-//! Warnings about meshes that are not closed solids.
+//! Warnings about meshes of robot and world that were repaired to be solids, or are treated as surfaces.
 
 use std::sync::Arc;
 

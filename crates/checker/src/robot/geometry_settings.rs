@@ -1,4 +1,4 @@
-//! Paddings, scale factors and kinds of volumes of links and objects, validated.
+//! Validates the settings of links and objects: paddings, scale factors and kinds of bounding volumes.
 
 use clearance_robot::RobotModel;
 use clearance_scene::{Settings, VolumeSelection};

@@ -1,4 +1,4 @@
-//! Volumes around the robot's parts at one level of their hierarchies, for visualisation.
+//! Bounding volumes of the robot's parts, for visualisation, and bounds on the distance of its points from the root.
 
 use std::ops::RangeInclusive;
 

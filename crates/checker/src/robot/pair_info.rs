@@ -1,4 +1,4 @@
-//! Constants of a pair of bodies, and candidate pairs.
+//! Data types: constants of a pair of bodies, and candidate pair for the narrow phase.
 
 use clearance_scene::BodyId;
 

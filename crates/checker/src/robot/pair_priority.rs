@@ -1,4 +1,4 @@
-//! Heuristic order in which candidate pairs are tested.
+//! Heuristic order in which candidate pairs are tested: those that collided most often recently come first.
 
 /// Maximum number of stored pairs; searching a longer list would cost more than it saves.
 const MOST: usize = 16;

@@ -1,4 +1,4 @@
-//! Batches of states: eight states in SIMD lanes, then the remaining pairs one by one.
+//! Batch query, whether states are free: eight states in SIMD lanes, then the remaining pairs one by one.
 
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::simd::prelude::*;

@@ -1,4 +1,4 @@
-//! Queries of the broad phase, and their scratch memory.
+//! Data types of the broad phase: queries, near pieces of obstacles, and scratch memory.
 
 use clearance_geometry::simd::{LANES, Simd, f32x8};
 use clearance_proximity::Piece;

@@ -1,5 +1,5 @@
-//! Index of the world's obstacles: finds those that may be near a robot part, first by boxes in a tree, then by
-//! capsules.
+//! Index of the world's obstacles: numbers their pairs with robot parts, and finds the obstacles that may be near a
+//! part, first by boxes in a tree, then by capsules.
 
 use clearance_geometry::math::Extremes;
 use clearance_geometry::simd::{LANES, Level, Simd, dispatch};

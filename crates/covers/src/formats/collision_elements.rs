@@ -1,4 +1,4 @@
-//! Collision elements of a URDF text: replaced, with the rest unchanged.
+//! Replaces the collision elements in a URDF text; the rest stays unchanged.
 
 use std::ops::Range;
 

@@ -1,4 +1,4 @@
-//! Spheres for cuRobo: the content of `collision_spheres` of a robot configuration.
+//! Writer of sphere covers for cuRobo: the content of `collision_spheres` of a robot configuration.
 
 use crate::formats::text::spheres_by_link;
 use crate::sphere_cover::SphereCover;

@@ -1,4 +1,4 @@
-//! URDF with simplified meshes as collision geometry.
+//! Writer of a URDF with simplified meshes as collision geometry.
 
 use clearance_robot::{LinkId, RobotModel, xml_attribute};
 

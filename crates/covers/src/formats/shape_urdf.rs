@@ -1,4 +1,4 @@
-//! URDF with capsules or boxes as collision geometry.
+//! Writer of a URDF with capsules or boxes as collision geometry.
 
 use clearance_robot::RobotModel;
 

@@ -1,4 +1,4 @@
-//! URDF with spheres as collision geometry, as VAMP and foam read it.
+//! Writer of a URDF with spheres as collision geometry, as VAMP and foam read it.
 
 use clearance_robot::RobotModel;
 

@@ -1,4 +1,4 @@
-//! Binary STL.
+//! Writer of binary STL files for simplified meshes, and their recognition by the header.
 
 use clearance_geometry::TriangleMesh;
 

@@ -1,4 +1,4 @@
-//! Text of names and numbers.
+//! Text formatting of names, numbers and spheres for the files of covers.
 
 use std::fmt::Write;
 

@@ -1,4 +1,4 @@
-//! Spheres in the Extended Robot Description Format (XRDF 1.0) of Isaac.
+//! Writer of sphere covers in the Extended Robot Description Format (XRDF 1.0) of Isaac.
 
 use std::fmt::Write;
 

@@ -1,4 +1,4 @@
-//! Simplified meshes of random surfaces: topology, and distances against dense samples.
+//! Tests of mesh simplification on random surfaces: topology, and distances against dense samples.
 
 use std::collections::{HashMap, HashSet};
 use std::f64::consts::TAU;

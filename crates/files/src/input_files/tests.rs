@@ -1,3 +1,5 @@
+//! Tests of reading and writing files: size limits, missing files, and special files that never block.
+
 use std::path::Path;
 
 use super::*;

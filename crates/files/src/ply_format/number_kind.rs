@@ -1,4 +1,4 @@
-//! Numbers as binary records and texts store them.
+//! Number types of PLY: size, byte order, and reading from binary records and text.
 
 /// How a number is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

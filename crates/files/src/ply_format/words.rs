@@ -1,4 +1,4 @@
-//! Lines and words of files that are partly text.
+//! Splits the text part of a file, such as a PLY header, into lines and words.
 
 /// A line without its end, and what follows; `None` at the end.
 pub fn next_line(bytes: &[u8]) -> Option<(std::borrow::Cow<'_, str>, &[u8])> {

@@ -1,4 +1,4 @@
-//! SIMD arithmetic with eight lanes; the only module that uses the SIMD crate.
+//! SIMD arithmetic with eight lanes, and dispatch by instruction set; the only module that uses the SIMD crate.
 //!
 //! The instruction set is selected at run time ([`Level::new`]). Every level gives bit-identical results: no operation here fuses,
 //! reorders or approximates. Code that is generic over [`Simd`] must be inlined into the dispatched function to be compiled for its

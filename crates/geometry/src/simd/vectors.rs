@@ -1,4 +1,4 @@
-//! Eight points or directions.
+//! Eight 3D points or directions in SIMD lanes: vector algebra and transforms.
 
 use super::prelude::*;
 use super::{LANES, Simd, f32x4, f32x8};

@@ -1,4 +1,4 @@
-//! Cost of tests whether points are inside.
+//! Work counters of inside tests.
 
 /// Number of elementary steps of inside tests.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -1,4 +1,4 @@
-//! Moments of faces about a centre, weighted with the unit normals n of the faces: what their far field is made of.
+//! Moments of faces about a centre, weighted with the unit normals n of the faces: the coefficients of their far field.
 
 use crate::math::{Point, Vector};
 

@@ -1,4 +1,4 @@
-//! Remarks on a mesh as a solid: repaired faces, and parts that stay open.
+//! Remarks on a mesh as a solid: repaired faces, shells wound inward, cavities, and parts that stay open.
 
 use std::fmt;
 

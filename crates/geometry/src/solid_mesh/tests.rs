@@ -1,4 +1,4 @@
-//! Compares solids with winding numbers of the original shapes, before these were damaged.
+//! Tests of solid meshes: damaged meshes enclose the same points as the original shapes, and the damage is reported.
 
 #![allow(clippy::cast_precision_loss, clippy::cast_possible_truncation)] // small numbers
 

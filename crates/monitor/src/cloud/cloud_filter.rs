@@ -1,4 +1,4 @@
-//! Filter that reduces a cloud to the points to avoid.
+//! Point cloud filter: transform, crop, self-filter and voxel filter in sequence; the result is the cloud of obstacles.
 
 use std::sync::Arc;
 

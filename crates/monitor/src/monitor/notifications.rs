@@ -1,4 +1,4 @@
-//! Notifications about robot, world and memory that come between joint states.
+//! Methods of the monitor for notifications between joint states: model changes, world updates, faults and memory.
 
 use std::time::Duration;
 

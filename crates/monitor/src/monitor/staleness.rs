@@ -1,4 +1,4 @@
-//! Until when an evaluation is valid: ages of joint states, transforms and world data, and the next heartbeat.
+//! Methods of the monitor for validity times: ages of joint states, transforms and world data, and the next heartbeat.
 
 use std::time::Duration;
 

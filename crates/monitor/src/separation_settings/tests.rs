@@ -1,3 +1,5 @@
+//! Tests of the speed and separation formulas, also by simulated stops: the robot stops before it reaches the person.
+
 #![expect(clippy::float_cmp, reason = "0 and 1 are said exactly")]
 
 use proptest::prelude::*;

@@ -1,4 +1,4 @@
-//! Contacts between two successive joint states.
+//! Tests of the check between two successive joint states: contacts on the way.
 
 mod transform_positions;
 mod true_motions;

@@ -1,4 +1,4 @@
-//! Joint states at a rate that is too high for exact distances.
+//! Tests of the check budget: joint states at a rate that is too high for exact distances.
 
 use clearance_geometry::math::{Point, Pose};
 use clearance_geometry::{Shape, TriangleMesh};

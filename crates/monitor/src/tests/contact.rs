@@ -1,4 +1,4 @@
-//! The time to contact.
+//! Tests of the time to contact.
 
 use super::*;
 

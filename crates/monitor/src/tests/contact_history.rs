@@ -1,4 +1,4 @@
-//! Contacts counted since the start, and what a subscriber of the heartbeat topic learns.
+//! Tests of the contact counts since the start, and of the summary in each heartbeat message.
 
 use clearance_geometry::math::{Extremes, Pose};
 use clearance_geometry::{Primitive, Shape};

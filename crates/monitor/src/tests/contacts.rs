@@ -1,4 +1,4 @@
-//! Contacts of colliding pairs.
+//! Tests of the contact points of colliding pairs.
 
 use clearance_checker::PairContacts;
 use clearance_geometry::math::{Pose, Vector};

@@ -1,4 +1,4 @@
-//! Attached objects in the speed scale and the time to contact: they count like a shape of the link.
+//! Tests of attached objects in the speed scale and the time to contact: they count like a shape of the link.
 
 use clearance_geometry::math::Pose;
 use clearance_geometry::{Primitive, Shape};

@@ -1,4 +1,4 @@
-//! A world that is known to be incomplete is never FREE.
+//! Tests that a world that is known to be incomplete is never FREE.
 
 use super::*;
 

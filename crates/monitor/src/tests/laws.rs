@@ -1,4 +1,4 @@
-//! Property: only complete, fresh joint states are FREE.
+//! Property test on random inputs: only complete, fresh joint states are FREE, and nothing panics.
 
 use proptest::prelude::*;
 

@@ -1,4 +1,4 @@
-//! Reports of mimic joints: `mimic_joint` of the folding robot mimics its elbow.
+//! Tests of reported positions of mimic joints: contradictions with the leader joint and between publishers.
 
 use super::*;
 

@@ -1,4 +1,4 @@
-//! Tests of every rule of the monitor, without a network.
+//! Tests of every rule of the monitor, without a network; shared helpers of the other test files.
 
 #![expect(clippy::float_cmp, reason = "0 and infinity are said exactly")]
 

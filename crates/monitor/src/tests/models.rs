@@ -1,4 +1,4 @@
-//! Status while another robot model is described and built.
+//! Tests of the status while another robot model is described and built.
 
 use super::*;
 

@@ -1,4 +1,4 @@
-//! Joint states of several publishers are merged into one state.
+//! Tests of merging the joint states of several publishers into one state.
 
 use std::f64::consts::{PI, TAU};
 

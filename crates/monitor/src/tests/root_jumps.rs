@@ -1,4 +1,4 @@
-//! A root that `tf` moves between two joint states, by jumps and in several transforms at once.
+//! Tests of a root that `tf` moves between two joint states, by jumps and in several transforms at once.
 
 use clearance_geometry::math::Pose;
 use clearance_scene::{ObjectChange, Operation, Transform};

@@ -1,4 +1,4 @@
-//! A root that `tf` moves relative to world-fixed obstacles.
+//! Tests of a root that `tf` moves relative to world-fixed obstacles: staleness, speed scale and time to contact.
 
 use clearance_geometry::math::Pose;
 use clearance_scene::{ObjectChange, Operation, Scene, SceneContext, SceneUpdate, Transform, TransformTree};

@@ -1,4 +1,4 @@
-//! The least distances of the robot from itself and from the world.
+//! Tests of the least distances of the robot from itself and from the world.
 
 use clearance_checker::PairKind;
 use clearance_geometry::math::{Extremes, Pose};

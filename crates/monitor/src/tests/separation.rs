@@ -1,4 +1,4 @@
-//! Speed and separation monitoring of a person beside the robot.
+//! Tests of speed and separation monitoring in the monitor, with a person near the robot.
 
 use clearance_geometry::math::Pose;
 use clearance_geometry::{Primitive, Shape};

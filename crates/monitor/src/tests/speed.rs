@@ -1,4 +1,4 @@
-//! The speed scale.
+//! Tests of the speed scale.
 
 use clearance_geometry::math::Pose;
 use clearance_geometry::{Primitive, Shape};

@@ -1,4 +1,4 @@
-//! Obstacles that move at a velocity of their own.
+//! Tests of tracked obstacles, which move at a published velocity: time to contact, speed scale, checks between states.
 
 use clearance_geometry::math::{Pose, Vector, pose_from_xyz_rpy};
 use clearance_geometry::{Primitive, Shape};

@@ -1,4 +1,4 @@
-//! A mobile base whose pose comes from tf.
+//! Tests of a mobile base whose pose comes from tf.
 
 use clearance_scene::{Transform, TransformTree};
 

@@ -1,4 +1,4 @@
-//! Joint states with names and no positions.
+//! Tests of joint states with names and no positions.
 
 use super::*;
 

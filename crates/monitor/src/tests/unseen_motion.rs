@@ -1,4 +1,4 @@
-//! Motions and contacts between two evaluated joint states that neither of the two shows.
+//! Tests of the check between states when messages and transforms on the way were received and not evaluated.
 
 use clearance_geometry::math::{Pose, Vector, pose_from_xyz_rpy};
 use clearance_geometry::{Primitive, Shape};

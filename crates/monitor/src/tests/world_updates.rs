@@ -1,4 +1,4 @@
-//! A world that lags behind its messages is not FREE for long.
+//! Tests that a world that lags behind its messages is not FREE for long.
 
 use super::*;
 

@@ -1,4 +1,4 @@
-//! Tests that obstacles move by their twist or through their poses, in every part of a trajectory.
+//! Tests of obstacle trajectories: obstacles move by their twist or through their poses in all parts of a trajectory.
 
 use clearance_geometry::math::{Rotation, Vector};
 use clearance_geometry::{Primitive, Shape};

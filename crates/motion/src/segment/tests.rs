@@ -1,3 +1,5 @@
+//! Tests of motion segments: interpolation, and motions that are too large or not finite.
+
 use clearance_robot::MeshFiles;
 use proptest::prelude::*;
 

@@ -1,3 +1,5 @@
+//! Tests of reading trajectory files: every ROS message type, start states, and rejected texts.
+
 use clearance_robot::{MeshFiles, RobotModel};
 
 use crate::{ContinuousDirection, Trajectory};

@@ -1,4 +1,4 @@
-//! Volumes of a hierarchy at one level, for visualisation only.
+//! Bounding volumes at one level of a body's hierarchies, for visualisation only.
 
 use clearance_geometry::math::{Point, Pose, Rotation, Vector};
 

@@ -1,4 +1,4 @@
-//! A rigid body for proximity queries.
+//! Collision body: a rigid body built from shapes, with its triangles, solids, planes, points, voxels and hierarchies.
 
 use std::sync::Arc;
 

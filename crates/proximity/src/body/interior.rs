@@ -1,4 +1,4 @@
-//! Inside of a body: its closed meshes, and a point of each of its connected parts.
+//! Inside of a body: its closed meshes with point-in-mesh tests, and a point of each of its connected parts.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! Tree leaves that hold one solid primitive.
+//! Solid primitives of a body: tree leaves that hold one each, and their bounding volumes in f32.
 
 use clearance_geometry::constants::VOLUME_SLACK;
 use clearance_geometry::math::{Point, Pose, RotationMatrix, Vector};

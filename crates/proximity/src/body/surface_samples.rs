@@ -1,5 +1,5 @@
-//! Sample vertices of a surface, spread over all of it. Testing whether one of them is in a convex solid is cheap, and often one is where
-//! the two touch.
+//! Sample vertices spread over a surface, and the search for the one deepest in the box around a convex solid. Testing
+//! whether one of them is in a convex solid is cheap, and often one is where the two touch.
 
 use clearance_geometry::math::{Extremes, Point};
 use clearance_geometry::simd::{LANES, Simd, Vectors};

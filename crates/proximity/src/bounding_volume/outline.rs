@@ -1,4 +1,4 @@
-//! Shapes of bounding volumes, for visualisation only.
+//! Outlines of bounding volumes for visualisation only: a box, a ball, or the triangles of a convex surface.
 
 use clearance_geometry::math::{Point, Vector};
 

@@ -1,4 +1,4 @@
-//! Relative pose of two node frames, in f32.
+//! Axes of a node frame, and the relative pose of two node frames, in f32.
 
 use clearance_geometry::constants::{PLACEMENT_SLACK, VOLUME_SLACK};
 use clearance_geometry::math::{MatrixPose, Point, RotationMatrix, Vector};

@@ -1,4 +1,4 @@
-//! Interface of all bounding volumes.
+//! Trait of all bounding volumes: fit to points, pack into SIMD lanes, lower bounds on distances.
 
 use std::fmt::Debug;
 

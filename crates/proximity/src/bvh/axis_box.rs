@@ -1,4 +1,4 @@
-//! Boxes along the axes of one common frame.
+//! Axis-aligned boxes of one common frame, in f32: single boxes, and eight in SIMD lanes.
 
 use clearance_geometry::math::{Extremes, Point};
 use clearance_geometry::simd::prelude::*;

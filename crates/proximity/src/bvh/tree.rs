@@ -1,4 +1,4 @@
-//! Data structure of a tree: nodes and leaves.
+//! Type `Tree`, a bounding volume hierarchy: its nodes, its leaves, and the trait of leaf contents.
 
 use clearance_geometry::VolumeKind;
 use clearance_geometry::math::{MatrixPose, Point, RotationMatrix};

@@ -1,4 +1,4 @@
-//! Contacts of points and voxels, each a body of its own.
+//! Contacts of points and voxels with another body, each point or voxel as a body of its own.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! Places where single elements of two bodies meet, and patches: sets of neighbouring ones.
+//! Meetings of single elements of two bodies, linked to contact patches of neighbouring ones, with their normals.
 
 use std::collections::HashMap;
 

@@ -1,4 +1,4 @@
-//! Convex polygons in a plane, also degenerate ones: points and segments.
+//! Convex polygons in a plane: convex hull, overlap and area, also of degenerate ones (points and segments).
 
 use clearance_geometry::math::Extremes;
 

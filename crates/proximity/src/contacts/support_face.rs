@@ -1,4 +1,4 @@
-//! Faces of convex solids that look in a direction: where another solid may lie flat.
+//! Support faces of convex solids: the face turned most towards a direction, where another solid may lie flat.
 
 use clearance_geometry::math::{Extremes, Point, Vector};
 

@@ -1,5 +1,6 @@
-//! Cores: every convex element is a core swept by a sphere. The core of a sphere is a point, that of a capsule a segment; other elements
-//! are their own cores. Round shapes therefore need no iteration and lose no accuracy.
+//! Core shapes with support points, nearest points and depths: every convex element is a core swept by a sphere. The
+//! core of a sphere is a point, that of a capsule a segment; other elements are their own cores. Round shapes therefore
+//! need no iteration and lose no accuracy.
 
 use clearance_geometry::math::{Extremes, MatrixPose, Point, Vector};
 use clearance_geometry::{Primitive, Triangle};

@@ -1,4 +1,4 @@
-//! Identifiers of elements.
+//! Identifiers of the elements of a body, by kind and index, and pairs of them.
 
 /// Reference to an element of a body, in the order of its trees: solids before triangles before planes before cubes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -1,4 +1,4 @@
-//! Collects the near elements of two bodies.
+//! Collects the pairs of near elements of two bodies that a front lists.
 
 use clearance_geometry::math::{Extremes, MatrixPose, Vector};
 use clearance_geometry::simd::{LANES, Simd, not_beyond};

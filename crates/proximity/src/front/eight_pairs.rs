@@ -1,4 +1,4 @@
-//! Eight pairs of triangles in lanes.
+//! Eight listed pairs of triangles, stored for the SIMD lanes of tests in f32.
 
 use clearance_geometry::math::Point;
 use clearance_geometry::simd::{LANES, Simd};

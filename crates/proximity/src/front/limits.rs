@@ -1,4 +1,4 @@
-//! Limits of a front.
+//! Limits of a front: largest distance of its pairs, and largest cost of collecting them.
 
 /// Limits of the pairs that a front collects.
 #[derive(Clone, Copy, Debug)]

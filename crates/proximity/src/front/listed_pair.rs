@@ -1,4 +1,4 @@
-//! A pair of elements in the front.
+//! Pair of elements in the front, with a lower bound on their distance.
 
 use crate::elements::ElementPair;
 

@@ -1,4 +1,4 @@
-//! Distance bounds of a triangle to eight cubes, in f32.
+//! Lower bounds on the distances of a triangle, or of a cube, to eight cubes, in f32.
 
 use clearance_geometry::Cube;
 use clearance_geometry::math::Extremes;

@@ -1,4 +1,4 @@
-//! Distance of two convex elements: closed formulas where there are some, GJK otherwise.
+//! Distance and contact of two convex elements: closed formulas where there are some, GJK otherwise.
 
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::{Extremes, MatrixPose, Point, Pose, Vector};

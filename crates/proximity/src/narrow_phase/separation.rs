@@ -1,4 +1,4 @@
-//! Distance and witness points.
+//! Result of a distance computation: the distance and the witness points.
 
 use clearance_geometry::PointPair;
 use clearance_geometry::constants::CONTACT_DISTANCE;

@@ -1,4 +1,4 @@
-//! Convex solids: primitives, and closed meshes that are their own convex hull.
+//! Convex solids with support maps: primitives, and closed meshes that are their own convex hull.
 
 use std::collections::HashSet;
 

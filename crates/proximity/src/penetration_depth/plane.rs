@@ -1,4 +1,4 @@
-//! Depth of a plane in a bounded body.
+//! Penetration depth of a plane in a bounded body.
 
 use clearance_geometry::Plane;
 use clearance_geometry::math::{Extremes, MatrixPose};

@@ -1,4 +1,5 @@
-//! Depth of balls and capsules in other primitives: closed formulas, where the polytope of support points is flat or has round corners.
+//! Penetration depth of balls and capsules in other primitives, by closed formulas. The polytope of support points
+//! would be flat there, or have round corners.
 
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::{MatrixPose, Point, Pose, Vector};

@@ -1,4 +1,4 @@
-//! Points with a radius and voxels: sets of solids, each of which is a body of its own; the deepest counts.
+//! Sets of solids (points with a radius, voxels), and the search for the one that is deepest in a body.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! Laws of penetration depths, and comparison with independent computations.
+//! Tests of penetration depths: properties of bounds and witness points, and independent computations.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! Distance query: how far are two bodies apart?
+//! Distance query: how far are two bodies apart, exactly or as lower and upper bounds?
 
 use clearance_geometry::math::{Extremes, MatrixPose};
 

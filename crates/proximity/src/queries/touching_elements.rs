@@ -1,4 +1,5 @@
-//! Contact of two elements that touched at an earlier pose: bodies that touch usually still do a moment later, at the same place.
+//! Margin query that also returns the two elements found, and the test of these elements alone at a later pose. Bodies
+//! that touch usually still do a moment later, at the same place.
 
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::Extremes;

@@ -1,4 +1,4 @@
-//! Search for the elements nearest to the cubes of one body.
+//! State of a search for the elements nearest to the cubes of one body: threshold, direction, test of one pair.
 
 use clearance_geometry::math::MatrixPose;
 

@@ -1,4 +1,4 @@
-//! Goal of a search.
+//! Goal of a search: distance limit, distance that is enough, tolerances, and whether ties are collected.
 
 use clearance_geometry::constants::CONTACT_DISTANCE;
 

@@ -1,4 +1,4 @@
-//! Traversal of trees with its scratch memory.
+//! Traversal of trees with its scratch memory and start nodes, and a bound on what interruptions leave out.
 
 use clearance_geometry::math::Extremes;
 use clearance_geometry::simd::{Level, dispatch};

@@ -1,4 +1,4 @@
-//! Cost of queries, in numbers of tests rather than in seconds.
+//! Counters of elementary tests: the cost of queries, in numbers of tests rather than in seconds.
 
 use clearance_geometry::InsideWork;
 

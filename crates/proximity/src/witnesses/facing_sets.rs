@@ -1,4 +1,4 @@
-//! Overlap of two faces of convex cores that show each other.
+//! Extreme point pairs in the overlap of two facing support sets of convex cores.
 
 use clearance_geometry::math::{Point, Vector};
 use clearance_geometry::{PointPair, Triangle, nearest_on_segment, nearest_on_segments, nearest_pair};

@@ -1,4 +1,4 @@
-//! Witness pairs against points of the bodies, and against one-sided directional derivatives.
+//! Tests of witness pairs: against points of the bodies, and against one-sided directional derivatives.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! The witness pairs of two bodies, without repetitions.
+//! Collection of the witness pairs of two bodies without repetitions, and its options.
 
 use clearance_geometry::PointPair;
 use clearance_geometry::math::Vector;

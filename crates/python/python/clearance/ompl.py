@@ -374,7 +374,7 @@ def _reject_floating(checker: Checker) -> None:
     floating = [name for name, kind in checker.robot.joint_types.items() if kind == "floating"]
     moving = [name for name in floating if f"{name}/rot_w" in checker.joint_names]
     if moving:
-        raise Error(f"the floating joint '{moving[0]}' can not be planned with OMPL: leave it out, by the group of the checker")
+        raise Error(f"the floating joint '{moving[0]}' cannot be planned with OMPL: leave it out, by the group of the checker")
 
 
 def _parts(space: ob.StateSpace, path: Tuple[int, ...] = ()):

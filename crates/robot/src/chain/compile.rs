@@ -1,4 +1,4 @@
-//! Compiler from the joints of a robot to steps that cost little.
+//! Compiler from the joints of a robot to the steps of a kinematic chain, with precomputed constant parts.
 
 use clearance_geometry::math::{Pose, RotationMatrix, UnitVector, Vector};
 

@@ -1,3 +1,5 @@
+//! Tests of compiled kinematics: comparison with composed poses, eight states in lanes, and reachable regions.
+
 #![allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 
 use clearance_geometry::math::Rotation;

@@ -1,3 +1,5 @@
+//! Tests of joint groups: setting, reading and checking their positions, and named states of groups.
+
 use super::*;
 use crate::MeshFiles;
 

@@ -1,3 +1,5 @@
+//! Tests of mesh name resolution: packages, symbolic links, rejected folders, mesh parts and recordings.
+
 use clearance_geometry::math::Vector;
 
 use super::*;

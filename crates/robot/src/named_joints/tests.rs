@@ -1,3 +1,5 @@
+//! Tests of values by joint name: mimic joints and their leaders, contradictions, rates and tolerances.
+
 use std::fmt::Write;
 
 use proptest::prelude::*;

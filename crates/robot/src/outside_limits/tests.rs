@@ -1,3 +1,5 @@
+//! Tests of the detection of joints beyond their limits, and of the note about them.
+
 use crate::{MeshFiles, RobotModel};
 
 const ROBOT: &str = r#"<robot name="r"><link name="base"/><link name="a"/><link name="b"/><link name="c"/>

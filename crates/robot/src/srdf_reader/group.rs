@@ -1,4 +1,4 @@
-//! Groups: joints, links, chains and other groups, resolved to joints and links.
+//! Reader of SRDF groups: joints, links, chains and other groups, resolved to joints and links.
 
 use std::collections::{BTreeSet, HashMap};
 

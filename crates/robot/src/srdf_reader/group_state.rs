@@ -1,4 +1,4 @@
-//! Named states (`<group_state>`): their positions and their errors.
+//! Reader of named states of the SRDF (`<group_state>`): their positions and their errors.
 
 use std::collections::HashSet;
 

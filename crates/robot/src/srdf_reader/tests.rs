@@ -1,3 +1,5 @@
+//! Tests of the SRDF reader: collision rules, groups, named states, passive joints and warnings.
+
 use proptest::prelude::*;
 
 use super::*;

@@ -1,3 +1,5 @@
+//! Tests of URDF validation: rejected shapes and joints, and warnings about ignored or misspelt content.
+
 use proptest::prelude::*;
 
 use crate::{JointKind, MeshFiles, RobotModel};

@@ -1,4 +1,4 @@
-//! Client of another node's service.
+//! Service client: calls a service of another node, with a timeout.
 
 use std::time::Duration;
 

@@ -1,4 +1,4 @@
-//! Locks whose values are valid between any two statements, so that a poisoned lock is safe to use.
+//! Locks a mutex even if it is poisoned: its values are valid between any two statements.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 

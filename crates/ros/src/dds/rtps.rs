@@ -1,4 +1,4 @@
-//! RTPS messages (OMG DDSI-RTPS 2.5) that are sent beside the DDS library, with its identifiers.
+//! RTPS messages (OMG DDSI-RTPS 2.5) with identifiers of the DDS library, and the UDP socket that sends them.
 
 use std::net::{Ipv4Addr, SocketAddr, UdpSocket};
 

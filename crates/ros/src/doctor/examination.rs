@@ -1,5 +1,4 @@
-//! `clearance doctor`: receives from the ROS network for a limited time and reports the causes that keep the node from
-//! working.
+//! Runs the checks of `clearance doctor` in order: environment, multicast, received topics, robot and joint states.
 
 use std::time::Duration;
 

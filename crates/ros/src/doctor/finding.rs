@@ -1,4 +1,4 @@
-//! Findings of the doctor command.
+//! Finding of `clearance doctor`: verdict, subject and text of one check, with limits on number and length.
 
 use std::collections::BTreeMap;
 

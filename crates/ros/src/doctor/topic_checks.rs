@@ -1,4 +1,4 @@
-//! Evaluates the received topics.
+//! Checks of `clearance doctor` on received topics: robot, meshes, node, clock, joint states and stamps.
 
 use clearance_checker::{CollisionChecker, solid_mesh_remarks};
 use clearance_monitor::{Evaluation, Monitor, MonitorSettings, Reason, Revision, SourceId, Status, Time};

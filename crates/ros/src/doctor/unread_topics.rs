@@ -1,4 +1,4 @@
-//! Topics of the scene, of which the doctor looks at the type and quality of service alone.
+//! Scene topics of which `clearance doctor` checks only the type and quality of service.
 
 use crate::dds::middleware::Middleware;
 use crate::dds::quality::Quality;

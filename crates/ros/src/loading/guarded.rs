@@ -1,4 +1,4 @@
-//! Work on untrusted input, a panic in which must not end the node.
+//! Catches panics of work on untrusted input, so that they do not end the node.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 

@@ -1,4 +1,4 @@
-//! Conversion of times, points, vectors and poses.
+//! Conversion of times, points, vectors and poses to ROS messages, and of stamps back.
 
 use clearance_geometry::math::{Point, Pose, Vector};
 use clearance_monitor::Time;

@@ -1,4 +1,4 @@
-//! Access to the last evaluation for the other parts of the program.
+//! The last evaluation, shared between threads, and its update to the present time.
 
 use std::sync::{Arc, Mutex, PoisonError};
 

@@ -1,4 +1,4 @@
-//! Input of a node.
+//! Options of a node: all inputs that are determined before it starts.
 
 use clearance_robot::{MeshFiles, RobotModel};
 use clearance_scene::MeshModel;

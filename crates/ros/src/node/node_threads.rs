@@ -1,4 +1,4 @@
-//! The parts of the node, each on its own thread. They start and end together.
+//! Runs the parts of the node, each on its own thread; they start and end together.
 
 use std::collections::HashSet;
 use std::sync::mpsc;

@@ -1,4 +1,4 @@
-//! Texts of the limits of one obstacle: `NAME SPEED ACCELERATION`, or `NAME SPEED`.
+//! Parser of the limits of one obstacle from text: `NAME SPEED ACCELERATION`, or `NAME SPEED`.
 
 use clearance_motion::SpeedLimit;
 

@@ -1,4 +1,4 @@
-//! Values of ROS parameters.
+//! Value of a ROS parameter: its types, and conversion from YAML and from and to messages.
 
 use ros2_client::parameters::raw::{ParameterType, ParameterValue};
 use serde_json::Value as Yaml;

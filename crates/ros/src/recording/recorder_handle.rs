@@ -1,4 +1,4 @@
-//! Handle through which the parts of the node record events, without ever waiting for the recorder.
+//! Recorder handle: types of recorded events, and the queue to the recorder, for which the node never waits.
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};

@@ -1,4 +1,4 @@
-//! Steps of a recording: the events and their order, which no ROS message contains.
+//! Data types of the steps of a recording: the events and their order, which no ROS message contains.
 
 use std::path::PathBuf;
 use std::time::Duration;

@@ -1,4 +1,4 @@
-//! The parts of a recording beside its messages: files, and the node's command line.
+//! Content of a recording other than messages: attached files, the node's command line, and the version.
 
 use std::collections::HashMap;
 use std::path::Path;

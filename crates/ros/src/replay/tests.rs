@@ -1,4 +1,4 @@
-//! Runs of a node without a network: recorded, replayed, modified, and cut off.
+//! Tests of recording and replay: runs of a node without a network, recorded, replayed, modified and cut off.
 
 mod contacts;
 mod damaged_files;

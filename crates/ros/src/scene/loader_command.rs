@@ -1,4 +1,4 @@
-//! Orders to the loader.
+//! Commands to the loader: changed descriptions, parameters, scene messages, clouds and frames.
 
 use crate::scene::scene_command::SceneCommand;
 

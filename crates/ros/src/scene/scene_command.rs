@@ -1,4 +1,4 @@
-//! Loader command for a scene message.
+//! Scene command: the loader's input for one scene message, with its update, rejections and lost messages.
 
 use clearance_monitor::Observation;
 use clearance_scene::{SceneRejection, SceneUpdate};

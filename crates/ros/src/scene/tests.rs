@@ -1,4 +1,4 @@
-//! Conversion of messages to changes and back, and clouds of any layout, without a network.
+//! Tests of scene messages without a network: conversion to changes and back, and clouds of any layout.
 
 use std::f64::consts::PI;
 use std::sync::Arc;

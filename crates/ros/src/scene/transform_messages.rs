@@ -1,4 +1,4 @@
-//! Conversion of poses and transforms, and their storage in the transform tree.
+//! Conversion of pose and transform messages, and storage of transforms in the transform tree.
 
 use clearance_geometry::math::{Pose, pose_from_xyz_quaternion};
 use clearance_monitor::Time;

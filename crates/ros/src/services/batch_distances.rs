@@ -1,4 +1,4 @@
-//! Least distances and first times within a distance of the motions of a batch, as lists. No I/O.
+//! Least distances along the motions of a batch, and first times within a distance, as lists of a response. No I/O.
 
 use clearance_checker::{
     CollisionChecker, LeastClearance, MotionClearance, MotionReport, MotionVerdict, PairKind, UndecidedReason,

@@ -1,4 +1,4 @@
-//! Processes requests for free states: reads what may move and how far, searches, and reports the result. No I/O.
+//! Processes requests for free states: reads joints and limits of the search, runs it, and reports the result. No I/O.
 
 use std::time::{Duration, Instant};
 

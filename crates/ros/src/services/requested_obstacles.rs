@@ -1,4 +1,4 @@
-//! Moving obstacles in motion requests. No I/O.
+//! Adds the moving obstacles of a motion request to its trajectory: known motions, and motion within limits. No I/O.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! State validity as defined by `moveit_msgs/GetStateValidity`. No I/O.
+//! Evaluates requests of `check_state_validity`, as defined by `moveit_msgs/GetStateValidity`. No I/O.
 
 use clearance_checker::{CollisionChecker, Question};
 use clearance_geometry::math::Pose;

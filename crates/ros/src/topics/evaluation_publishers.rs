@@ -1,4 +1,4 @@
-//! Publishers of the evaluations.
+//! Publishers of results: `~/state`, `~/is_free`, distances, `~/speed_scale`, `/diagnostics` and others.
 
 use std::time::{Duration, Instant};
 

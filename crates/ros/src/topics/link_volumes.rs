@@ -1,4 +1,4 @@
-//! `~/link_volumes`: volumes of the robot's hierarchies at a selected level, for `RViz`.
+//! `~/link_volumes`: bounding volumes of the links' hierarchies at a selected level, for `RViz`.
 
 use clearance_checker::{CollisionChecker, LinkVolume};
 use clearance_geometry::math::Vector;

@@ -1,5 +1,5 @@
-//! `~/retreat_direction`, computed and published on a separate thread: a penetration depth takes milliseconds, and would
-//! delay the joint states.
+//! `~/retreat_direction`: joint direction out of a collision, computed and published on a separate thread. A
+//! penetration depth takes milliseconds, and would delay the joint states.
 //!
 //! A direction is computed at most at the rate of the parameter `retreat_rate`, for the newest evaluation. An empty
 //! message withdraws it: at once when the status is no longer COLLIDING or the topic is turned off, and when no direction

@@ -1,4 +1,4 @@
-//! Messages of several topics, in the order in which they were received.
+//! Merges the messages of several topics in the order in which they were received.
 //!
 //! A publisher that adds an object on one topic and attaches it on another sends both in an order that matters. Each subscription
 //! has a queue of its own; its messages are complete as soon as the middleware's thread has received them.

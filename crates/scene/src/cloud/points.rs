@@ -1,4 +1,4 @@
-//! Reads points from records, for all formats and messages with point clouds.
+//! Points of a cloud, read from the records of any format or message: invalid ones are skipped and counted.
 
 use std::sync::Arc;
 

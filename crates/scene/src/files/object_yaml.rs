@@ -1,4 +1,4 @@
-//! Converts objects of YAML files to changes of a scene.
+//! Converts the YAML data of scene objects and attached objects to `ObjectChange` and `AttachedChange`.
 
 use clearance_geometry::Shape;
 use clearance_geometry::math::{Pose, Vector};

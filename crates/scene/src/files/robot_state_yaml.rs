@@ -1,4 +1,4 @@
-//! Robot state of scene files; determines the poses of links.
+//! Robot state of scene files: reads joint positions and the root's pose, and computes link poses from them.
 
 use clearance_geometry::math::Pose;
 use clearance_robot::{Configuration, LinkPoses, RobotModel, VirtualJoint};

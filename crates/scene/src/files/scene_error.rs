@@ -1,4 +1,4 @@
-//! Error in a scene file.
+//! Error in a scene file: message, name of the file and of the object.
 
 use clearance_robot::check_name_length;
 

@@ -1,4 +1,4 @@
-//! Loader that reads several scene files into one scene.
+//! Loader that collects scene files, point clouds and octrees, one after the other, in one scene.
 
 use clearance_geometry::Shape;
 use clearance_geometry::math::Pose;

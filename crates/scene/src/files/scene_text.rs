@@ -1,4 +1,4 @@
-//! MoveIt's `.scene` text format, written by RViz with "Save Scene" and by `SceneLoader::saveGeometryToStream`.
+//! Reader of MoveIt's `.scene` text, which RViz ("Save Scene") and `SceneLoader::saveGeometryToStream` write.
 //!
 //! A line with the scene's name; for every object `* id` and its shapes; a full stop at the end. In the newer format each object has a
 //! pose before its shapes and subframes after them. As in `MoveIt`, the line after the first object's id decides: a single number, the

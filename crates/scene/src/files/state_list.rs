@@ -1,4 +1,4 @@
-//! Reader of robot state files: YAML or JSON in this project's format, or as `sensor_msgs/JointState` or `moveit_msgs/RobotState`.
+//! Reader of robot state files, YAML or JSON: this project's format, `JointState` or `RobotState` messages.
 
 use std::sync::Arc;
 

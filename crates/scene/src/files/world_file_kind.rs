@@ -1,4 +1,4 @@
-//! Kinds of files that describe obstacles, recognised by their content.
+//! Recognises the kind of a world file by its content, and calls the reader of its kind.
 
 use std::ffi::OsStr;
 use std::path::Path;

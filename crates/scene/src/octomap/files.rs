@@ -1,4 +1,4 @@
-//! Headers of `.bt` and `.ot` files, before the tree.
+//! Reads OctoMap's `.bt` and `.ot` files: parses their headers, and decodes the tree with `decode`.
 
 use super::{Octomap, OctomapError, decode};
 

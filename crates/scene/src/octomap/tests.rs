@@ -1,3 +1,5 @@
+//! Tests of octrees: decoding and encoding, file headers, voxels, unknown space, damaged files.
+
 use proptest::prelude::*;
 
 use super::*;

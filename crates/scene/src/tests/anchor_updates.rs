@@ -1,4 +1,4 @@
-//! Tests of a driving root, with obstacles that stay in place.
+//! Tests of anchors: obstacles, clouds and frames stay fixed in the world while the robot's root drives.
 
 use super::*;
 

@@ -1,5 +1,4 @@
-//! Tests that files and messages both behave like `MoveIt` 2 (`planning_scene.cpp`, `world.cpp`, `robot_state.cpp`), in cases where they
-//! once differed.
+//! Tests that scene files and messages both behave like `MoveIt` 2, in cases where they once differed.
 
 use super::*;
 

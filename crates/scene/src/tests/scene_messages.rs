@@ -1,4 +1,4 @@
-//! Tests of scene messages: differences, robot states, whole scenes.
+//! Tests of scene messages: scene differences, robot states and whole scenes.
 
 use super::*;
 

@@ -1,4 +1,4 @@
-//! Tests of obstacles with poses and velocities.
+//! Tests of obstacle states: poses and velocities of tracked obstacles.
 
 use super::*;
 

@@ -1,4 +1,4 @@
-//! Transforms that newer ones have replaced.
+//! Tests of the transform tree: history of replaced transforms, and transforms older than the stored one.
 
 use clearance_geometry::math::Pose;
 

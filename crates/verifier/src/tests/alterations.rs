@@ -1,4 +1,4 @@
-//! Alterations of a certificate, and the rejection that each must cause.
+//! Test helper: alterations of a certificate, and the rejection that each must cause.
 
 use clearance_motion::{Certificate, MovingObstacle, Proof};
 

@@ -1,4 +1,4 @@
-//! No sampled point of any robot comes nearer to another than the bound says.
+//! Tests of the motion bound: no sampled point of a robot comes nearer to another than the bound allows.
 
 use clearance_geometry::math::{Point, Pose, Rotation, Vector};
 use clearance_geometry::testing::Random;

@@ -1,4 +1,4 @@
-//! A slow and simple prover: it halves intervals until the bound is less than the distance.
+//! Test helper: a slow and simple prover, which halves intervals until the bound is less than the distance.
 use clearance_motion::{Certificate, MotionSegment, Proof, SegmentProof};
 use clearance_motion::{model_fingerprint, world_fingerprint};
 use clearance_scene::Settings;

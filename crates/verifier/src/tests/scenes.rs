@@ -1,4 +1,4 @@
-//! Random robots, worlds and motions.
+//! Test helper: random robots, worlds and motions.
 
 use std::fmt::Write;
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! Bodies are proven apart up to their distance, and not beyond.
+//! Tests of the separation test: bodies are proven apart up to their distance, and not beyond.
 
 use clearance_checker::{CollisionChecker, Question};
 use clearance_geometry::Shape;

@@ -1,3 +1,5 @@
+//! Tests of capsule pairs and capsule fits: bounds against true distances, and equal results on all SIMD levels.
+
 #![allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 
 use clearance_geometry::math::{Point, UnitVector, Vector};

@@ -1,3 +1,5 @@
+//! Tests of bounding volumes in the root frame: distance bounds and enclosing boxes against exact distances.
+
 use clearance_geometry::math::Vector;
 use clearance_geometry::simd::dispatch;
 use clearance_geometry::simd::prelude::*;

@@ -1,5 +1,5 @@
-//! Self and world apart: a checker of both kinds of pairs reports, bit for bit, what two checkers report that check one
-//! kind each.
+//! Tests of state queries: a checker of self and world pairs reports, bit for bit, the results of two checkers that
+//! check one kind each.
 
 use std::sync::Arc;
 

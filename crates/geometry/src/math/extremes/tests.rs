@@ -1,3 +1,5 @@
+//! Test of minimum and maximum with NaN.
+
 use super::Extremes;
 
 #[test]

@@ -1,4 +1,4 @@
-//! Meshes for tests that can be put together and damaged.
+//! Test helper: meshes that can be put together and damaged, and their winding numbers.
 
 use std::collections::HashMap;
 

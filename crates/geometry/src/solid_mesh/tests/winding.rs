@@ -1,4 +1,4 @@
-//! Winding numbers by the hierarchy, compared with the sum of the solid angles of all triangles.
+//! Tests of winding numbers: the hierarchy against the sum of the solid angles of all triangles.
 
 use super::super::closed_surface::ClosedSurface;
 use super::super::far_field::{FarField, SolidAngle};

@@ -1,4 +1,4 @@
-//! Contacts between two states of joints whose positions come from `tf`.
+//! Tests of the check between two states whose joint positions come from `tf`.
 
 use clearance_scene::{Transform, TransformTree};
 

@@ -1,4 +1,4 @@
-//! Random motions between joint states, compared with dense samples of the true motions.
+//! Tests of the check between states on random motions, compared with dense samples of the true motions.
 
 use clearance_geometry::math::{Extremes, Vector};
 

@@ -1,3 +1,5 @@
+//! Tests of axis-aligned boxes: a union of any number of boxes contains each of them.
+
 use clearance_geometry::simd::{Level, Simd, dispatch};
 
 use super::AxisBox;

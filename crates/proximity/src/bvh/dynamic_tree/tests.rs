@@ -1,3 +1,5 @@
+//! Tests of the dynamic bounding box tree: random edits, searches for overlapping boxes, and unbounded boxes.
+
 use clearance_geometry::math::Point;
 use proptest::prelude::*;
 

@@ -1,4 +1,4 @@
-//! Laws of contact points.
+//! Tests of contact points: positions, normals, depths, swapped bodies, and bounded work on huge meshes.
 
 mod scenes;
 mod shapes;

@@ -1,4 +1,4 @@
-//! Contacts of plain scenes: corners of boxes, feet of tables, patches.
+//! Tests of contacts in simple scenes: corners of boxes, feet of tables, patches.
 
 use clearance_geometry::Plane;
 

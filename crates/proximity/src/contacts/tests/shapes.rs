@@ -1,4 +1,4 @@
-//! Shapes for tests of contacts, and points inside them by brute force.
+//! Test helper: bodies and shapes for tests of contacts, with brute-force tests of points inside them.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! Bodies for the tests of penetration depths.
+//! Test helper: bodies for the tests of penetration depths.
 
 use std::sync::Arc;
 

@@ -1,3 +1,5 @@
+//! Tests of the COLLADA reader: units, transforms, polygons, references, skins, broken files and endless instances.
+
 use clearance_geometry::math::{Point, Vector};
 use proptest::prelude::*;
 

@@ -1,3 +1,5 @@
+//! Tests of the glTF reader: buffers, transforms, primitives, sparse accessors, broken files and endless instances.
+
 use std::f64::consts::FRAC_1_SQRT_2;
 
 use clearance_geometry::math::Vector;

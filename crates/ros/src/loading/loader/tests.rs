@@ -1,4 +1,4 @@
-//! A replaced robot is freed, and the loader does not wait for a monitor that has ended.
+//! Tests of the loader: a replaced robot is freed, and a monitor that has ended is not waited for.
 
 use std::time::Duration;
 

@@ -1,3 +1,5 @@
+//! Tests of the parameter set: defaults in `config/clearance.yaml`, rejected values, changes of a running node.
+
 use super::*;
 use crate::parameters::assignment::{assign, set_live};
 use crate::parameters::declaration::Range;

@@ -1,4 +1,4 @@
-//! Contacts in recordings.
+//! Tests of recordings with contacts: the replay has the same contacts.
 
 use super::*;
 

@@ -1,4 +1,4 @@
-//! Limits: full queue, recording that is too long, file that exists already.
+//! Tests of the limits of recordings: full queue, longest duration, existing files, full disk, removed files.
 
 use std::time::Instant;
 

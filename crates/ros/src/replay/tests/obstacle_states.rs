@@ -1,4 +1,4 @@
-//! Moving obstacles in recordings.
+//! Tests of recordings with moving obstacles: the replay moves them again.
 
 use ros2_interfaces_jazzy_serde::geometry_msgs::msg::{Twist, Vector3};
 

@@ -1,4 +1,4 @@
-//! Messages of `monitored_planning_scene`, applied by a node that follows it.
+//! Tests of `monitored_planning_scene`: a node that applies the messages follows the published scene.
 
 use std::collections::BTreeSet;
 

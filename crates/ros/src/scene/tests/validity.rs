@@ -1,4 +1,4 @@
-//! States that `check_state_validity` evaluates.
+//! Tests of `check_state_validity`: contacts, partial states, groups and attached objects.
 
 use std::time::Instant;
 

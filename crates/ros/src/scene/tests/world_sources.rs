@@ -1,4 +1,4 @@
-//! Octrees of files beside those of topics, and data that was dropped because it was too old.
+//! Tests of world sources: octrees of files and of topics, and data that was dropped because it was too old.
 
 use clearance_monitor::Reason;
 use clearance_scene::{OCTOMAP, Octomap as Octree, OctomapPlacement, SceneChange, SceneLoader};

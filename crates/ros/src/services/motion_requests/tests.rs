@@ -1,4 +1,4 @@
-//! Motion requests for the two-link robot. Its URDF contains the derivation of the expected results.
+//! Tests of motion requests for the two-link robot. Its URDF contains the derivation of the expected results.
 
 use std::f64::consts::PI;
 use std::sync::Arc;

@@ -1,5 +1,5 @@
-//! Requests of the two-link robot at rest, whose tip is a ball of 0.1 m at (2, 0, 0). The cart, a ball of 0.1 m, is
-//! 0.8 m beside it.
+//! Tests of motion requests with moving obstacles, for the two-link robot at rest. Its tip is a ball of 0.1 m at
+//! (2, 0, 0). The cart, a ball of 0.1 m, is 0.8 m beside it.
 
 use std::sync::Arc;
 use std::time::Duration;

@@ -1,4 +1,4 @@
-//! Distribution of a scene over messages that the network library does not lose.
+//! Splits a scene into messages that are small enough for the network library.
 
 use ros2_interfaces_jazzy_serde::geometry_msgs::msg::TransformStamped;
 use ros2_interfaces_jazzy_serde::moveit_msgs::msg::{

@@ -1,4 +1,5 @@
-//! Tasks of the feed, and directions of the two-link robot. Its URDF contains the derivation of the expected results.
+//! Tests of `~/retreat_direction`: tasks of the feed, and directions of the two-link robot. Its URDF contains the
+//! derivation of the expected results.
 
 use std::f64::consts::PI;
 

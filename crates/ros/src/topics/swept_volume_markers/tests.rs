@@ -1,4 +1,4 @@
-//! Markers of the two-link robot, and the parts that are left out.
+//! Tests of swept volume markers of the two-link robot: shapes, colours, and parts that are left out.
 
 use clearance_checker::MotionOptions;
 use clearance_geometry::math::Point;

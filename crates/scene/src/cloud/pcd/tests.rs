@@ -1,3 +1,5 @@
+//! Tests of the PCD reader: every form of storage, cut or altered files, and faults.
+
 use proptest::prelude::*;
 
 use super::*;

@@ -1,3 +1,5 @@
+//! Tests of the reader of MoveIt's `.scene` text: both dialects, faults, cut and altered files.
+
 use clearance_geometry::Primitive;
 use proptest::prelude::*;
 

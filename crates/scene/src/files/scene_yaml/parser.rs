@@ -1,4 +1,4 @@
-//! Parses YAML text into the data types of a scene.
+//! Parses YAML text into `SceneText`, the data types of a scene; errors name the object and the field.
 
 use clearance_files::yaml;
 use serde_json::Value;

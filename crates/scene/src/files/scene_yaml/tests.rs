@@ -1,3 +1,5 @@
+//! Tests of the reader of planning scenes in YAML: content, several files, virtual joints, faults, altered files.
+
 use clearance_geometry::Shape;
 use clearance_geometry::math::{Pose, Vector, pose_from_xyz_rpy};
 use clearance_robot::RobotText;

@@ -1,3 +1,5 @@
+//! Tests of the reader of robot state files: all formats, several states, transforms, faults.
+
 use clearance_robot::MeshFiles;
 
 use super::*;

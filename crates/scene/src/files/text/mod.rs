@@ -1,5 +1,5 @@
-//! YAML format of a planning scene: `moveit_msgs` field names, with the short forms that MoveIt's tools write (lists for vectors, names
-//! for shape types).
+//! Data types (serde) of planning scenes in YAML: `moveit_msgs` field names, and the short forms of MoveIt's tools.
+//! The short forms are lists for vectors and names for shape types.
 
 mod object;
 mod pose_text;

@@ -1,4 +1,4 @@
-//! YAML format of the objects of a scene.
+//! Data types (serde) of scene objects in YAML: objects, attached objects, primitives, planes and meshes.
 
 use serde::Deserialize;
 use serde::de::IgnoredAny;

@@ -1,4 +1,4 @@
-//! Points, rotations and poses, as lists or with named components.
+//! Data types (serde) of points, rotations and poses in YAML, as lists or with named components.
 
 use std::fmt;
 use std::marker::PhantomData;
