@@ -8,6 +8,8 @@
 mod among;
 #[path = "clearance/answer.rs"]
 mod answer;
+#[path = "clearance/batch_and_stream.rs"]
+mod batch_and_stream;
 #[path = "clearance/certificates.rs"]
 mod certificates;
 #[path = "clearance/edges.rs"]
@@ -16,8 +18,6 @@ mod edges;
 mod mesh_pair;
 #[path = "clearance/neutral.rs"]
 mod neutral;
-#[path = "clearance/own.rs"]
-mod own;
 #[path = "clearance/random.rs"]
 mod random;
 #[path = "clearance/sample_states.rs"]
@@ -26,6 +26,8 @@ mod sample_states;
 mod scatter;
 #[path = "clearance/surroundings.rs"]
 mod surroundings;
+#[path = "clearance/volume_cost_model.rs"]
+mod volume_cost_model;
 #[path = "clearance/whole_robot.rs"]
 mod whole_robot;
 #[path = "clearance/world_file.rs"]

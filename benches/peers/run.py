@@ -11,7 +11,7 @@ from pathlib import Path
 
 from harness import costs_report, environment, report, subjects, world_report
 from harness.agreement import compare
-from harness.child import Child, Failed
+from harness.contestant_process import Child, Failed
 from harness.edge_comparison import MOST_CAST_PAIRS, MOST_FCL_PAIRS, EdgeComparison, Extent
 from harness.edge_sets import name_of
 from harness.race import Voice, race

@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::failure::Failure;
+use super::rounded_bounds::{at_least, at_most};
 use super::run_args::RunArgs;
 
 #[derive(Args)]
@@ -141,7 +142,7 @@ impl ContactResult {
         );
         let depth = match self.depth {
             Some([lower, upper]) if upper - lower <= 1e-6 => format!("depth {upper:.6} m"),
-            Some([lower, upper]) => format!("depth {lower:.6} to {upper:.6} m"),
+            Some([lower, upper]) => format!("depth {} to {} m", at_least(lower, 6), at_most(upper, 6)),
             None => "depth not known".to_owned(),
         };
         let reason = self.reason.map_or_else(String::new, |reason| format!(" ({reason})"));

@@ -21,6 +21,9 @@ pub enum Failure {
     /// The process exceeded its memory limit: exit code 5.
     #[cfg_attr(not(feature = "ros"), allow(dead_code, reason = "only the node has a memory limit"))]
     OutOfMemory(String),
+    /// The node ended as requested, but its recording is incomplete: exit code 4.
+    #[cfg_attr(not(feature = "ros"), allow(dead_code, reason = "only the node records"))]
+    IncompleteRecording(String),
 }
 
 impl Failure {
@@ -32,6 +35,7 @@ impl Failure {
         match self {
             Self::Input(_) | Self::Faults(_) => ExitStatus::from(2),
             Self::Internal(_) => ExitStatus::from(3),
+            Self::IncompleteRecording(_) => ExitStatus::from(4),
             Self::OutOfMemory(_) => ExitStatus::from(5),
         }
     }
@@ -40,7 +44,9 @@ impl Failure {
 impl std::fmt::Display for Failure {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Input(message) | Self::OutOfMemory(message) => f.write_str(&line(message)),
+            Self::Input(message) | Self::OutOfMemory(message) | Self::IncompleteRecording(message) => {
+                f.write_str(&line(message))
+            }
             Self::Faults(messages) => {
                 let lines: Vec<_> = messages.iter().map(|message| line(message)).collect();
                 f.write_str(&lines.join("\n"))
@@ -79,6 +85,7 @@ mod tests {
         let expected = r"object 'a\nb\u{1b}[31m\u{202e}'";
         assert_eq!(Failure::Input(raw()).to_string(), expected);
         assert_eq!(Failure::OutOfMemory(raw()).to_string(), expected);
+        assert_eq!(Failure::IncompleteRecording(raw()).to_string(), expected);
         assert_eq!(Failure::Faults(vec![raw(), raw()]).to_string(), format!("{expected}\n{expected}"));
     }
 }

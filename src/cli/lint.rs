@@ -73,7 +73,7 @@ pub fn run(args: &LintArgs) -> Result<ExitStatus, Failure> {
     let meshes = MeshLog::default();
     let robot = robot_args.load_quietly(&robot_args.mesh_files().with_log(meshes.clone()))?;
     let visuals = visual_geometry(&args.urdf, &robot_args.mesh_files().with_log(meshes.clone()))?;
-    output_files::check_beside_meshes(&meshes, &[args.html.as_deref()])?;
+    output_files::check_beside_meshes(&output_files::mesh_files(&meshes), &[args.html.as_deref()])?;
     for warning in &visuals.warnings {
         log::warn!("{warning}");
     }

@@ -11,6 +11,7 @@ use serde::Serialize;
 
 use super::exit_status::ExitStatus;
 use super::failure::Failure;
+use super::output_files;
 use super::run_args::{Format, internal, print_line};
 use super::spheres::{SpheresArgs, at_most, millimetres, note_of_time};
 
@@ -60,8 +61,8 @@ fn folder_of(urdf: &Path) -> PathBuf {
     urdf.with_file_name(name)
 }
 
-/// Rejects, before the search, what cannot become the folder of the meshes.
-pub fn check_folder(args: &SpheresArgs) -> Result<(), Failure> {
+/// Rejects, before the search, what cannot become the folder of the meshes. `read` are the meshes of the robot.
+pub fn check_folder(args: &SpheresArgs, read: &[PathBuf]) -> Result<(), Failure> {
     let Some(urdf) = &args.sphere_urdf else { return Ok(()) };
     let folder = folder_of(urdf);
     uri_of(&folder)?;
@@ -75,6 +76,13 @@ pub fn check_folder(args: &SpheresArgs) -> Result<(), Failure> {
             folder.display()
         );
         return Err(Failure::Input(message));
+    }
+    if let Ok(folder) = folder.canonicalize()
+        && let Some(mesh) = read.iter().find(|mesh| mesh.parent() == Some(folder.as_path()))
+    {
+        let message =
+            "is a mesh of the robot, in the folder that is written: choose another name for the URDF";
+        return Err(Failure::Input(format!("{}: {message}", mesh.display())));
     }
     Ok(())
 }
@@ -99,9 +107,10 @@ pub fn write(
     robot: &RobotModel,
     size: &CoverSize,
     cover: &MeshCover,
+    read: &[PathBuf],
 ) -> Result<ExitStatus, Failure> {
     if let (Some(file), Some(urdf)) = (&args.sphere_urdf, &args.robot.urdf) {
-        write_files(robot, cover, urdf, file)?;
+        write_files(robot, cover, [urdf, file], read)?;
     }
     let folder = args.sphere_urdf.as_ref().and_then(|file| folder_of(file).file_name().map(PathBuf::from));
     print_line(&match args.format {
@@ -111,18 +120,25 @@ pub fn write(
     Ok(args.status_of(cover.is_cut(), cover.error()[1]))
 }
 
-/// The meshes first, so that the URDF names existing files at every moment.
-fn write_files(robot: &RobotModel, cover: &MeshCover, urdf: &Path, file: &Path) -> Result<(), Failure> {
+/// The meshes first, so that the URDF names existing files at every moment. `read` are the meshes of the robot.
+fn write_files(
+    robot: &RobotModel,
+    cover: &MeshCover,
+    [urdf, file]: [&Path; 2],
+    read: &[PathBuf],
+) -> Result<(), Failure> {
     let text = input_files::read_text(urdf, DESCRIPTION_LIMIT).map_err(Failure::input)?;
     let folder = folder_of(file);
     let text = covers::mesh_urdf(robot, cover, &text, &uri_of(&folder)?).map_err(Failure::input)?;
     let unwritable = |e: std::io::Error| Failure::Input(format!("{}: cannot be made: {e}", folder.display()));
+    let meshes = || cover.links.iter().flat_map(|link| &link.meshes);
+    let targets: Vec<PathBuf> = meshes().map(|mesh| folder.join(&mesh.file_name)).collect();
+    targets.iter().try_for_each(|target| check_target(target))?;
+    let outputs: Vec<Option<&Path>> = targets.iter().map(|t| Some(t.as_path())).chain([Some(file)]).collect();
+    output_files::check(&[Some(urdf)], &outputs)?;
+    output_files::check_beside_meshes(read, &outputs)?;
     if !folder.is_dir() {
         std::fs::create_dir(&folder).map_err(unwritable)?;
-    }
-    let meshes = || cover.links.iter().flat_map(|link| &link.meshes);
-    for SimplifiedMesh { file_name, .. } in meshes() {
-        check_target(&folder.join(file_name))?;
     }
     for SimplifiedMesh { mesh, file_name, .. } in meshes() {
         input_files::replace(&folder.join(file_name), &covers::stl(mesh)).map_err(Failure::input)?;

@@ -1,7 +1,8 @@
 //! Commands of the `clearance` program: argument parser, dispatch and exit codes.
 //!
 //! Exit codes: 0: everything in the query is free; 1: completed, and something is not free; 2: bad input; 3: internal error.
-//! The node also has 4: ended by a signal, before its orderly end was complete; and 5: more memory than `memory_limit`.
+//! The node also has 4: ended as requested, but by force or with an incomplete recording; and 5: more memory than
+//! `memory_limit`.
 
 mod acm;
 mod acm_output;
@@ -38,6 +39,7 @@ mod recorded_arguments;
 mod recover;
 #[cfg(feature = "ros")]
 mod replay;
+mod rounded_bounds;
 mod run_args;
 mod shapes;
 mod spheres;

@@ -27,7 +27,7 @@ pub struct ModelArgs {
     pub pad_self: bool,
 
     /// Kind of bounding volumes of all bodies (obb, rss, lss, pss, aabb, kdop18, kios), and of individual links as LINK=KIND, separated
-    /// by commas; they change the time of a check, never its result
+    /// by commas; they change the time of a check, but no collision and no distance
     #[arg(long, value_name = "KIND")]
     pub volumes: Option<VolumeSelection>,
 }
@@ -216,6 +216,9 @@ impl WorldArgs {
             let mut matrix = scene.matrix.take().unwrap_or_else(|| AllowedCollisionMatrix::of_robot(robot));
             for pair in &self.ignore {
                 let [a, b] = link_pair(robot, "--ignore", pair)?;
+                if let Some(why) = why_unchecked(robot, &matrix, [a, b]) {
+                    log::warn!("--ignore {pair} has no effect: {why}");
+                }
                 matrix.set(&robot.link(a).name, &robot.link(b).name, true);
             }
             scene.matrix = Some(matrix);
@@ -234,6 +237,24 @@ impl WorldArgs {
             return without_effect("--unknown-space occupied", "an octree (.bt, .ot)");
         }
         Ok(())
+    }
+}
+
+/// Why two links are not checked against each other, if they are not.
+fn why_unchecked(
+    robot: &RobotModel,
+    matrix: &AllowedCollisionMatrix,
+    links: [LinkId; 2],
+) -> Option<&'static str> {
+    let [a, b] = links.map(|link| robot.link(link));
+    if robot.same_rigid_body(links[0], links[1]) {
+        Some("the links never move relative to each other, and are not checked")
+    } else if a.collisions.is_empty() || b.collisions.is_empty() {
+        Some("one of the links has no collision geometry")
+    } else if matrix.allows(&a.name, &b.name) {
+        Some("the pair is not checked without it either")
+    } else {
+        None
     }
 }
 
@@ -314,6 +335,47 @@ pub fn warn_of_meshes(robot: &RobotModel, world: &World, settings: &Settings) {
     if settings.mesh_model == MeshModel::Solid {
         for remark in clearance::checker::solid_mesh_remarks(robot, world) {
             log::warn!("{remark}");
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pairs_that_are_not_checked_anyway_are_told() {
+        let link = |name: &str, geometry: &str| {
+            format!("<link name='{name}'><collision>{geometry}</collision></link>")
+        };
+        let ball = "<geometry><sphere radius='0.1'/></geometry>";
+        let links = ["a", "b", "c", "d"].map(|name| link(name, ball)).concat();
+        let joint = |kind: &str, parent: &str, child: &str| {
+            format!(
+                "<joint name='{child}' type='{kind}'><parent link='{parent}'/><child link='{child}'/></joint>"
+            )
+        };
+        let joints = joint("continuous", "a", "b")
+            + &joint("continuous", "b", "c")
+            + &joint("fixed", "c", "d")
+            + &joint("fixed", "d", "bare");
+        let urdf = format!("<robot name='r'>{links}<link name='bare'/>{joints}</robot>");
+        let robot = RobotModel::from_urdf(&urdf, &MeshFiles::default()).unwrap();
+        let mut matrix = AllowedCollisionMatrix::of_robot(&robot);
+        let mut why = |pair: &str| {
+            let links = link_pair(&robot, "--ignore", pair).unwrap();
+            let why = why_unchecked(&robot, &matrix, links);
+            matrix.set(&robot.link(links[0]).name, &robot.link(links[1]).name, true);
+            why
+        };
+        assert_eq!(why("a,c"), None);
+        for (pair, words) in [
+            ("c,a", "without it either"),
+            ("a,b", "without it either"),
+            ("c,d", "never move"),
+            ("a,bare", "no collision geometry"),
+        ] {
+            assert!(why(pair).is_some_and(|why| why.contains(words)), "{pair}: {:?}", why(pair));
         }
     }
 }

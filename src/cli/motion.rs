@@ -21,6 +21,7 @@ use super::model_args::{ModelArgs, WorldArgs};
 use super::motion_args::MotionInputArgs;
 use super::motion_clearance::ClearanceResult;
 use super::progress::Progress;
+use super::rounded_bounds::{at_least, at_most};
 use super::run_args::{Format, RunArgs, Stats, internal, not_negative, positive, print_line};
 use super::summary::Summary;
 use super::timing::{self, Timing};
@@ -404,6 +405,20 @@ impl MotionResult {
         self
     }
 
+    /// The part of the motion that is not proven, for t from 0 to 1.
+    fn when(&self, [first, last]: [f64; 2]) -> String {
+        let [from, to] = [at_least(first, 6), at_most(last, 6)];
+        // with the order "any", nothing before the contact is checked
+        let is_any = first == 0.0 && last > 0.0;
+        match self.verdict {
+            "contact" if is_any => format!(", colliding at t = {to}"),
+            "within_margin" if is_any => format!(", within the margin at t = {to}"),
+            "within_margin" => format!(", farther until t = {from}, within the margin at t = {to}"),
+            "contact" => format!(", free until t = {from}, colliding at t = {to}"),
+            _ => format!(", open from t = {from} to {to}: {}", self.reason_text),
+        }
+    }
+
     fn text(&self) -> String {
         let verdict = if self.verdict == "free" {
             "free, proven".to_owned()
@@ -411,16 +426,9 @@ impl MotionResult {
             self.verdict.to_uppercase().replace('_', " ")
         };
         let pair = self.pair.as_ref().map_or_else(String::new, |[a, b]| format!(": {a} – {b}"));
-        let when = self.t.map_or_else(String::new, |[lo, hi]| match self.verdict {
-            // with the order "any", nothing before the contact is checked
-            "contact" if lo == 0.0 && hi > 0.0 => format!(", colliding at t = {hi:.6}"),
-            "within_margin" if lo == 0.0 && hi > 0.0 => format!(", within the margin at t = {hi:.6}"),
-            "within_margin" => format!(", farther until t = {lo:.6}, within the margin at t = {hi:.6}"),
-            "contact" => format!(", free until t = {lo:.6}, colliding at t = {hi:.6}"),
-            _ => format!(", open from t = {lo:.6} to {hi:.6}: {}", self.reason_text),
-        });
+        let when = self.t.map_or_else(String::new, |t| self.when(t));
         let segment = self.segment.map_or_else(String::new, |segment| format!(", in segment {segment}"));
-        let time = self.time.map_or_else(String::new, |[lo, _]| format!(" after {lo:.3} s"));
+        let time = self.time.map_or_else(String::new, |[lo, _]| format!(" after {} s", at_least(lo, 3)));
         let turn = |TurnResult { joint, from, to }: &TurnResult| format!("{joint} from {from} to {to}");
         let turns: Vec<String> = self.turns.iter().map(turn).collect();
         let turns = if turns.is_empty() { String::new() } else { format!("; turning {}", turns.join(", ")) };
@@ -444,4 +452,42 @@ fn text(output: &MotionOutput) -> String {
     };
     lines.extend(summary.lines());
     lines.iter().map(|line| on_one_line(line)).collect::<Vec<_>>().join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_claim_no_more_than_is_proven() {
+        let text = |verdict: &'static str, t: [f64; 2]| {
+            let result = MotionResult {
+                verdict,
+                t: Some(t),
+                pair: None,
+                witness_point: None,
+                distance: None,
+                reason: None,
+                segment: None,
+                time: Some([1.2349, 1.2351]),
+                turns: Vec::new(),
+                swept_volumes: None,
+                clearance: None,
+                reason_text: "why".to_owned(),
+            };
+            result.text()
+        };
+        let t = [0.560_546_875, 0.561_279_296_875];
+        for (verdict, words) in [
+            ("contact", "CONTACT, free until t = 0.560546, colliding at t = 0.561280 after 1.234 s"),
+            (
+                "within_margin",
+                "WITHIN MARGIN, farther until t = 0.560546, within the margin at t = 0.561280 after 1.234 s",
+            ),
+            ("undecided", "UNDECIDED, open from t = 0.560546 to 0.561280: why after 1.234 s"),
+        ] {
+            assert_eq!(text(verdict, t), words);
+        }
+        assert_eq!(text("contact", [0.0, 0.5]), "CONTACT, colliding at t = 0.500000 after 1.234 s");
+    }
 }

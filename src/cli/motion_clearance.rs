@@ -6,6 +6,8 @@ use clearance::checker::{
 use clearance::motion::Trajectory;
 use serde::Serialize;
 
+use super::rounded_bounds::{at_least, at_most};
+
 /// The least distances along a motion (m, padding subtracted); `null` where no such pairs are checked.
 #[derive(Serialize)]
 pub struct ClearanceResult {
@@ -90,11 +92,36 @@ impl LeastResult {
 
     fn text(&self) -> String {
         let Self { lower, upper, pair, t, segment, .. } = self;
-        let upper = upper.map_or_else(|| "unknown".to_owned(), |upper| format!("{upper:.6}"));
+        let lower = at_least(*lower, 6);
+        let upper = upper.map_or_else(|| "unknown".to_owned(), |upper| at_most(upper, 6));
         let pair = pair.as_ref().map_or_else(String::new, |[a, b]| format!(" ({a} – {b}"));
         let t = t.map_or_else(String::new, |t| format!(" at t = {t:.6}"));
         let segment = segment.map_or_else(String::new, |segment| format!(" of segment {segment}"));
         let end = if pair.is_empty() { "" } else { ")" };
-        format!("{lower:.6} to {upper} m{pair}{t}{segment}{end}")
+        format!("{lower} to {upper} m{pair}{t}{segment}{end}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bounds_are_rounded_to_the_outside() {
+        let text = |lower, upper| {
+            let none = LeastResult {
+                lower,
+                upper,
+                pair: None,
+                t: None,
+                segment: None,
+                time: None,
+                witness_points: None,
+            };
+            none.text()
+        };
+        assert_eq!(text(0.008_657_066, Some(0.009_657_066)), "0.008657 to 0.009658 m");
+        assert_eq!(text(0.008_657_9, Some(0.009)), "0.008657 to 0.009000 m");
+        assert_eq!(text(0.0, None), "0.000000 to unknown m");
     }
 }

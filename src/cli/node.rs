@@ -92,6 +92,7 @@ pub fn failure(error: NodeError) -> Failure {
         NodeError::Input(message) => Failure::Input(message),
         NodeError::Internal(message) => Failure::Internal(message),
         NodeError::OutOfMemory(message) => Failure::OutOfMemory(message),
+        NodeError::IncompleteRecording(message) => Failure::IncompleteRecording(message),
     }
 }
 

@@ -14,6 +14,7 @@ use super::exit_status::ExitStatus;
 use super::failure::Failure;
 use super::model_args::{ModelArgs, WorldArgs};
 use super::progress::Progress;
+use super::rounded_bounds::at_most;
 use super::run_args::{Format, RunArgs, internal, positive, print_line};
 use super::state_args::StateArgs;
 use super::timing::{self, Timing};
@@ -252,7 +253,8 @@ impl RecoverResult {
             return vec![format!("state {index}: {why}")];
         };
         let first = format!(
-            "state {index}: free state at a distance of {distance:.4}; proven free from t = {exit:.4}; {checks} checks"
+            "state {index}: free state at a distance of {distance:.4}; proven free from t = {}; {checks} checks",
+            at_most(exit, 4)
         );
         let changes = joints.iter().zip(from.positions()).zip(state).filter(|((_, from), to)| from != to);
         let changes = changes.map(|((joint, from), to)| format!("  {joint}: {from:.4} to {to:.4}"));

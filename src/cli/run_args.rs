@@ -61,6 +61,9 @@ impl PairArgs {
         let mut settings = model.settings();
         (settings.check_self, settings.check_world) = (!self.no_self, !self.no_world);
         warn_of_padding(&settings, &loaded);
+        if self.no_self && !world.ignore.is_empty() {
+            log::warn!("--ignore has no effect with --no-self");
+        }
         model_args::checker(robot, &loaded, settings)
     }
 }

@@ -7,6 +7,7 @@ use clap::Args;
 use clearance::covers::{
     self, CoverSize, LinkCover, MeasuredCover, MeasuredLink, SearchLimit, ShapeKind, SphereCover,
 };
+use clearance::geometry::math::Extremes;
 use clearance::robot::{LinkId, MeshLog, RobotModel};
 use clearance_files::input_files::{self, DESCRIPTION_LIMIT};
 use clearance_files::readable_text::on_one_line;
@@ -19,6 +20,7 @@ use super::meshes;
 use super::model_args::RobotArgs;
 use super::output_files;
 use super::progress::Progress;
+use super::rounded_bounds;
 use super::run_args::{Format, internal, positive, print_line};
 use super::shapes;
 
@@ -152,7 +154,8 @@ pub fn run(args: &SpheresArgs) -> Result<ExitStatus, Failure> {
     }
     let meshes = MeshLog::default();
     let robot = args.robot.load_logged(&meshes)?;
-    output_files::check_beside_meshes(&meshes, &outputs)?;
+    let mesh_files = output_files::mesh_files(&meshes);
+    output_files::check_beside_meshes(&mesh_files, &outputs)?;
     if let Some(file) = args.size.measure.as_ref().filter(|_| args.shape == ShapeArg::Spheres) {
         return measure(args, &robot, file);
     }
@@ -166,10 +169,10 @@ pub fn run(args: &SpheresArgs) -> Result<ExitStatus, Failure> {
         ShapeArg::Boxes => Some(ShapeKind::Box),
         ShapeArg::Mesh => {
             let size = args.mesh_size()?;
-            meshes::check_folder(args)?;
+            meshes::check_folder(args, &mesh_files)?;
             let cover = covers::mesh_cover(&robot, &size, &limit, &on_link);
             drop(progress);
-            return meshes::write(args, &robot, &size, &cover.map_err(Failure::input)?);
+            return meshes::write(args, &robot, &size, &cover.map_err(Failure::input)?, &mesh_files);
         }
     };
     if let Some(kind) = kind {
@@ -278,12 +281,12 @@ fn counts(robot: &RobotModel, spheres: &RobotModel, file: &Path) -> Result<Vec<(
 
 /// Bounds (m) in millimetres, rounded to the outside.
 pub fn millimetres([lower, upper]: [f64; 2]) -> String {
-    format!("{:.2} to {} mm", (1e5 * lower).floor() / 100.0, at_most(upper))
+    format!("{} to {} mm", rounded_bounds::at_least(1e3 * lower, 2), at_most(upper))
 }
 
 /// An upper bound (m) in millimetres, rounded up.
 pub fn at_most(upper: f64) -> String {
-    format!("{:.2}", (1e5 * upper).ceil() / 100.0)
+    rounded_bounds::at_most(1e3 * upper, 2)
 }
 
 /// A line about the links whose search the time has ended.
@@ -355,11 +358,11 @@ fn measure(args: &SpheresArgs, robot: &RobotModel, file: &Path) -> Result<ExitSt
                     if link.uncovered.total > 0.0 { 100.0 * area / link.uncovered.total } else { 0.0 }
                 };
                 print_line(&format!(
-                    "{}: {} spheres, {:.1} to {:.1} % of the surface in no sphere, excess {}",
+                    "{}: {} spheres, {} to {} % of the surface in no sphere, excess {}",
                     on_one_line(&name(link)),
                     link.spheres,
-                    part(link.uncovered.lower),
-                    part(link.uncovered.upper),
+                    rounded_bounds::at_least(part(link.uncovered.lower), 1),
+                    rounded_bounds::at_most(part(link.uncovered.upper).lesser(100.0), 1),
                     millimetres(link.excess),
                 ))?;
             }

@@ -96,6 +96,7 @@ void check_errors(Scene &scene) {
 
 // What is left of an object after a move has errors, not a null pointer.
 void check_moved(const Scene &scene) {
+  std::uint64_t seed = 1;
   clearance::Robot robot = scene.robot;
   const clearance::Robot other = std::move(robot);
   CHECK_THROWS(robot.name(), "the robot was moved from");
@@ -107,11 +108,23 @@ void check_moved(const Scene &scene) {
   const clearance::World taken = std::move(world);
   CHECK_THROWS(world.obstacle_names(), "the world was moved from");
   CHECK_THROWS(clearance::Checker(scene.robot, world), "the world was moved from");
-  CHECK_THROWS(scene.checker.with_world(world), "world is null");
+  CHECK_THROWS(scene.checker.with_world(world), "the world was moved from");
+  CHECK_THROWS(clearance::World(world), "the world was moved from");
+  CHECK_THROWS(world.add_sphere("ball", 0.1), "the world was moved from");
+  CHECK_THROWS(world.remove("ball"), "the world was moved from");
+  CHECK_THROWS(robot.random_states(seed), "the robot was moved from");
+  CHECK_THROWS(clearance::Checker{robot}, "the robot was moved from");
   CHECK_THROWS(clearance::World::from_file("config/demo_world.yaml", robot), "the robot was moved from");
   clearance::Checker checker = scene.checker;
   const clearance::Checker kept = std::move(checker);
   CHECK_THROWS(checker.joint_names(), "the checker was moved from");
+  CHECK_THROWS(checker.world(), "the checker was moved from");
+  CHECK_THROWS(clearance::Workspace(checker), "the checker was moved from");
+  clearance::Workspace workspace(kept);
+  clearance::Workspace used = std::move(workspace);
+  CHECK_THROWS(checker.is_free(scene.near, used), "the checker was moved from");
+  CHECK_THROWS(kept.is_free(scene.near, workspace), "the workspace was moved from");
+  CHECK(kept.is_free(scene.near, used));
   CHECK(kept.warnings().empty() && other.name() == "demo_arm" && taken.obstacle_names().empty());
   CHECK(clearance::Checker(clearance::Robot::from_urdf("<robot name='r'><link name='l'/></robot>")).warnings().size() == 1);
 }

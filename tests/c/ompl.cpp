@@ -8,6 +8,7 @@
 #include <ompl/base/spaces/DiscreteStateSpace.h>
 #include <ompl/base/spaces/SE2StateSpace.h>
 #include <ompl/geometric/SimpleSetup.h>
+#include <ompl/geometric/planners/cforest/CForestStateSpaceWrapper.h>
 #include <ompl/geometric/planners/rrt/RRTConnect.h>
 #include <ompl/util/Console.h>
 #include <ompl/util/RandomNumbers.h>
@@ -95,7 +96,7 @@ void check_names() {
   const auto made = clearance::ompl_state_space(checker);
   CHECK(made->isCompound() && made->getDimension() == 2);
   CHECK_TEXT(error_of([&] { clearance::OmplJoints(compound("wheel", "slide"), checker); }).c_str(), "no joint 'turn'");
-  CHECK_TEXT(error_of([&] { clearance::OmplJoints(compound("slide", "turn"), checker); }).c_str(), "'slide' is not continuous");
+  CHECK_TEXT(error_of([&] { clearance::OmplJoints(compound("slide", "turn"), checker); }).c_str(), "'slide' is in an SO2StateSpace, but a whole turn of it is another state");
   const auto more = compound("turn", "slide");
   more->as<ob::CompoundStateSpace>()->addSubspace(std::make_shared<ob::SO2StateSpace>(), 1.0);
   CHECK_TEXT(error_of([&] { clearance::OmplJoints(more, checker); }).c_str(), "3 values, but the checker has 2 joints");
@@ -124,6 +125,21 @@ void check_floating_joint() {
   for (const std::string &error : errors) {
     CHECK_TEXT(error.c_str(), "the floating joint 'free' cannot be planned with OMPL");
   }
+}
+
+// A whole turn of a continuous joint moves a joint that follows it at half its angle.
+void check_circle_with_mimic_joint() {
+  const clearance::Checker checker(clearance::Robot::from_urdf(
+      "<robot name='r'><link name='base'/><link name='wheel'/><link name='hand'/>"
+      "<joint name='turn' type='continuous'><parent link='base'/><child link='wheel'/><axis xyz='0 0 1'/></joint>"
+      "<joint name='half' type='continuous'><parent link='wheel'/><child link='hand'/><axis xyz='0 0 1'/>"
+      "<mimic joint='turn' multiplier='0.5'/></joint></robot>"));
+  const auto circle = std::make_shared<ob::SO2StateSpace>();
+  circle->setName("turn");
+  const auto space = std::make_shared<ob::CompoundStateSpace>();
+  space->addSubspace(circle, 1.0);
+  CHECK(checker.joint_names() == (std::vector<std::string>{"turn"}) && !checker.is_continuous(0));
+  CHECK_TEXT(error_of([&] { clearance::OmplJoints(space, checker); }).c_str(), "or other joints mimic it");
 }
 
 // A part without joints would be ignored; half a turn is written within the bounds.
@@ -195,6 +211,25 @@ ob::ScopedState<> turned(const ob::SpaceInformationPtr &si, double angle) {
   state["turn"] = angle;
   state["slide"] = 0.0;
   return state;
+}
+
+// The space of the paths of CForest hides the joints; its states fit into a path of the own space.
+void check_path_of_cforest() {
+  const auto checker = turner(0.0);
+  for (const auto &space : {compound("turn", "slide"), clearance::ompl_state_space(checker)}) {
+    const auto si = information(space, checker);
+    const auto wrapper = std::make_shared<ob::CForestStateSpaceWrapper>(nullptr, space.get());
+    const og::PathGeometric found(std::make_shared<ob::SpaceInformation>(wrapper), turned(si, 2.0).get(), turned(si, 2.5).get());
+    for (const auto spaces : {clearance::OmplSpaces::known, clearance::OmplSpaces::straight}) {
+      CHECK_TEXT(error_of([&] { clearance::trajectory_of(found, checker, spaces); }).c_str(), "a wrapper of the planner CForest");
+    }
+    og::PathGeometric own(si);
+    for (std::size_t i = 0; i < found.getStateCount(); ++i) {
+      own.append(found.getState(static_cast<unsigned int>(i)));
+    }
+    clearance::Workspace workspace(checker);
+    CHECK(clearance::certify(own, checker, workspace).is_free());
+  }
 }
 
 // The arm turns from 2 to -2 rad through the half turn; a ball there is met, a ball at 0 is not.
@@ -394,7 +429,9 @@ int main() {
   ompl::RNG::setSeed(1);
   try {
     check_names();
-  check_floating_joint();
+    check_floating_joint();
+    check_circle_with_mimic_joint();
+    check_path_of_cforest();
     check_bent_space();
     check_parts();
     check_short_way();

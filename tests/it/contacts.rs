@@ -180,7 +180,7 @@ fn the_demo_arm_has_contacts_with_itself_and_a_mesh() {
 #[test]
 fn a_real_robot_has_contacts_with_itself_and_a_mesh() {
     let Some(robots) = shared_folder("robots") else { return };
-    let robot = Arc::new(crate::truth::robot(&robots, "ur5e", true));
+    let robot = Arc::new(crate::peer_results::robot(&robots, "ur5e", true));
     let mut world = World::default();
     let mesh = Shape::Mesh(Arc::new(rough_obstacle(&mut Random::new(33))));
     world.add(Obstacle::of_shape("rock", Pose::translation(0.3, 0.3, 0.5), mesh)).unwrap();

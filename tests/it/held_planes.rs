@@ -12,8 +12,8 @@ use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::other_shapes;
 use crate::random::Random;
+use crate::random_world;
 use crate::streams::random_state;
 
 fn dual_arm() -> Arc<RobotModel> {
@@ -130,7 +130,7 @@ fn checkers() -> Vec<CollisionChecker> {
     let mut random = Random::new(5);
     (0..6)
         .map(|i| {
-            let mut world = if i % 3 == 0 { World::default() } else { other_shapes::world(&mut random, 1.5) };
+            let mut world = if i % 3 == 0 { World::default() } else { random_world::world(&mut random, 1.5) };
             for name in ["floor", "several"] {
                 drop(world.remove(name));
             }
@@ -277,7 +277,7 @@ fn a_held_plane_hides_nothing_else() {
     let held = shield(&robot, &mut random, true);
     let only_ball = AttachedObject { shapes: held.shapes[1..].to_vec().into(), ..held.clone() };
     let checker_of = |object: AttachedObject| {
-        let mut world = other_shapes::world(&mut Random::new(11), 1.2);
+        let mut world = random_world::world(&mut Random::new(11), 1.2);
         world.attach(object).unwrap();
         CollisionChecker::new(robot.clone(), &world, Settings::default()).unwrap()
     };

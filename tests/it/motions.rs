@@ -13,9 +13,10 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::cases::{pose, shape};
+use crate::peer_results::{
+    TruthRobot, env_world, robot, scene_checker, scene_configuration, scene_files, truth_robot,
+};
 use crate::tally::{Tally, json, shared_folder};
-use crate::truth::{TruthRobot, env_world, robot, truth_robot};
-use crate::truth_scenes::{scene_checker, scene_configuration, scene_files};
 
 /// How far (a fraction of the edge) the truth's first contact may be from the real one.
 const CONTACT_TIME_ACCURACY: f64 = 1.5e-4;

@@ -79,7 +79,7 @@ fn outputs_are_no_inputs_and_differ() {
         assert_eq!(std::fs::read_to_string(folder.path("r.urdf")).unwrap(), ROBOT);
     }
     let same = ["acm", "--urdf", "r.urdf", "--write-srdf", "x", "--resume", "./x", "--certificate", "y"];
-    assert_fails(&folder.run(&same), 2, "two options write to it");
+    assert_fails(&folder.run(&same), 2, "two outputs would be written to it");
     assert!(!folder.path("x").exists());
 }
 
@@ -235,4 +235,25 @@ fn an_end_without_a_start_is_rejected() {
     folder.write("e.json", r#"{"joints": ["joint1", "joint2"], "edges": [[[0, 0], [0.1, 0]]]}"#);
     let output = folder.run(&["motion", "--urdf", "r.urdf", "--edges", "e.json", "--to", TO]);
     assert_fails(&output, 2, "--to belongs to --from");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_limit_of_file_sizes_is_an_error_and_no_signal() {
+    use std::process::{Command, Stdio};
+    let folder = folder();
+    let limited = |arguments: &[&str], stdout: Stdio| {
+        Command::new("sh")
+            .args(["-c", "ulimit -f 0; exec \"$@\"", "sh", env!("CARGO_BIN_EXE_clearance")])
+            .args(arguments)
+            .current_dir(folder.path("."))
+            .stdout(stdout)
+            .output()
+            .unwrap()
+    };
+    let motion = ["motion", "--urdf", "r.urdf", "--from", "joint1=0", "--to", TO, "--certificate", "c.json"];
+    assert_fails(&limited(&motion, Stdio::piped()), 2, "c.json: cannot be written: File too large");
+    let file = std::fs::File::create(folder.path("out.txt")).unwrap();
+    let check = ["check", "--urdf", "r.urdf", "--state", TO];
+    assert_fails(&limited(&check, file.into()), 3, "File too large");
 }

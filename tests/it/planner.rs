@@ -12,9 +12,8 @@ use clearance::scene::{Obstacle, Settings, World};
 use clearance::verifier::Verifier;
 use serde_json::Value;
 
+use crate::peer_results::{robot, scene_checker, scene_configuration, scene_files};
 use crate::tally::{json, shared_folder};
-use crate::truth::robot;
-use crate::truth_scenes::{scene_checker, scene_configuration, scene_files};
 
 /// The bundled arm between posts.
 fn demo() -> (CollisionChecker, JointGroup) {

@@ -207,6 +207,32 @@ fn real_robots_are_simplified() {
     }
 }
 
+#[test]
+fn a_mesh_that_is_read_is_not_replaced() {
+    let folder = folder();
+    let (code, _, errors) = run(&folder, &["--count", "200", "--shape-urdf", "out.urdf"]);
+    assert_eq!(code, Some(0), "{errors}");
+    std::fs::copy(folder.path("out.urdf"), folder.path("r.urdf")).unwrap();
+    let mut written = std::fs::read_dir(folder.path("out_meshes")).unwrap();
+    let mesh = written.next().unwrap().unwrap().path();
+    let before = std::fs::read(&mesh).unwrap();
+    let (code, _, errors) = run(&folder, &["--count", "100", "--shape-urdf", "out.urdf"]);
+    assert!(
+        code == Some(2) && errors.contains("is a mesh of the robot, in the folder that is written"),
+        "{errors}"
+    );
+    assert_eq!(std::fs::read(&mesh).unwrap(), before);
+    // the same file by a link in another folder
+    std::fs::create_dir(folder.path("far_meshes")).unwrap();
+    let link = folder.path("far_meshes").join(mesh.file_name().unwrap());
+    std::os::unix::fs::symlink(&mesh, &link).unwrap();
+    let (code, _, errors) = run(&folder, &["--count", "100", "--shape-urdf", "far.urdf"]);
+    assert!(code == Some(2) && errors.contains("it is a mesh of the robot"), "{errors}");
+    assert_eq!(std::fs::read(&mesh).unwrap(), before);
+    let (code, _, errors) = run(&folder, &["--count", "100", "--shape-urdf", "new.urdf"]);
+    assert_eq!(code, Some(0), "{errors}");
+}
+
 /// It may be an original mesh, as where the names of files are those of links.
 #[test]
 fn a_file_that_is_no_simplified_mesh_stays() {

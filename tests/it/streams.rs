@@ -8,8 +8,8 @@ use clearance::scene::{SceneLoader, World};
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::other_shapes;
 use crate::random::Random;
+use crate::random_world;
 use crate::tally::{json, shared_folder};
 
 const QUESTIONS: [Question; 8] = [
@@ -33,7 +33,7 @@ pub fn checkers() -> [CollisionChecker; 2] {
     let arm = load("demo_arm");
     let text = std::fs::read_to_string(root.join("config/demo_world.yaml")).unwrap();
     let scene = SceneLoader::from_yaml(&text, "demo_world", &arm, &MeshFiles::default()).unwrap();
-    let others = other_shapes::world(&mut Random::new(59), 1.2);
+    let others = random_world::world(&mut Random::new(59), 1.2);
     let padded = Settings { padding: 0.01, pad_self: true, ..Settings::default() };
     [
         CollisionChecker::new(arm, &scene.scene.world, padded).unwrap(),

@@ -71,6 +71,11 @@ def test_the_first_bad_row_is_named(checker, states, bad):
         ({"allowed_collisions": [("hand", "none")]}, cl.Error, "allowed_collisions: there is no link or object 'none'"),
         ({"allowed_collisions": [("hand", "hand")]}, cl.Error, "allowed_collisions: 'hand' is paired with itself"),
         ({"allowed_collisions": ["hand"]}, TypeError, "allowed_collisions is .*list of pairs"),
+        ({"allowed_collisions": ["ab"]}, TypeError, "allowed_collisions is .*list of pairs"),
+        ({"checked_collisions": "hand"}, TypeError, "checked_collisions is 'hand', but must be a list of pairs of names"),
+        ({"checked_collisions": [["hand", "table", "ball"]]}, TypeError, "checked_collisions is .*list of pairs"),
+        ({"link_padding": {"hand": "much"}}, TypeError, "link_padding is .*a dict from names to numbers"),
+        ({"fixed": ["joint1"]}, TypeError, r"fixed is \['joint1'\], but must be a dict from names to numbers"),
         ({"fixed": {"none": 1.0}}, cl.Error, "fixed: the robot has no joint 'none'"),
         ({"group": "arm", "fixed": {"joint1": 1.0}}, cl.Error, "fixed: joint 'joint1' is one of group 'arm'"),
         ({"fixed": {"finger_joint1": 0.0}}, cl.Error, "fixed: joint 'finger_joint1' is one of the states"),
@@ -120,6 +125,11 @@ def test_worlds(world, change, kind, words):
     assert changed.names == world.names
 
 
+def held(checker):
+    """The checker with the ball in the hand."""
+    return checker.attach("ball", "hand", pose=(0, 0, 0.3), touch_links=["finger1", "finger2"])
+
+
 @pytest.mark.parametrize(
     "call, kind, words",
     [
@@ -138,6 +148,13 @@ def test_worlds(world, change, kind, words):
         (lambda c, h: c.attach("ball", "none", q=h), cl.Error, "no link 'none'"),
         (lambda c, h: c.attach("ball", "hand"), cl.Error, "either q"),
         (lambda c, h: c.detach("ball", h), cl.Error, "no object 'ball' is attached"),
+        (lambda c, h: held(c).attach("ball", "link3", q=h), cl.Error, "object 'ball' is attached to link 'hand'.*detach it first"),
+        (lambda c, h: c.attach("ball", "hand", q=h, touch_links="hand"), TypeError, "touch_links is 'hand', but must be a list of names"),
+        (lambda c, h: c.find_free_state(h, locked="joint1"), TypeError, "locked is 'joint1', but must be a list of names"),
+        (lambda c, h: c.robot.forward_kinematics(np.zeros(8), "hand"), TypeError, "links is 'hand', but must be a list of names"),
+        (lambda c, h: c.robot.sphere_cover(counts=[1]), TypeError, r"counts is \[1\], but must be a dict"),
+        (lambda c, h: c.robot.sphere_cover(counts={"hand": -1}), cl.Error, "counts is .*to whole numbers"),
+        (lambda c, h: c.configuration([1.0]), TypeError, r"positions is \[1.0\], but must be a dict from names to numbers"),
         (lambda c, h: c.find_free_state(h, locked=["none"]), cl.Error, "no joint 'none'"),
         (lambda c, h: c.view(port=80000), cl.Error, "port is 80000, but must be a whole number from 0 to 65535"),
         (lambda c, h: c.view(port=-1), cl.Error, "port is -1, but must be a whole number from 0 to 65535"),
@@ -162,6 +179,7 @@ def test_calls(arm, home, call, kind, words):
         (("<robot name='r'><link name='a'/><link name='b'/></robot>",), cl.Error, "roots|parent"),
         (("<robot name='r'><link name='a'/></robot>", "<srdf/>"), cl.Error, None),
         ((3,), TypeError, "urdf must be a path or XML text"),
+        ((URDF, None, "/tmp"), TypeError, "package_paths is '/tmp', but must be a list of paths"),
         (("",), cl.Error, "urdf is empty: give a path or XML text"),
         (("<robot name='r'><link name='a'/></robot>", " \n"), cl.Error, "srdf is empty: give a path or XML text"),
     ],

@@ -1,6 +1,7 @@
 """Tests of sphere covers: arrays, proofs against samples, texts, time limits, errors."""
 
 import re
+from types import MappingProxyType
 
 import numpy as np
 import pytest
@@ -92,7 +93,7 @@ def test_texts(two, cover):
 
 def test_sizes(two):
     assert len(two.sphere_cover(total=3)) <= 3
-    by_link = two.sphere_cover(counts={"base": 2, "ball": 1}).spheres
+    by_link = two.sphere_cover(counts=MappingProxyType({"base": 2, "ball": 1})).spheres
     assert len(by_link["base"]) <= 2 and len(by_link["ball"]) == 1
     assert two.sphere_cover(excess=0.05).largest_error <= 0.05
 

@@ -1,5 +1,7 @@
 """Tests of queries on states: batches against single states, derivatives against differences, contacts, pairs."""
 
+from types import MappingProxyType
+
 import numpy as np
 import pytest
 
@@ -121,6 +123,42 @@ def test_allowed_and_checked_pairs(robot, world, checker, states):
     assert ("link1", "link3") in more.pairs and ("link1", "link3") not in checker.pairs
     assert not [pair for pair in cl.Checker(robot, world, check_self=False).pairs if pair[1] not in world.names]
     assert cl.Checker(robot, world, check_world=False).distance(colliding, 9.0).world_distance == np.inf
+
+
+def test_pairs_may_be_lists_and_dicts_any_mapping(robot, world, home, arm):
+    pair = ("hand", "table")
+    assert pair in arm.pairs
+    for pairs in ([pair], (pair,), [list(pair)], [list(pair)[::-1]]):
+        checker = cl.Checker(robot, world, allowed_collisions=pairs)
+        assert checker.settings["allowed_collisions"] == [tuple(pairs[0])] and pair not in checker.pairs
+    assert cl.Checker(robot, world, allowed_collisions=[list(pair)], checked_collisions=[list(pair)]).pairs
+    padded = cl.Checker(robot, world, group="arm", link_padding=MappingProxyType({"hand": 0.05}), fixed=MappingProxyType({"finger_joint1": 0.02}))
+    assert padded.settings["link_padding"] == {"hand": 0.05}
+    assert padded.expand(home)[7] == arm.expand(home)[7] == 0.02
+    by_name = MappingProxyType({"joint2": 0.3})
+    assert arm.configuration(by_name)[1] == robot.configuration(by_name)[1] == 0.3
+    without = cl.Checker(robot, world, group="arm", fixed=None)
+    assert np.array_equal(without.expand(home), cl.Checker(robot, world, group="arm").expand(home))
+
+
+MIMICS = """<robot name="mimics"><link name="base"/><link name="one"/><link name="two"/><link name="three"/>
+  <joint name="a" type="prismatic"><parent link="base"/><child link="one"/><axis xyz="1 0 0"/><limit lower="-1" upper="1" velocity="1" effort="1"/></joint>
+  <joint name="b" type="prismatic"><parent link="one"/><child link="two"/><axis xyz="1 0 0"/><limit lower="-1" upper="1" velocity="1" effort="1"/>
+    <mimic joint="a"/></joint>
+  <joint name="d" type="prismatic"><parent link="two"/><child link="three"/><axis xyz="1 0 0"/><limit lower="-1" upper="1" velocity="1" effort="1"/></joint>
+</robot>"""
+
+
+def test_positions_of_a_group_are_in_the_order_of_the_robot_without_mimic_joints():
+    groups = "".join(
+        f"<group name='{name}'>{''.join(f'<joint name={joint!r}/>' for joint in name)}</group>" for name in ("da", "bd", "b")
+    )
+    robot = cl.Robot.from_urdf(MIMICS, f"<robot name='mimics'>{groups}</robot>")
+    assert robot.groups == {"da": ["a", "d"], "bd": ["d"], "b": []}
+    with pytest.warns(cl.InputWarning):
+        assert cl.Checker(robot, group="da").joint_names == ["a", "d"]
+    with pytest.raises(cl.Error, match="group 'b' has no joint that moves by itself"):
+        cl.Checker(robot, group="b")
 
 
 def test_padding(robot, world, home, arm):

@@ -125,7 +125,7 @@ def test_attached_objects_move_with_the_link(ball):
     assert held.world.attached == {"part": "ball"} and held.world.names == ["wall"]
     assert checker.world.names == ["part", "wall"]
     for use in (lambda w: w.remove("part"), lambda w: w.pose("part"), lambda w: w.move("part", (0, 0, 0))):
-        with pytest.raises(cl.Error, match="object 'part' is attached to link 'ball'"):
+        with pytest.raises(cl.Error, match="object 'part' is attached to link 'ball', and is no obstacle: detach it first"):
             use(held.world)
     # the part is 0.2 m before the ball's centre
     assert held.distance([1.0], 5).world_distance == pytest.approx(2.95 - 1.0 - 0.25)

@@ -32,6 +32,7 @@ world:
 """
 SPHERE = '<sphere radius="0.1"/>'
 NEAR = {"influence_distance": 0.5, "distance_limit": 2.0}
+INCOMPLETE = 4  # exit code
 
 
 @pytest.fixture
@@ -278,6 +279,20 @@ def test_a_recording_ends_at_its_limit_and_the_node_goes_on(start, peer, file):
     peer.wait_for(lambda: "record_max_size" in cell.node.output(), "the end of the recording")
     cell.evaluate(joint1=0, joint2=0)
     assert same(file) > 0
+
+
+def test_a_limit_of_file_sizes_ends_the_recording_and_not_the_node(start, peer, file):
+    limited = ["sh", "-c", 'ulimit -f 40; exec "$@"', "sh"]
+    cell = start(parameters=recorded(file), prefix=limited)
+    cell.evaluate(**FOLDED)
+    peer.wait_for(lambda: "run.mcap ended: " in cell.node.output(), "the end of the recording")
+    assert "File too large" in cell.node.output()
+    state = cell.states.ever(lambda state: any("File too large" in text for text in state.warnings), "a warning")
+    assert state.status == CollisionState.FREE
+    assert cell.node.stop() == INCOMPLETE
+    assert "is complete" not in cell.node.output()
+    result = outcome(file)
+    assert result["difference"] is None and result["cut_off"], result
 
 
 def test_a_robot_that_was_rejected_is_rejected_again(start, peer, file):

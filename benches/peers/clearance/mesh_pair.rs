@@ -9,11 +9,11 @@ use clearance::geometry::math::{Pose, Rotation, Vector};
 use clearance::geometry::{Shape, TriangleMesh};
 use clearance::proximity::{CollisionBody, Scratch, collide, distance};
 
+use crate::Outcome;
 use crate::answer::Answer;
 use crate::neutral::Neutral;
-use crate::own::Cost;
 use crate::random::Random;
-use crate::{Outcome, own};
+use crate::volume_cost_model::{Cost, cost_model};
 
 /// Name and width (m) of each gap.
 const GAPS: [(&str, f64); 6] =
@@ -109,7 +109,7 @@ impl MeshPair {
 
     /// `volume question n_bv c_bv n_p c_p` of every volume type, separated by tabs; times in ns.
     pub fn costs(&self) -> String {
-        let lines = own::cost_model(&self.meshes, &self.poses).into_iter().map(|c| {
+        let lines = cost_model(&self.meshes, &self.poses).into_iter().map(|c| {
             let Cost { volume, question, volume_tests, volume_test_ns, primitive_tests, primitive_test_ns } = c;
             format!(
                 "{volume} {question} {volume_tests:.1} {volume_test_ns:.2} {primitive_tests:.1} {primitive_test_ns:.2}"

@@ -2,8 +2,9 @@
 
 use clearance::{CollisionChecker, Configuration, Question, Settings, Workspace, World};
 
+use crate::Outcome;
 use crate::answer::Answer;
-use crate::{Outcome, own};
+use crate::batch_and_stream::batch;
 
 pub struct Surroundings {
     checker: CollisionChecker,
@@ -27,7 +28,7 @@ impl Surroundings {
         let Self { checker, workspace } = self;
         match question {
             "free" => states.iter().for_each(|q| hear(Answer::Free(checker.is_free(q, workspace)))),
-            "free-batch" => own::batch(checker, states).into_iter().for_each(|free| hear(Answer::Free(free))),
+            "free-batch" => batch(checker, states).into_iter().for_each(|free| hear(Answer::Free(free))),
             "distance" => {
                 for q in states {
                     let report = checker.check(q, Question::Distance { limit: f64::INFINITY }, workspace);

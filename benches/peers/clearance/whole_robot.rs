@@ -14,11 +14,12 @@ use cpu_time::ProcessTime;
 
 use crate::among::Among;
 use crate::answer::{Answer, link_pairs};
+use crate::batch_and_stream::{batch, hierarchy_bytes, level_0_nanoseconds, stream};
 use crate::edges::EdgeSets;
 use crate::neutral::Neutral;
 use crate::random::Random;
 use crate::sample_states::{Space, from_file};
-use crate::{Outcome, certificates, edges, own};
+use crate::{Outcome, certificates, edges};
 
 /// Share of random states from which on a pair of links counts as touching by design. MoveIt's setup assistant has
 /// such a rule; without it the published PR2 is never free: its upper arms reach into its shoulders.
@@ -114,8 +115,8 @@ impl WholeRobot {
         }
         let mut words = vec![format!("build_seconds={build_seconds:.4}")];
         let states = self.states.get("random").map_or(&[][..], |s| s);
-        words.push(format!("level_0_ns={:.1}", own::level_0_nanoseconds(&self.checker, states)));
-        words.push(format!("hierarchy_bytes={}", own::hierarchy_bytes(&self.checker)));
+        words.push(format!("level_0_ns={:.1}", level_0_nanoseconds(&self.checker, states)));
+        words.push(format!("hierarchy_bytes={}", hierarchy_bytes(&self.checker)));
         Ok(words.join("\t"))
     }
 
@@ -184,8 +185,8 @@ impl WholeRobot {
                     hear(Answer::Pairs(checker.check(q, Question::Pairs, workspace)));
                 }
             }
-            "free-batch" => own::batch(checker, states).into_iter().for_each(|free| hear(Answer::Free(free))),
-            "near-stream" => own::stream(checker, states, NEAR).into_iter().for_each(hear),
+            "free-batch" => batch(checker, states).into_iter().for_each(|free| hear(Answer::Free(free))),
+            "near-stream" => stream(checker, states, NEAR).into_iter().for_each(hear),
             _ => return Ok(among.ask(question, states, hear)),
         }
         Ok(true)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from .child import Child, Failed
+from .contestant_process import Child, Failed
 from .edge_measures import LEAST, EdgeAgreement, EdgeMeasure, EdgeMeasured, EdgePeer, EdgesMeasured, asked
 from .edge_sets import JUDGED_EVERY, draw_edges, name_of
 from .race import Voice, race

@@ -8,7 +8,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from .child import Child, Failed
+from .contestant_process import Child, Failed
 
 # Euclidean norms of the change of all positions (rad, m alike).
 LENGTHS = (0.1, 0.2, 0.5, 1.0, 2.0)

@@ -6,7 +6,7 @@ import math
 import statistics
 from dataclasses import dataclass
 
-from .child import Child
+from .contestant_process import Child
 
 # A pass longer than this (ns) needs no other to warm up before it.
 LONG_PASS = 1e9

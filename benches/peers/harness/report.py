@@ -11,7 +11,7 @@ from .costs_report import costs
 from .edge_measures import EDGE_VOICES
 from .edge_report import edges
 from .markdown import microseconds, table
-from .required import requirements
+from .requirements import requirements
 from .results import GAPS, MEASURES, TOUCHING, Measured, MeshPairResult, RobotResult, Results
 from .world_report import worlds
 from .world_results import WorldsResult

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from .agreement import compare
-from .child import Child, Failed
+from .contestant_process import Child, Failed
 from .race import Timing, Voice, race
 from .results import Measured
 from .subjects import RobotSource

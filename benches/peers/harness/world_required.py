@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import statistics
 
-from .required import Requirement, verdict
+from .requirements import Requirement, verdict
 from .results import geometric_mean
 from .world_results import WorldResult, WorldsResult
 

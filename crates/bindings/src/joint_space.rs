@@ -59,7 +59,7 @@ impl JointSpace {
         Self { robot, rest, columns: None, names, in_order: None, group: None }.with_order()
     }
 
-    /// The positions of a group of the SRDF, in the order of the group; `fixed` are values of other joints by name.
+    /// The positions of a group of the SRDF, in the order of the robot; `fixed` are values of other joints by name.
     ///
     /// # Errors
     /// If there is no such group, if none of its joints moves by itself, or if the fixed joints do not fit.

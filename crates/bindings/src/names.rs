@@ -22,7 +22,7 @@ pub fn why_no_obstacle(scene: &Scene, name: &str) -> String {
     match scene.world.attached_by_name(name) {
         Some(held) => {
             let link = &held.link;
-            format!("object '{name}' is attached to link '{link}', and is no obstacle until it is detached")
+            format!("object '{name}' is attached to link '{link}', and is no obstacle: detach it first")
         }
         None => format!("there is no object '{name}'"),
     }

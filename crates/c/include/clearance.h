@@ -157,7 +157,8 @@ typedef struct {
 
 // Options of a checker. Start with `clearance_checker_options_default`. Flags are 0 or 1. Arrays are copied.
 typedef struct {
-  // Group of the SRDF whose positions are those of a state, in the order of the group; null for all joints of the robot.
+  // Group of the SRDF whose positions are those of a state, in the order of the robot, which `clearance_checker_joint_name` gives;
+  // null for all joints of the robot. A mimic joint of the group has no position; without its leader in the group, it stays in place.
   const char *group;
   // Positions (rad, m) of joints outside of the group; the others are at their defaults: 0, or the middle of limits that exclude 0.
   const clearance_named_value *fixed;
@@ -337,7 +338,8 @@ typedef struct {
   size_t tube_count;
   // The check ends at any contact, not at the earliest. Default 0.
   int any_contact;
-  // A motion that is free gets a certificate. Default 0.
+  // A motion that is free gets a certificate. Default 0. The search differs: the time of a contact may be another one than without it,
+  // and the verdict, too, if a distance is within the tolerance. Both results are right.
   int certificate;
   // Threads of `clearance_checker_are_motions_free`: 0 for all cores, 1 for the calling thread. Default 0.
   size_t threads;
@@ -842,7 +844,8 @@ size_t clearance_checker_joint_count(const clearance_checker *checker);
 // Name of a position of a state, valid as long as the checker; null beyond the last.
 const char *clearance_checker_joint_name(const clearance_checker *checker, size_t index);
 
-// True if a whole turn of a position changes nothing: a continuous joint. False beyond the last.
+// True if a whole turn of a position changes nothing: a continuous joint without mimic joints that it moves elsewhere. False beyond the
+// last.
 bool clearance_checker_joint_is_continuous(const clearance_checker *checker, size_t index);
 
 // Writes the `n` lower and `n` upper limits of a state (rad, m), also of the joints that mimic these; infinite without limit.

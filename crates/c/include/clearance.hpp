@@ -290,9 +290,9 @@ class Robot {
   std::map<std::string, std::vector<std::string>> groups() const {
     std::map<std::string, std::vector<std::string>> groups;
     for (std::size_t i = 0; i < clearance_robot_group_count(valid()); ++i) {
-      auto &joints = groups[clearance_robot_group_name(handle(), i)];
-      for (std::size_t k = 0; k < clearance_robot_group_joint_count(handle(), i); ++k) {
-        joints.emplace_back(clearance_robot_group_joint_name(handle(), i, k));
+      auto &joints = groups[clearance_robot_group_name(valid(), i)];
+      for (std::size_t k = 0; k < clearance_robot_group_joint_count(valid(), i); ++k) {
+        joints.emplace_back(clearance_robot_group_joint_name(valid(), i, k));
       }
     }
     return groups;
@@ -301,7 +301,7 @@ class Robot {
   // Lower and upper limits (rad, m) of the positions; infinite without limit.
   std::pair<std::vector<double>, std::vector<double>> limits() const {
     std::vector<double> lower(size()), upper(size());
-    detail::check(clearance_robot_limits(handle(), lower.data(), upper.data(), size()));
+    detail::check(clearance_robot_limits(valid(), lower.data(), upper.data(), size()));
     return {lower, upper};
   }
 
@@ -309,28 +309,28 @@ class Robot {
   std::vector<double> state(const NamedValues &values = {}) const {
     const auto list = detail::named(values);
     std::vector<double> q(size());
-    detail::check(clearance_robot_state(handle(), list.data(), list.size(), q.data(), q.size()));
+    detail::check(clearance_robot_state(valid(), list.data(), list.size(), q.data(), q.size()));
     return q;
   }
 
   // A group state of the SRDF, STATE or GROUP/STATE, as a state of the whole robot.
   std::vector<double> group_state(std::string_view name) const {
     std::vector<double> q(size());
-    detail::check(clearance_robot_group_state(handle(), detail::terminated(name).c_str(), q.data(), q.size()));
+    detail::check(clearance_robot_group_state(valid(), detail::terminated(name).c_str(), q.data(), q.size()));
     return q;
   }
 
   // Random states of the whole robot, uniform between the limits, row by row; seed is updated.
   std::vector<double> random_states(std::uint64_t &seed, std::size_t count = 1) const {
     std::vector<double> rows(count * size());
-    detail::check(clearance_robot_random_states(handle(), &seed, count, rows.data(), size()));
+    detail::check(clearance_robot_random_states(valid(), &seed, count, rows.data(), size()));
     return rows;
   }
 
   // The poses of all links in the frame of the root link, in the order of link_names, for a state of the whole robot.
   std::vector<Pose> forward_kinematics(Positions q) const {
     std::vector<clearance_pose> poses(clearance_robot_link_count(valid()));
-    detail::check(clearance_robot_forward_kinematics(handle(), q.state(), poses.data(), poses.size()));
+    detail::check(clearance_robot_forward_kinematics(valid(), q.state(), poses.data(), poses.size()));
     std::vector<Pose> result;
     for (const clearance_pose &pose : poses) {
       result.emplace_back(pose);
@@ -341,7 +341,7 @@ class Robot {
   // The pose of a link in the frame of the root link, for a state of the whole robot.
   Pose link_pose(Positions q, std::string_view link) const {
     Pose pose;
-    detail::check(clearance_robot_link_pose(handle(), q.state(), detail::terminated(link).c_str(), &pose));
+    detail::check(clearance_robot_link_pose(valid(), q.state(), detail::terminated(link).c_str(), &pose));
     return pose;
   }
 
@@ -372,7 +372,7 @@ class World {
   World() : World(detail::make<clearance_world>(clearance_world_new)) {}
   World(const World &other)
       : World(detail::make<clearance_world>(
-            [&](clearance_world **world) { return clearance_world_copy(other.handle(), world); })) {}
+            [&](clearance_world **world) { return clearance_world_copy(detail::valid(other.handle(), "world"), world); })) {}
   World(World &&) noexcept = default;
   World &operator=(World other) noexcept {
     handle_ = std::move(other.handle_);
@@ -392,18 +392,18 @@ class World {
   static World from_file(std::string_view path, const Robot &robot) { return from_file(path, &robot); }
 
   void add_box(std::string_view name, const std::array<double, 3> &size, const Pose &pose = {}) {
-    detail::check(clearance_world_add_box(handle(), detail::terminated(name).c_str(), size.data(), &pose));
+    detail::check(clearance_world_add_box(valid(), detail::terminated(name).c_str(), size.data(), &pose));
   }
   void add_sphere(std::string_view name, double radius, const Pose &pose = {}) {
-    detail::check(clearance_world_add_sphere(handle(), detail::terminated(name).c_str(), radius, &pose));
+    detail::check(clearance_world_add_sphere(valid(), detail::terminated(name).c_str(), radius, &pose));
   }
   // Along z, centred at pose.
   void add_cylinder(std::string_view name, double radius, double length, const Pose &pose = {}) {
-    detail::check(clearance_world_add_cylinder(handle(), detail::terminated(name).c_str(), radius, length, &pose));
+    detail::check(clearance_world_add_cylinder(valid(), detail::terminated(name).c_str(), radius, length, &pose));
   }
   // Along z, centred at pose; length does not include the half spheres.
   void add_capsule(std::string_view name, double radius, double length, const Pose &pose = {}) {
-    detail::check(clearance_world_add_capsule(handle(), detail::terminated(name).c_str(), radius, length, &pose));
+    detail::check(clearance_world_add_capsule(valid(), detail::terminated(name).c_str(), radius, length, &pose));
   }
   // Vertices: three coordinates each; triangles: three indices each.
   void add_mesh(std::string_view name, const std::vector<double> &vertices, const std::vector<std::uint32_t> &triangles,
@@ -412,12 +412,12 @@ class World {
       throw Error(CLEARANCE_STATUS_ARGUMENT, "the mesh '" + std::string(name) + "' needs three numbers for each vertex and triangle");
     }
     const clearance_mesh mesh = {vertices.data(), vertices.size() / 3, triangles.data(), triangles.size() / 3};
-    detail::check(clearance_world_add_mesh(handle(), detail::terminated(name).c_str(), mesh, &pose));
+    detail::check(clearance_world_add_mesh(valid(), detail::terminated(name).c_str(), mesh, &pose));
   }
   // STL, OBJ, COLLADA, PLY, glTF, with a scale for each axis.
   void add_mesh_file(std::string_view name, std::string_view path, const std::array<double, 3> &scale = {1.0, 1.0, 1.0},
                      const Pose &pose = {}) {
-    detail::check(clearance_world_add_mesh_file(handle(), detail::terminated(name).c_str(), detail::terminated(path).c_str(),
+    detail::check(clearance_world_add_mesh_file(valid(), detail::terminated(name).c_str(), detail::terminated(path).c_str(),
                                                 scale.data(), &pose));
   }
   // Balls of one radius around points of three coordinates each.
@@ -426,19 +426,19 @@ class World {
       throw Error(CLEARANCE_STATUS_ARGUMENT, "the points '" + std::string(name) + "' need three numbers each");
     }
     detail::check(
-        clearance_world_add_points(handle(), detail::terminated(name).c_str(), {xyz.data(), xyz.size() / 3}, radius, &pose));
+        clearance_world_add_points(valid(), detail::terminated(name).c_str(), {xyz.data(), xyz.size() / 3}, radius, &pose));
   }
   void move(std::string_view name, const Pose &pose) {
-    detail::check(clearance_world_move(handle(), detail::terminated(name).c_str(), &pose));
+    detail::check(clearance_world_move(valid(), detail::terminated(name).c_str(), &pose));
   }
   void remove(std::string_view name) {
-    detail::check(clearance_world_remove(handle(), detail::terminated(name).c_str()));
+    detail::check(clearance_world_remove(valid(), detail::terminated(name).c_str()));
   }
 
   std::vector<std::string> obstacle_names() const {
     std::vector<std::string> names;
     for (std::size_t i = 0; i < clearance_world_obstacle_count(valid()); ++i) {
-      names.emplace_back(clearance_world_obstacle_name(handle(), i));
+      names.emplace_back(clearance_world_obstacle_name(valid(), i));
     }
     return names;
   }
@@ -446,7 +446,7 @@ class World {
   std::vector<std::string> warnings() const {
     std::vector<std::string> texts;
     for (std::size_t i = 0; i < clearance_world_warning_count(valid()); ++i) {
-      texts.emplace_back(clearance_world_warning(handle(), i));
+      texts.emplace_back(clearance_world_warning(valid(), i));
     }
     return texts;
   }
@@ -458,6 +458,7 @@ class World {
   friend class Checker;
   explicit World(clearance_world *handle) : handle_(handle) {}
 
+  clearance_world *valid() { return detail::valid(handle(), "world"); }
   const clearance_world *valid() const { return detail::valid(handle(), "world"); }
 
   struct Free {
@@ -468,7 +469,8 @@ class World {
 
 // Options of a checker.
 struct CheckerOptions {
-  // Group of the SRDF whose positions are those of a state; empty for all joints of the robot.
+  // Group of the SRDF whose positions are those of a state, in the order of the robot, which joint_names gives; empty for all joints of
+  // the robot. A mimic joint of the group has no position; without its leader in the group, it stays in place.
   std::string group;
   // Positions (rad, m) of joints outside of the group.
   NamedValues fixed;
@@ -669,7 +671,8 @@ class Certificate {
     expectation.tube_count = expected.tube.size();
     expectation.tolerance = expected.tolerance;
     clearance_verification found;
-    detail::check(clearance_verify(handle(), robot.handle(), detail::valid(world.handle(), "world"), &expectation, &found));
+    detail::check(clearance_verify(valid(), detail::valid(robot.handle(), "robot"), detail::valid(world.handle(), "world"),
+                                   &expectation, &found));
     return {found.is_valid, detail::text(found.reason), found.segments, found.pairs, found.proofs};
   }
 
@@ -877,7 +880,9 @@ class Checker {
   // of objects that the world does not have are dropped, also in checkers that are made from that one.
   Checker with_world(const World &world) const {
     return Checker(detail::make<clearance_checker>(
-        [&](clearance_checker **made) { return clearance_checker_with_world(handle(), world.handle(), made); }));
+        [&](clearance_checker **made) {
+          return clearance_checker_with_world(valid(), detail::valid(world.handle(), "world"), made);
+        }));
   }
 
   // A checker in which an obstacle is attached to a link at a pose in its frame; touch_links may touch it, besides the link.
@@ -894,14 +899,14 @@ class Checker {
   Checker detach(std::string_view object, Positions q) const {
     const std::string name = detail::terminated(object);
     return Checker(detail::make<clearance_checker>([&](clearance_checker **made) {
-      return clearance_checker_detach(handle(), name.c_str(), q.state(), made);
+      return clearance_checker_detach(valid(), name.c_str(), q.state(), made);
     }));
   }
 
   // A copy of the world.
   World world() const {
     return World(detail::make<clearance_world>(
-        [&](clearance_world **world) { return clearance_checker_world(handle(), world); }));
+        [&](clearance_world **world) { return clearance_checker_world(valid(), world); }));
   }
 
   // Number of positions of a state.
@@ -909,36 +914,36 @@ class Checker {
   std::vector<std::string> joint_names() const {
     std::vector<std::string> names;
     for (std::size_t i = 0; i < size(); ++i) {
-      names.emplace_back(clearance_checker_joint_name(handle(), i));
+      names.emplace_back(clearance_checker_joint_name(valid(), i));
     }
     return names;
   }
-  // True if a whole turn of a position changes nothing: a continuous joint.
+  // True if a whole turn of a position changes nothing: a continuous joint without mimic joints that it moves elsewhere.
   bool is_continuous(std::size_t joint) const { return clearance_checker_joint_is_continuous(valid(), joint); }
   // Lower and upper limits (rad, m) of the positions; infinite without limit.
   std::pair<std::vector<double>, std::vector<double>> limits() const {
     std::vector<double> lower(size()), upper(size());
-    detail::check(clearance_checker_limits(handle(), lower.data(), upper.data(), size()));
+    detail::check(clearance_checker_limits(valid(), lower.data(), upper.data(), size()));
     return {lower, upper};
   }
   // A state with some joints set by name (rad, m), the others at their defaults.
   std::vector<double> state(const NamedValues &values = {}) const {
     const auto list = detail::named(values);
     std::vector<double> q(size());
-    detail::check(clearance_checker_state(handle(), list.data(), list.size(), q.data(), q.size()));
+    detail::check(clearance_checker_state(valid(), list.data(), list.size(), q.data(), q.size()));
     return q;
   }
   // The positions of the whole robot for a state, count of them.
   std::vector<double> expand(Positions q, std::size_t count) const {
     std::vector<double> whole(count);
-    detail::check(clearance_checker_expand(handle(), q.state(), whole.data(), whole.size()));
+    detail::check(clearance_checker_expand(valid(), q.state(), whole.data(), whole.size()));
     return whole;
   }
   // The pairs of bodies that are checked.
   std::vector<Pair> pairs() const {
     std::vector<Pair> pairs;
     for (std::size_t i = 0; i < clearance_checker_pair_count(valid()); ++i) {
-      const clearance_pair pair = clearance_checker_pair(handle(), i);
+      const clearance_pair pair = clearance_checker_pair(valid(), i);
       pairs.emplace_back(pair.a, pair.b);
     }
     return pairs;
@@ -948,7 +953,7 @@ class Checker {
   std::vector<std::string> warnings() const {
     std::vector<std::string> texts;
     for (std::size_t i = 0; i < clearance_checker_warning_count(valid()); ++i) {
-      texts.emplace_back(clearance_checker_warning(handle(), i));
+      texts.emplace_back(clearance_checker_warning(valid(), i));
     }
     return texts;
   }
@@ -956,33 +961,33 @@ class Checker {
   // True is proven: every pair is apart, by more than the padding.
   bool is_free(Positions q, Workspace &workspace) const {
     bool is_free = false;
-    detail::check(clearance_checker_is_free(handle(), workspace.handle(), q.state(), &is_free));
+    detail::check(clearance_checker_is_free(valid(), valid(workspace), q.state(), &is_free));
     return is_free;
   }
   // 1 for each state that is free, otherwise 0. Threads: 0 for all cores.
   std::vector<std::uint8_t> are_free(const States &states, Workspace &workspace, std::size_t threads = 0) const {
     std::vector<std::uint8_t> free(states.count());
     const clearance_states rows = {states.data(), states.count(), states.n()};
-    detail::check(clearance_checker_are_free(handle(), workspace.handle(), rows, threads, free.data()));
+    detail::check(clearance_checker_are_free(valid(), valid(workspace), rows, threads, free.data()));
     return free;
   }
   // Least distances up to max_distance (m).
   Distances distance(Positions q, Workspace &workspace, double max_distance = 0.1) const {
     clearance_distances found;
-    detail::check(clearance_checker_distance(handle(), workspace.handle(), q.state(), max_distance, &found));
+    detail::check(clearance_checker_distance(valid(), valid(workspace), q.state(), max_distance, &found));
     return {pair_distance(found.self_pair), pair_distance(found.world_pair)};
   }
   // All colliding pairs, their contacts, and distances of all pairs up to max_distance (m).
   Report check(Positions q, Workspace &workspace, double max_distance = 0.1, std::size_t max_contacts = 1) const {
     const clearance_report_options options = {max_distance, max_contacts};
     clearance_report found;
-    detail::check(clearance_checker_check(handle(), workspace.handle(), q.state(), &options, &found));
+    detail::check(clearance_checker_check(valid(), valid(workspace), q.state(), &options, &found));
     return report(found);
   }
   // Signed distances up to influence_distance (m), with derivatives.
   Clearance clearance(Positions q, Workspace &workspace, double influence_distance) const {
     clearance_clearance found;
-    detail::check(clearance_checker_clearance(handle(), workspace.handle(), q.state(), influence_distance, &found));
+    detail::check(clearance_checker_clearance(valid(), valid(workspace), q.state(), influence_distance, &found));
     Clearance result;
     for (std::size_t i = 0; i < found.pair_count; ++i) {
       const clearance_pair_clearance &pair = found.pairs[i];
@@ -1000,7 +1005,7 @@ class Checker {
     const clearance_motion_options c_options = options.c_options();
     bool is_free = false;
     detail::check(
-        clearance_checker_is_motion_free(handle(), workspace.handle(), edge(from, to), &c_options, &is_free));
+        clearance_checker_is_motion_free(valid(), valid(workspace), edge(from, to), &c_options, &is_free));
     return is_free;
   }
   // 1 for each straight motion that is proven free, otherwise 0.
@@ -1013,7 +1018,7 @@ class Checker {
     const clearance_edges edges = {from.data(), to.data(), from.count(), from.n()};
     std::vector<std::uint8_t> free(from.count());
     detail::check(
-        clearance_checker_are_motions_free(handle(), workspace.handle(), edges, &c_options, free.data()));
+        clearance_checker_are_motions_free(valid(), valid(workspace), edges, &c_options, free.data()));
     return free;
   }
   // Report on the straight motion; free is a proof.
@@ -1021,7 +1026,7 @@ class Checker {
     const clearance_motion_options c_options = options.c_options();
     clearance_motion_report found;
     detail::check(
-        clearance_checker_check_motion(handle(), workspace.handle(), edge(from, to), &c_options, &found));
+        clearance_checker_check_motion(valid(), valid(workspace), edge(from, to), &c_options, &found));
     return motion_report(found);
   }
   // Report on a trajectory.
@@ -1031,7 +1036,7 @@ class Checker {
     const clearance_trajectory c_trajectory = trajectory.c_trajectory();
     clearance_motion_report found;
     detail::check(
-        clearance_checker_check_trajectory(handle(), workspace.handle(), &c_trajectory, &c_options, &found));
+        clearance_checker_check_trajectory(valid(), valid(workspace), &c_trajectory, &c_options, &found));
     return motion_report(found);
   }
 
@@ -1041,7 +1046,7 @@ class Checker {
     const clearance_along_options c_options = options.c_options();
     clearance_motion_distances found;
     detail::check(
-        clearance_checker_clearance_along(handle(), workspace.handle(), edge(from, to), &c_options, &found));
+        clearance_checker_clearance_along(valid(), valid(workspace), edge(from, to), &c_options, &found));
     return motion_distances(found);
   }
   // Proven bounds on the least distances along a trajectory.
@@ -1050,7 +1055,7 @@ class Checker {
     const clearance_along_options c_options = options.c_options();
     const clearance_trajectory c_trajectory = trajectory.c_trajectory();
     clearance_motion_distances found;
-    detail::check(clearance_checker_clearance_along_trajectory(handle(), workspace.handle(), &c_trajectory, &c_options,
+    detail::check(clearance_checker_clearance_along_trajectory(valid(), valid(workspace), &c_trajectory, &c_options,
                                                                &found));
     return motion_distances(found);
   }
@@ -1071,7 +1076,7 @@ class Checker {
     const clearance_plan_options c_options = {options.seed,  options.timeout,   options.max_edges,
                                               options.range, options.shortcuts, options.certificate ? 1 : 0};
     clearance_plan found;
-    detail::check(clearance_checker_plan(handle(), workspace.handle(), edge(start, goal), &c_options, &found));
+    detail::check(clearance_checker_plan(valid(), valid(workspace), edge(start, goal), &c_options, &found));
     Plan plan{found.is_found, detail::text(found.reason), {}, found.length, found.edges, certificate(found.certificate)};
     for (std::size_t i = 0; i < found.count; ++i) {
       plan.states.emplace_back(found.states + i * found.n, found.states + (i + 1) * found.n);
@@ -1086,7 +1091,7 @@ class Checker {
                                                   options.timeout,      locked.data(),     locked.size()};
     clearance_free_state found;
     detail::check(
-        clearance_checker_find_free_state(handle(), workspace.handle(), q.state(), &c_options, &found));
+        clearance_checker_find_free_state(valid(), valid(workspace), q.state(), &c_options, &found));
     FreeState result{found.is_found, detail::text(found.reason), {}, found.distance, found.exit,
                      detail::pair(found.pair), found.checks};
     if (found.is_found) {
@@ -1101,11 +1106,12 @@ class Checker {
   explicit Checker(clearance_checker *handle) : handle_(handle, clearance_checker_free) {}
 
   const clearance_checker *valid() const { return detail::valid(handle(), "checker"); }
+  static clearance_workspace *valid(Workspace &workspace) { return detail::valid(workspace.handle(), "workspace"); }
 
   static clearance_checker *made(const Robot &robot, const clearance_world *world, const CheckerOptions &options) {
     const detail::COptions c_options(options);
     return detail::make<clearance_checker>([&](clearance_checker **checker) {
-      return clearance_checker_new(robot.handle(), world, c_options.get(), checker);
+      return clearance_checker_new(detail::valid(robot.handle(), "robot"), world, c_options.get(), checker);
     });
   }
 
@@ -1115,7 +1121,7 @@ class Checker {
     const auto links = detail::pointers(touch_links);
     const clearance_grasp grasp = {name.c_str(), link_name.c_str(), pose, q.state(), links.data(), links.size()};
     return Checker(detail::make<clearance_checker>(
-        [&](clearance_checker **made) { return clearance_checker_attach(handle(), &grasp, made); }));
+        [&](clearance_checker **made) { return clearance_checker_attach(valid(), &grasp, made); }));
   }
 
   static std::string shape(const States &states) {
@@ -1186,7 +1192,9 @@ class Checker {
 
 inline Workspace::Workspace(const Checker &checker)
     : handle_(detail::make<clearance_workspace>(
-          [&](clearance_workspace **made) { return clearance_workspace_new(checker.handle(), made); })) {}
+          [&](clearance_workspace **made) {
+            return clearance_workspace_new(detail::valid(checker.handle(), "checker"), made);
+          })) {}
 
 // Version of the library that is linked.
 inline std::string version() { return clearance_version(); }

@@ -269,7 +269,8 @@ pub extern "C" fn clearance_checker_joint_name(
     call_for(ptr::null(), |arguments| Ok(arguments.object(checker, "checker")?.joints.get(index)))
 }
 
-/// True if a whole turn of a position changes nothing: a continuous joint. False beyond the last.
+/// True if a whole turn of a position changes nothing: a continuous joint without mimic joints that it moves elsewhere. False beyond the
+/// last.
 #[unsafe(no_mangle)]
 pub extern "C" fn clearance_checker_joint_is_continuous(
     checker: *const clearance_checker,

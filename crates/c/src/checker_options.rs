@@ -17,7 +17,8 @@ use crate::structs::{clearance_named_value, clearance_pair, named_values};
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct clearance_checker_options {
-    /// Group of the SRDF whose positions are those of a state, in the order of the group; null for all joints of the robot.
+    /// Group of the SRDF whose positions are those of a state, in the order of the robot, which `clearance_checker_joint_name` gives;
+    /// null for all joints of the robot. A mimic joint of the group has no position; without its leader in the group, it stays in place.
     pub group: *const c_char,
     /// Positions (rad, m) of joints outside of the group; the others are at their defaults: 0, or the middle of limits that exclude 0.
     pub fixed: *const clearance_named_value,

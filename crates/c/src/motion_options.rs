@@ -28,7 +28,8 @@ pub struct clearance_motion_options {
     pub tube_count: usize,
     /// The check ends at any contact, not at the earliest. Default 0.
     pub any_contact: c_int,
-    /// A motion that is free gets a certificate. Default 0.
+    /// A motion that is free gets a certificate. Default 0. The search differs: the time of a contact may be another one than without it,
+    /// and the verdict, too, if a distance is within the tolerance. Both results are right.
     pub certificate: c_int,
     /// Threads of `clearance_checker_are_motions_free`: 0 for all cores, 1 for the calling thread. Default 0.
     pub threads: usize,

@@ -28,7 +28,7 @@ mod clearance;
 mod clearance_along;
 mod collision_checker;
 mod collision_report;
-mod free_motions;
+mod is_motion_free;
 mod motion;
 mod pair_kind;
 mod pairs;

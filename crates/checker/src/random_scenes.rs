@@ -5,7 +5,7 @@ use std::sync::Arc;
 use clearance_geometry::math::{Point, Pose, Rotation, Vector};
 use clearance_geometry::testing::Random;
 use clearance_geometry::{Plane, Primitive, Shape, TriangleMesh};
-use clearance_motion::MotionSegment;
+use clearance_motion::{MotionSegment, ObstacleLimits, ObstacleUncertainty, SpeedLimit};
 use clearance_robot::{Configuration, MeshFiles, RobotModel};
 use clearance_scene::{AttachedObject, Obstacle, ObstacleShape, Settings, World};
 
@@ -30,6 +30,18 @@ pub fn state(robot: &RobotModel, random: &mut Random) -> Configuration {
 pub fn curved_motion(robot: &RobotModel, from: &Configuration, random: &mut Random) -> MotionSegment {
     let polynomial = |q: &f64| [*q, random.within(0.3), random.within(0.3), random.within(0.1), 0.0, 0.0];
     MotionSegment::polynomial(robot, from.positions().iter().map(polynomial).collect()).unwrap()
+}
+
+/// A motion during which obstacles may move: all, or only one of them.
+pub fn with_uncertainty(motion: MotionSegment, random: &mut Random) -> MotionSegment {
+    let limit = |random: &mut Random| SpeedLimit {
+        speed: [0.0, 0.01, 0.1][random.below(3)],
+        acceleration: [0.0, 0.1][random.below(2)],
+    };
+    let default = if random.below(2) == 0 { SpeedLimit::default() } else { limit(random) };
+    let limits = Arc::new(ObstacleLimits { default, by_name: [("o0".to_owned(), limit(random))].into() });
+    let latency = [0.0, 0.1][random.below(2)];
+    motion.with_uncertainty(ObstacleUncertainty::new(limits, [latency, latency + 1.0]).unwrap())
 }
 
 /// A multiple of [`GRID`], or any number.

@@ -11,7 +11,7 @@ pub enum Decision {
     Never {
         /// Boxes of joint positions of the proof (`split_tree`).
         proof: String,
-        /// Smallest distance (m) found, where one was measured.
+        /// Smallest distance (m, paddings subtracted) found, where one was measured.
         least_distance: Option<f64>,
     },
     /// The links collide in every state: proven.
@@ -28,7 +28,7 @@ pub enum Decision {
     },
     /// The budget or the time was used up.
     Undecided {
-        /// Smallest distance (m) found, where one was measured; zero if the links collided in every state.
+        /// Smallest distance (m, paddings subtracted) found, where one was measured; zero if the links collided in every state.
         least_distance: Option<f64>,
         /// Its state; empty if no state was checked.
         state: Vec<f64>,

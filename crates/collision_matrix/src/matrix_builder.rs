@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use clearance_checker::{CollisionChecker, Question, Workspace};
+use clearance_geometry::math::Extremes;
 use clearance_proximity::Scratch;
 use clearance_robot::{LinkId, RobotModel};
 use clearance_scene::{AllowedCollisionMatrix, BodyId, MeshModel, Settings, World};
@@ -352,7 +353,7 @@ impl PairAttempt<'_, '_> {
         }
         match witnesses.least.as_ref().map(|least| least.0) {
             Some(least) if least > self.problem.threshold() + FIXED_GAP => {
-                Decision::Never { proof: ".".to_owned(), least_distance: Some(least) }
+                Decision::Never { proof: ".".to_owned(), least_distance: self.padded_distance(least) }
             }
             least => self.undecided(None, least.unwrap_or(f64::INFINITY)),
         }
@@ -380,7 +381,7 @@ impl PairAttempt<'_, '_> {
         if self.problem.path.variables().len() <= MOST_VARIABLES {
             match never_proof::search(self.problem, limits, &mut self.workspace) {
                 NeverSearch::Proven(tree) => {
-                    let least_distance = finite(least(witnesses));
+                    let least_distance = self.padded_distance(least(witnesses));
                     return Decision::Never { proof: tree.text(), least_distance };
                 }
                 NeverSearch::Collision(values) => {
@@ -416,11 +417,11 @@ impl PairAttempt<'_, '_> {
         let state = values.map_or_else(Vec::new, |values| {
             if bounded { self.builder.state(&self.problem.path, values) } else { values.clone() }
         });
-        Decision::Undecided { least_distance: finite(least_distance), state }
+        Decision::Undecided { least_distance: self.padded_distance(least_distance), state }
     }
-}
 
-/// A distance that was measured.
-fn finite(distance: f64) -> Option<f64> {
-    Some(distance).filter(|distance| distance.is_finite())
+    /// A distance (m) with the paddings of the links subtracted, at least 0; `None` if it was not measured.
+    fn padded_distance(&self, distance: f64) -> Option<f64> {
+        Some((distance - self.problem.padding()).greater(0.0)).filter(|distance| distance.is_finite())
+    }
 }

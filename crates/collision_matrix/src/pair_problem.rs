@@ -44,10 +44,16 @@ impl PairProblem<'_> {
         PairWorkspace { placed: self.path.placed(), motion: RelativeMotion::default(), outline, scratch }
     }
 
+    /// Sum (m) of the paddings of the links.
+    #[must_use]
+    pub fn padding(&self) -> f64 {
+        self.links[0].padding + self.links[1].padding
+    }
+
     /// Distance (m) at or below which the links collide: the sum of their paddings, and that of contact.
     #[must_use]
     pub fn threshold(&self) -> f64 {
-        self.links[0].padding + self.links[1].padding + CONTACT_DISTANCE
+        self.padding() + CONTACT_DISTANCE
     }
 
     /// Ranges of the variables.

@@ -116,8 +116,9 @@ pub fn replace(path: &Path, bytes: &[u8]) -> Result<(), InputFileError> {
     })
 }
 
-/// The file that a link points to, also where it does not exist yet; the path itself if it is no link.
-fn target_of(path: &Path) -> PathBuf {
+/// The file that a link points to, also where it does not exist yet; the path itself if it is no link. [`replace`] writes there.
+#[must_use]
+pub fn target_of(path: &Path) -> PathBuf {
     let mut target = path.to_owned();
     for _ in 0..MOST_LINKS {
         if let Ok(real) = target.canonicalize() {

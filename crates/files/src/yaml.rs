@@ -106,6 +106,8 @@ fn limits() -> serde_saphyr::Options {
         with_snippet: false,
         // otherwise the keys y and n of a position or a normal would be booleans
         strict_booleans: true,
+        // drivers write .nan into fields that are not read, such as effort; readers check the numbers that they use
+        non_finite_float_policy: serde_saphyr::NonFiniteFloatPolicy::PassThrough,
         budget: serde_saphyr::budget! {
             max_events: MOST_NODES,
             max_nodes: MOST_NODES,
@@ -200,7 +202,7 @@ mod tests {
         let deep = format!("{}{}", "- ".repeat(300), "1");
         let wide = (0..60_000).map(|i| format!("- &a{i} 1\n")).collect::<Vec<_>>().concat();
         let again = format!("- &a [1]\n{}", "- *a\n".repeat(60_000));
-        for text in [deep, wide, again, "a: 1\na: 2\n".to_owned(), "- 1\n- .inf\n".to_owned()] {
+        for text in [deep, wide, again, "a: 1\na: 2\n".to_owned()] {
             let message = match from_text::<serde_json::Value>(&text) {
                 Ok(_) => from_text::<Vec<f64>>(&text).unwrap_err(),
                 Err(message) => message,
@@ -223,6 +225,21 @@ mod tests {
         let value: serde_json::Value = from_text("{a: 1}").unwrap();
         assert_eq!(value, serde_json::json!({"a": 1}));
         assert!(from_text::<Vec<f64>>("[0.1,\n2").unwrap_err().contains("line"));
+    }
+
+    #[test]
+    fn numbers_that_are_not_finite_are_left_to_the_reader() {
+        #[derive(serde::Deserialize)]
+        struct Joints {
+            position: Vec<f64>,
+            #[serde(rename = "effort")]
+            _effort: serde::de::IgnoredAny,
+        }
+        for effort in ["[.nan, -.inf, 1e999]", "{x: [.nan]}", ".inf", "[NaN]"] {
+            let Joints { position, .. } =
+                from_text(&format!("effort: {effort}\nposition: [1, .nan]\n")).unwrap();
+            assert!(position[0] == 1.0 && position[1].is_nan(), "{effort}: {position:?}");
+        }
     }
 
     #[test]

@@ -1,6 +1,6 @@
-//! Connected parts of a mesh, by disjoint sets (union-find), and one point of each part.
+//! Connected parts of a mesh: their vertices, by disjoint sets (union-find).
 
-use std::collections::HashSet;
+use std::collections::HashMap;
 
 use crate::WeldedMesh;
 use crate::math::Point;
@@ -46,10 +46,19 @@ impl DisjointSets {
     }
 }
 
-/// One vertex of each connected part, corners at equal positions joined; in the order of the faces.
-pub(super) fn part_points(welded: &WeldedMesh) -> Vec<Point> {
+/// The vertices of each connected part, each once, corners at equal positions joined; in the order of the faces.
+pub(super) fn part_vertices(welded: &WeldedMesh) -> Vec<Vec<Point>> {
     let mut sets = DisjointSets::of_faces(welded.positions.len(), &welded.faces);
-    let mut seen = HashSet::new();
-    let corners = welded.faces.iter().flatten();
-    corners.filter(|v| seen.insert(sets.smallest(**v))).map(|v| welded.positions[*v as usize]).collect()
+    let (mut parts, mut numbers) = (Vec::new(), HashMap::new());
+    let mut is_new = vec![true; welded.positions.len()];
+    for &vertex in welded.faces.iter().flatten() {
+        if std::mem::take(&mut is_new[vertex as usize]) {
+            let part = *numbers.entry(sets.smallest(vertex)).or_insert(parts.len());
+            if part == parts.len() {
+                parts.push(Vec::new());
+            }
+            parts[part].push(welded.positions[vertex as usize]);
+        }
+    }
+    parts
 }

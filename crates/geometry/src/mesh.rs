@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use super::connected_parts::part_points;
+use super::connected_parts::part_vertices;
 use super::{InsideGrid, InsideWork, SolidMesh, Triangle, WeldedMesh};
 use crate::constants::LARGEST_COORDINATE;
 use crate::math::{Point, Vector};
@@ -158,7 +158,13 @@ impl TriangleMesh {
     /// A vertex of each connected part (m). Parts are connected where corners have the same position.
     #[must_use]
     pub fn part_points(&self) -> Vec<Point> {
-        part_points(&WeldedMesh::new(self))
+        self.part_vertices().into_iter().map(|vertices| vertices[0]).collect()
+    }
+
+    /// The vertices of each connected part (m), each once. Parts are connected where corners have the same position.
+    #[must_use]
+    pub fn part_vertices(&self) -> Vec<Vec<Point>> {
+        part_vertices(&WeldedMesh::new(self))
     }
 
     /// A point well inside the mesh as a solid, if one is known.

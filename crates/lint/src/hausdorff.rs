@@ -21,6 +21,12 @@ use crate::triangle_tree::centroid;
 /// Rounding of a measured distance, relative to the largest coordinate.
 const ROUNDING: f64 = 1e-13;
 
+/// Least part of the gap that the search has to reach, where the error of curved surfaces takes the rest.
+const LEAST_PART: f64 = 0.25;
+
+/// Rounding of the difference of two bounds, relative to the gap.
+const GAP_ROUNDING: f64 = 1e-6;
+
 /// Number of samples between two looks at the clock.
 const SAMPLES_PER_CLOCK: usize = 64;
 
@@ -62,8 +68,12 @@ pub struct HausdorffBounds {
     pub point: Point,
     /// Number of points whose distance was measured.
     pub samples: usize,
-    /// False if the search ended by [`HausdorffOptions::most_samples`] or [`HausdorffOptions::deadline`].
+    /// True if the bounds differ by at most the gap of the options. Curved surfaces add up to 2e-4 of their radius to the difference,
+    /// which may be more than the gap.
     pub is_within_gap: bool,
+    /// True if the search ended by [`HausdorffOptions::most_samples`] or [`HausdorffOptions::deadline`], or at triangles that are too
+    /// small to be split.
+    pub ended_early: bool,
 }
 
 /// Largest distance of a point of the surface of `from` to the set `to`, both in one frame. `None` if one of them is empty.
@@ -78,13 +88,13 @@ pub fn hausdorff(
     let surface = MeasuredSurface::new(from);
     let target = DistanceTarget::new(to, options.target_is_solid);
     let error = surface.deviation + ROUNDING * largest_coordinate(from).greater(largest_coordinate(to));
-    let mut search = Search::new(&surface, target, options)?;
+    let mut search = Search::new(&surface, target, options, error)?;
     if search.measure_corners(&surface.corners) && search.add_all(surface.patches) {
         search.run();
     } else {
         search.left_out = search.far_bound(from);
     }
-    Some(search.bounds(error))
+    Some(search.bounds())
 }
 
 /// A point of the surface, and its distance.
@@ -124,6 +134,8 @@ impl Ord for OpenPatch {
 struct Search<'s> {
     target: DistanceTarget<'s>,
     options: HausdorffOptions,
+    /// Error (m) of each bound: deviation of the surface, and rounding.
+    error: f64,
     samples: Vec<Sample>,
     open: BinaryHeap<OpenPatch>,
     lower: f64,
@@ -137,11 +149,13 @@ impl<'s> Search<'s> {
         surface: &MeasuredSurface,
         target: DistanceTarget<'s>,
         options: &HausdorffOptions,
+        error: f64,
     ) -> Option<Self> {
         let first = *surface.corners.get(surface.patches.first()?.corners[0] as usize)?;
         let mut search = Self {
             target,
             options: *options,
+            error,
             samples: Vec::with_capacity(surface.corners.len()),
             open: BinaryHeap::new(),
             lower: 0.0,
@@ -209,20 +223,33 @@ impl<'s> Search<'s> {
         }
     }
 
-    fn bounds(&self, error: f64) -> HausdorffBounds {
+    fn bounds(&self) -> HausdorffBounds {
+        let [lower, upper] = [self.proven_lower(), self.left_out.greater(self.lower) + self.error];
         HausdorffBounds {
-            lower: (self.lower - error).greater(0.0),
-            upper: self.left_out.greater(self.lower) + error,
+            lower,
+            upper,
             point: self.point,
             samples: self.samples.len(),
-            is_within_gap: self.left_out <= self.enough(),
+            is_within_gap: upper - lower <= self.gap() * (1.0 + GAP_ROUNDING),
+            ended_early: self.left_out > self.enough(),
         }
     }
 
-    /// Upper bound at which the search ends.
-    fn enough(&self) -> f64 {
+    /// Lower bound (m) of the largest distance, with the error of the surface.
+    fn proven_lower(&self) -> f64 {
+        (self.lower - self.error).greater(0.0)
+    }
+
+    /// Largest difference (m) of the bounds, as the options define it.
+    fn gap(&self) -> f64 {
         let HausdorffOptions { relative_gap, absolute_gap, .. } = self.options;
-        self.lower + (self.lower * relative_gap).greater(absolute_gap)
+        (self.proven_lower() * relative_gap).greater(absolute_gap)
+    }
+
+    /// Upper bound at which the search ends. The error is added to it, and subtracted from the lower bound.
+    fn enough(&self) -> f64 {
+        let gap = self.gap();
+        self.lower + (gap - 2.0 * self.error).greater(LEAST_PART * gap)
     }
 
     fn measure(&mut self, point: &Point, known: &[Element]) -> Option<Sample> {

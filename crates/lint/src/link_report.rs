@@ -23,8 +23,11 @@ pub struct LargestDistance {
     pub upper: f64,
     /// Point with the largest distance found (m, link frame).
     pub point: [f64; 3],
-    /// False if a limit of the work was reached before the bounds came near each other.
+    /// True if the bounds differ by at most the gap of the options: [`HausdorffBounds::is_within_gap`].
     pub is_within_gap: bool,
+    /// True if a limit of the work ended the search.
+    #[serde(skip)]
+    pub ended_early: bool,
 }
 
 impl LargestDistance {
@@ -39,8 +42,8 @@ impl LargestDistance {
 
 impl From<HausdorffBounds> for LargestDistance {
     fn from(bounds: HausdorffBounds) -> Self {
-        let HausdorffBounds { lower, upper, point, is_within_gap, .. } = bounds;
-        Self { lower, upper, point: point.coords.into(), is_within_gap }
+        let HausdorffBounds { lower, upper, point, is_within_gap, ended_early, .. } = bounds;
+        Self { lower, upper, point: point.coords.into(), is_within_gap, ended_early }
     }
 }
 
@@ -117,7 +120,7 @@ fn are_solid(geometry: &[Collision]) -> bool {
 fn same_geometry(geometry: &Collision) -> Option<LargestDistance> {
     let vertex = meshes(std::slice::from_ref(geometry)).next()?.vertices().first().copied()?;
     let point = (geometry.pose_ls * vertex).coords.into();
-    Some(LargestDistance { lower: 0.0, upper: 0.0, point, is_within_gap: true })
+    Some(LargestDistance { lower: 0.0, upper: 0.0, point, is_within_gap: true, ended_early: false })
 }
 
 /// Findings about the distances of a link.
@@ -140,7 +143,7 @@ pub(crate) fn distance_findings(report: &LinkReport, options: &LintOptions) -> V
         findings.push(finding(Severity::Warning, Check::LimitReached, None, message));
     }
     for (distance, what) in [(report.unprotected, "unprotected"), (report.excess, "excess")] {
-        if let Some(distance) = distance.filter(|d| !d.is_within_gap) {
+        if let Some(distance) = distance.filter(|d| d.ended_early) {
             let message = format!(
                 "the search for the largest distance ({what}) ended early, at {}: give it more time, or a larger gap",
                 millimetres(&distance)

@@ -14,9 +14,10 @@ fn surface() -> HausdorffOptions {
 fn bounds(from: &PlacedShape, to: &PlacedShape, options: &HausdorffOptions) -> HausdorffBounds {
     let found =
         hausdorff(std::slice::from_ref(from), std::slice::from_ref(to), options).expect("neither is empty");
-    assert!(found.lower <= found.upper && found.is_within_gap, "{found:?}");
+    assert!(found.lower <= found.upper && !found.ended_early, "{found:?}");
     let gap = (found.lower * options.relative_gap).max(options.absolute_gap);
     assert!(found.upper - found.lower <= gap + 3e-4, "{found:?}");
+    assert!(!found.is_within_gap || found.upper - found.lower <= 1.001 * gap, "{found:?}");
     found
 }
 
@@ -170,12 +171,30 @@ fn flat_and_single_triangles_are_measured() {
 }
 
 #[test]
+fn the_gap_holds_with_the_error_of_curved_surfaces() {
+    let block = PlacedShape::primitive(Primitive::cuboid([0.2; 3]).unwrap(), Pose::identity());
+    let plate = box_mesh([0.3, 0.3, 0.01], [0.0; 3]);
+    for primitive in [Primitive::sphere(0.15), Primitive::cylinder(0.15, 0.3), Primitive::capsule(0.15, 0.2)]
+    {
+        let round = PlacedShape::primitive(primitive.unwrap(), Pose::identity());
+        let found = bounds(&round, &block, &HausdorffOptions::default());
+        assert!(found.is_within_gap, "{found:?}");
+        // a gap below the error of the surface is out of reach
+        let narrow = HausdorffOptions { relative_gap: 1e-6, ..HausdorffOptions::default() };
+        let found = bounds(&round, &block, &narrow);
+        assert!(!found.is_within_gap, "{found:?}");
+        // the plate is flat, and has no such error
+        assert!(bounds(&plate, &round, &HausdorffOptions::default()).is_within_gap);
+    }
+}
+
+#[test]
 fn a_search_that_ends_early_keeps_valid_bounds() {
     let (fixed, moved) = (sphere(0.5, 24, Vector::zeros()), sphere(0.5, 24, Vector::new(0.02, 0.01, 0.0)));
     let few = HausdorffOptions { most_samples: 1, relative_gap: 1e-9, absolute_gap: 1e-12, ..surface() };
     let early = hausdorff(std::slice::from_ref(&moved), std::slice::from_ref(&fixed), &few).unwrap();
     let whole = bounds(&moved, &fixed, &surface());
-    assert!(!early.is_within_gap);
+    assert!(early.ended_early && !early.is_within_gap);
     assert!(early.lower <= whole.upper && whole.lower <= early.upper, "{early:?}, {whole:?}");
 }
 
@@ -196,7 +215,7 @@ fn a_deadline_that_has_passed_leaves_valid_bounds() {
     let late = HausdorffOptions { deadline: Some(std::time::Instant::now()), ..surface() };
     let early = hausdorff(std::slice::from_ref(&moved), std::slice::from_ref(&fixed), &late).unwrap();
     let whole = bounds(&moved, &fixed, &surface());
-    assert!(!early.is_within_gap && early.samples < 100, "{early:?}");
+    assert!(early.ended_early && !early.is_within_gap && early.samples < 100, "{early:?}");
     assert!(early.lower <= whole.upper && whole.lower <= early.upper, "{early:?}, {whole:?}");
 }
 

@@ -27,9 +27,9 @@ use super::distance_bounds::DistanceBounds;
 use super::motion_since_previous::{GapReason, MotionSincePrevious, NoMotion, Passage};
 use super::obstacle_motion::ObstacleMotion;
 use super::obstacle_shift::{KnownMotion, ObstacleShift, Surroundings};
-use super::passed_over::{PartialState, PassedOver, TolerantLine};
 use super::pose_history::LargestDisplacement;
 use super::transform_stamps::TransformStamps;
+use super::unevaluated_states::{PartialState, TolerantLine, UnevaluatedStates};
 use super::{CheckedState, JointStateInput, LeftOut, MonitorSettings, Time};
 
 /// Motion (m) within an interval below which it may stay undecided.
@@ -53,7 +53,7 @@ pub(super) struct BetweenStates {
     /// Its own workspace, so that its motions do not overwrite the data that speeds up the stream of states.
     workspace: Option<Workspace>,
     /// Joint states since the previous one that were not evaluated.
-    passed_over: PassedOver,
+    unevaluated_states: UnevaluatedStates,
     /// Result of the last check, until it is published.
     latest: Option<MotionSincePrevious>,
 }
@@ -108,7 +108,14 @@ pub(super) struct CurrentState<'c> {
 impl Default for BetweenStates {
     fn default() -> Self {
         let (previous, missing, turns) = (None, NoMotion::FirstState, Vec::new());
-        Self { previous, missing, turns, workspace: None, passed_over: PassedOver::default(), latest: None }
+        Self {
+            previous,
+            missing,
+            turns,
+            workspace: None,
+            unevaluated_states: UnevaluatedStates::default(),
+            latest: None,
+        }
     }
 }
 
@@ -123,14 +130,14 @@ impl BetweenStates {
     /// A joint state is not evaluated; `index_of` gives the index of the position with a name.
     pub fn note_passed_over(&mut self, input: &JointStateInput, index_of: impl Fn(&str) -> Option<usize>) {
         if self.previous.is_some() {
-            self.passed_over.add(input, index_of);
+            self.unevaluated_states.add(input, index_of);
         }
     }
 
     /// Positions from `tf` were received, in this order; `None` if they are not known.
     pub fn note_transforms(&mut self, states: Option<Vec<PartialState>>) {
         if self.previous.is_some() {
-            self.passed_over.add_transforms(states);
+            self.unevaluated_states.add_transforms(states);
         }
     }
 
@@ -179,7 +186,7 @@ impl BetweenStates {
     ) -> bool {
         let is_decided = state.report.undecided.is_empty() && fixed != Some(LeftOut::Pairs);
         self.missing = NoMotion::FirstState;
-        self.passed_over.clear();
+        self.unevaluated_states.clear();
         // a state that is evaluated again keeps its times
         let same = self.previous.take().filter(|previous| {
             let is_same_time =
@@ -204,7 +211,7 @@ impl BetweenStates {
         let is_same_time =
             state.measured == current.measured && previous.time.transforms == current.time.transforms;
         let is_same = is_same_time && state.configuration == *current.configuration;
-        if is_same && self.passed_over.is_empty() {
+        if is_same && self.unevaluated_states.is_empty() {
             return Err(NoMotion::NoNewState);
         }
         let duration = longest_interval(previous, current);
@@ -242,11 +249,11 @@ impl BetweenStates {
     fn is_line_enough(&self, motion: &Motion, current: &CurrentState) -> bool {
         let to = current.configuration.positions();
         let line = TolerantLine { from: &motion.from, to, tube: &motion.tube, turns: &self.turns };
-        if self.passed_over.are_within(line) {
+        if self.unevaluated_states.are_within(line) {
             return true;
         }
         let Some(previous) = &self.previous else { return true };
-        let travel = self.passed_over.travel(current.checker, line);
+        let travel = self.unevaluated_states.travel(current.checker, line);
         let reach = MotionReach { travel, ..motion.reach(current) };
         let shift = obstacle_shift(previous, current, motion, &reach).largest(current.checker);
         PairKind::ALL.iter().all(|kind| is_proven_by_distances(*kind, previous, current, &reach, shift))

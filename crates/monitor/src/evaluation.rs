@@ -9,7 +9,7 @@ use clearance_geometry::math::{Extremes, Pose};
 use clearance_robot::{Configuration, LinkPoses, quoted};
 use clearance_scene::{AnchorFrames, ObstacleTwist};
 
-use super::contact_history::ContactHistory;
+use super::contact_counter::ContactHistory;
 use super::motion_since_previous::{MotionSincePrevious, Passage};
 use super::obstacle_motion::ObstacleMotion;
 use super::state_contacts::ContactsOfPair;

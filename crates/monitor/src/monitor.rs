@@ -11,19 +11,19 @@ use clearance_scene::TransformTree;
 
 use super::between_states::{BetweenStates, StateTime};
 use super::check_budget::CheckBudget;
-use super::contact_history::{ContactCounter, ContactHistory};
+use super::contact_counter::{ContactCounter, ContactHistory};
 use super::contact_watch::ContactWatch;
 use super::contribution::Contributions;
 use super::joint_state_merger::JointStateMerger;
 use super::look_ahead::LookAheadEvaluator;
 use super::obstacle_pose_histories::ObstaclePoseHistories;
-use super::passed_over::{PartialState, are_equal};
 use super::past_states::PastStates;
 use super::received_states::{ReceivedState, ReceivedStates};
 use super::root_location::RootLocationWatch;
 use super::speed::SpeedGovernor;
 use super::state_evaluator::{CheckResult, EvaluationInput, StateEvaluator, Stopwatch};
 use super::transform_joints::TransformJoints;
+use super::unevaluated_states::{PartialState, are_equal};
 use super::world_updates::WorldUpdates;
 use super::{
     Evaluation, JointStateInput, LeftOut, MonitorSettings, MotionSincePrevious, Now, Reason, Revision,

@@ -10,7 +10,6 @@ use clearance_geometry::math::Extremes;
 use clearance_proximity::Effort;
 use clearance_robot::{Configuration, LinkPoses};
 
-use super::approach_rate::{MovingState, slowdown_range};
 use super::between_states::{BetweenStates, CurrentState, StateTime};
 use super::check_budget::CheckBudget;
 use super::distance_bounds::DistanceBounds;
@@ -20,6 +19,7 @@ use super::obstacle_motion::ObstacleMotion;
 use super::obstacle_shift::KnownMotion;
 use super::past_states::PastStates;
 use super::pose_history::LargestDisplacement;
+use super::slowdown_range::{MovingState, slowdown_range};
 use super::speed::speeds_without_effect;
 use super::state_contacts::ContactQuery;
 use super::{CheckedState, LeftOut, MonitorSettings, PlacedAt, Reason, Revision, Status, TrackedObstacles};

@@ -7,9 +7,9 @@ use clearance_geometry::math::{Extremes, Pose};
 use clearance_robot::{JointId, RobotModel};
 use clearance_scene::{FramePath, NumberedPose, TransformTree};
 
-use super::passed_over::PartialState;
 use super::transform_ages::TransformAges;
 use super::transform_stamps::TransformStamps;
+use super::unevaluated_states::PartialState;
 use super::{MonitorSettings, Now, Reason, Time};
 
 /// Largest deviation (m, rad) of a transform from the plane of a planar joint. The check ignores this deviation.

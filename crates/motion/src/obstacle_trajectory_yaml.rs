@@ -88,9 +88,7 @@ pub enum ObstacleTextError {
     Unknown(String),
     #[error("obstacle '{0}': give linear or angular (and centre), or poses, but not both")]
     TwistOrPoses(String),
-    #[error(
-        "obstacle '{0}' turns, and is a plane or has several shapes: give the centre that it turns about"
-    )]
+    #[error("obstacle '{0}' turns, and is not a single solid primitive: give the centre that it turns about")]
     NoCentre(String),
     #[error("obstacle '{name}': {what} is not finite, larger than {LARGEST_COORDINATE:e}, or no rotation")]
     Number { name: String, what: String },
@@ -105,8 +103,8 @@ pub enum ObstacleTextError {
 
 impl ObstacleMotions {
     /// Reads YAML or JSON. `moving_obstacles` is a list of obstacles of `world` by `name`. Each has either a twist (`linear` in m/s,
-    /// `angular` in rad/s, `centre` in m; missing values are zero, and a missing centre is the centre of the obstacle's only shape,
-    /// unless that is a plane), or `poses`, each with a `time` (s), a `position` (m) and an `orientation` (x, y, z, w; the identity if
+    /// `angular` in rad/s, `centre` in m; missing values are zero, and a missing centre is the centre of the obstacle's only shape, if
+    /// that is a solid primitive), or `poses`, each with a `time` (s), a `position` (m) and an `orientation` (x, y, z, w; the identity if
     /// missing). All are in the robot's root frame and in the trajectory's time, see [`ObstacleTrajectory::even`] and
     /// [`ObstacleTrajectory::through`]. The first pose must be the one in the world, of the obstacle or of its only shape, within
     /// [`START_TOLERANCE`]. `obstacle_limits` is a list of limits: the `speed` (m/s) and the `acceleration`
@@ -175,11 +173,10 @@ impl ObstacleText {
 }
 
 impl ObstacleTrajectory {
-    /// As [`Self::even`], for an obstacle of the world. Without a centre (m), its only shape turns about its own centre.
+    /// As [`Self::even`], for an obstacle of the world. Without a centre (m), its only primitive turns about its own centre.
     ///
     /// # Errors
-    /// If a number is not finite or too large, or a centre is needed: the obstacle turns, and it has several shapes or is a
-    /// plane.
+    /// If a number is not finite or too large, or a centre is needed: the obstacle turns, and is not a single primitive.
     pub fn of_twist(
         obstacle: &Obstacle,
         centre: Option<[f64; 3]>,
@@ -189,7 +186,7 @@ impl ObstacleTrajectory {
         let name = || obstacle.name.clone();
         let centre = match (centre, &*obstacle.shapes) {
             (Some(centre), _) => centre,
-            (None, [shape]) if !matches!(shape.shape, Shape::Plane(_)) => {
+            (None, [shape]) if matches!(shape.shape, Shape::Primitive(_)) => {
                 (obstacle.pose_ro * shape.pose_os).translation.vector.into()
             }
             // without rotation all points move alike
@@ -244,4 +241,32 @@ fn in_words(pose: &Pose) -> String {
     let p = pose.translation.vector;
     let q = pose.rotation.coords;
     format!("[{}, {}, {}] with the orientation [{}, {}, {}, {}]", p.x, p.y, p.z, q.x, q.y, q.z, q.w)
+}
+
+#[cfg(test)]
+mod tests {
+    use clearance_geometry::{Cube, PointCloud, Primitive, Voxels};
+
+    use super::*;
+
+    const TURN: [f64; 3] = [0.0, 0.0, 1.0];
+
+    /// The centre of a mesh, cloud or octree is not the origin of its frame.
+    #[test]
+    fn only_a_single_primitive_turns_about_its_own_centre() {
+        let at = Pose::translation(2.0, 0.0, 0.0);
+        let points = PointCloud::new(vec![[2.0, 0.0, 0.0]], 0.1).unwrap();
+        let cubes = Voxels::new(vec![Cube { centre: [2.0, 0.0, 0.0], half_edge: 0.1 }]).unwrap();
+        for shape in [Shape::Points(Arc::new(points)), Shape::Voxels(Arc::new(cubes))] {
+            let obstacle = Obstacle::of_shape("cart", at, shape);
+            let without = ObstacleTrajectory::of_twist(&obstacle, None, [0.0; 3], TURN);
+            assert!(matches!(without, Err(ObstacleTextError::NoCentre(name)) if name == "cart"));
+            assert!(ObstacleTrajectory::of_twist(&obstacle, Some([2.0, 0.0, 0.0]), [0.0; 3], TURN).is_ok());
+            assert!(ObstacleTrajectory::of_twist(&obstacle, None, TURN, [0.0; 3]).is_ok());
+        }
+        let ball = Obstacle::of_shape("ball", at, Shape::Primitive(Primitive::sphere(0.1).unwrap()));
+        let of_ball = ObstacleTrajectory::of_twist(&ball, None, [0.0; 3], TURN).unwrap();
+        let about_centre = ObstacleTrajectory::even("ball", Point::new(2.0, 0.0, 0.0), [0.0; 3], TURN);
+        assert_eq!(of_ball, about_centre);
+    }
 }

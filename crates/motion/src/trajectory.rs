@@ -69,6 +69,8 @@ pub enum TrajectoryError {
     Names(ConfigurationError),
     #[error("point {point}: time_from_start {time} s does not come after {previous} s")]
     Time { point: usize, time: f64, previous: f64 },
+    #[error("point {point}: time_from_start {time} s is negative")]
+    NegativeTime { point: usize, time: f64 },
     #[error("times have to be set before moving obstacles")]
     ObstaclesBeforeTimes,
     #[error(
@@ -154,7 +156,7 @@ impl Trajectory {
         let named = robot.named_joints(joints.iter().map(String::as_str)).map_err(TrajectoryError::Names)?;
         let configurations = (points.iter().enumerate())
             .map(|(point, p)| {
-                check_lengths(point, p, joints)?;
+                check_numbers(points, point, joints)?;
                 let refuse = |error| TrajectoryError::Point { point, error };
                 check_rates(&named, p).map_err(refuse)?;
                 named.configuration(rest, &p.positions).map_err(refuse)
@@ -333,35 +335,54 @@ fn check_times(points: &[TrajectoryPoint]) -> Result<bool, TrajectoryError> {
     if points.iter().all(|p| p.time_from_start == 0.0) {
         return Ok(false);
     }
+    if let Some(point) = points.iter().position(|p| p.time_from_start < 0.0) {
+        return Err(TrajectoryError::NegativeTime { point, time: points[point].time_from_start });
+    }
     for (i, pair) in points.windows(2).enumerate() {
         let [previous, time] = [pair[0].time_from_start, pair[1].time_from_start];
-        if !(time > previous && previous >= 0.0 && time.is_finite()) {
+        if !(time > previous && time.is_finite()) {
             return Err(TrajectoryError::Time { point: i + 1, time, previous });
         }
     }
     Ok(true)
 }
 
-fn check_lengths(point: usize, p: &TrajectoryPoint, joints: &[String]) -> Result<(), TrajectoryError> {
-    let given =
-        [("positions", &p.positions), ("velocities", &p.velocities), ("accelerations", &p.accelerations)];
-    for (what, numbers) in given {
+/// Checks how many numbers a point has, and that those that the motion depends on are finite.
+fn check_numbers(points: &[TrajectoryPoint], point: usize, joints: &[String]) -> Result<(), TrajectoryError> {
+    let p = &points[point];
+    let [uses_velocities, uses_accelerations] = used_rates(points, point);
+    let given = [
+        ("positions", &p.positions, true),
+        ("velocities", &p.velocities, uses_velocities),
+        ("accelerations", &p.accelerations, uses_accelerations),
+    ];
+    for (what, numbers, is_used) in given {
         let needed = what == "positions" || !numbers.is_empty();
         if needed && numbers.len() != joints.len() {
             let (given, expected) = (numbers.len(), joints.len());
             return Err(TrajectoryError::Length { point, what, given, expected });
         }
-        if let Some(i) = numbers.iter().position(|x| !x.is_finite()) {
+        if is_used && let Some(i) = numbers.iter().position(|x| !x.is_finite()) {
             return Err(TrajectoryError::NotFinite { point, what, joint: joints[i].clone() });
         }
     }
     Ok(())
 }
 
-/// Rejects velocities and accelerations of mimic joints that disagree with their leaders, even if they are not used.
+/// Whether the motion depends on the velocities and on the accelerations of a point: a neighbour must have them, too.
+fn used_rates(points: &[TrajectoryPoint], point: usize) -> [bool; 2] {
+    let p = &points[point];
+    let neighbours = points[..point].last().into_iter().chain(points.get(point + 1));
+    let bent: Vec<_> = neighbours.filter(|q| !(p.velocities.is_empty() || q.velocities.is_empty())).collect();
+    let is_quintic = |q: &&TrajectoryPoint| !(p.accelerations.is_empty() || q.accelerations.is_empty());
+    [!bent.is_empty(), bent.iter().any(is_quintic)]
+}
+
+/// Rejects velocities and accelerations of mimic joints that disagree with their leaders, even if they are not used. Drivers that do not
+/// know them write NaN.
 fn check_rates(named: &NamedJoints, p: &TrajectoryPoint) -> Result<(), ConfigurationError> {
     for (what, values) in [("velocity", &p.velocities), ("acceleration", &p.accelerations)] {
-        if !values.is_empty() {
+        if !values.is_empty() && values.iter().all(|value| value.is_finite()) {
             named.rates(what, values, 1.0)?;
         }
     }

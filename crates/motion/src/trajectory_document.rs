@@ -1,8 +1,8 @@
 //! Trajectory files: recognises the ROS message type, and extracts the joint trajectory.
 
 use clearance_files::yaml;
-use clearance_robot::{Configuration, RobotModel};
-use clearance_scene::{NamedState, RobotStateText};
+use clearance_robot::{Configuration, RobotModel, quoted};
+use clearance_scene::{MultiDofJoint, NamedState, RobotStateText};
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
@@ -34,8 +34,7 @@ struct FileText {
     joint_trajectory: Option<JointTrajectoryText>,
     multi_dof_joint_trajectory: Option<MultiDofTrajectoryText>,
     // moveit_msgs/DisplayTrajectory
-    #[serde(rename = "model_id")]
-    _model_id: Option<IgnoredAny>,
+    model_id: Option<String>,
     trajectory: Option<GivenTrajectory>,
     trajectory_start: Option<RobotStateText>,
     // goals of control_msgs/FollowJointTrajectory and moveit_msgs/ExecuteTrajectory
@@ -197,10 +196,11 @@ impl TrajectoryDocument {
             let remark = "path_tolerance is not read: --tube sets how far the robot may be off its path";
             remarks.push(remark.to_owned());
         }
+        remarks.extend(other_robot(file.model_id.as_deref().unwrap_or_default(), robot));
         let start = start(file.trajectory_start, robot, rest).map_err(TrajectoryTextError::Text)?;
         let rest = start.as_ref().map_or(rest, TrajectoryStart::configuration).clone();
         let JointTrajectoryText { joint_names, points, .. } =
-            only_trajectory(FileText { trajectory_start: None, ..file })
+            only_trajectory(FileText { trajectory_start: None, ..file }, robot)
                 .map_err(TrajectoryTextError::Text)?;
         let points = points.into_iter().map(|p| TrajectoryPoint {
             positions: p.positions,
@@ -210,6 +210,15 @@ impl TrajectoryDocument {
         });
         Ok(Self { joint_names, points: points.collect(), rest, start, remarks })
     }
+}
+
+/// A remark on a trajectory of another robot.
+fn other_robot(model_id: &str, robot: &RobotModel) -> Option<String> {
+    let is_other = !model_id.is_empty() && model_id != robot.name();
+    is_other.then(|| {
+        let [of, own] = [model_id, robot.name()].map(quoted);
+        format!("model_id: the trajectory is of {of}, the robot is {own}")
+    })
 }
 
 /// The start given in `trajectory_start`, if it names any joint.
@@ -257,27 +266,27 @@ fn inner(file: FileText) -> Result<FileText, String> {
     }
 }
 
-fn only_trajectory(file: FileText) -> Result<JointTrajectoryText, String> {
+fn only_trajectory(file: FileText, robot: &RobotModel) -> Result<JointTrajectoryText, String> {
     let is_plain = file.joint_names.is_some() || file.points.is_some();
     let is_of_robot = file.joint_trajectory.is_some() || file.multi_dof_joint_trajectory.is_some();
     match (is_plain, is_of_robot, file.trajectory) {
         (true, false, None) => {
-            reject_multi_dof("multi_dof_trajectory", file.multi_dof_trajectory)?;
+            reject_multi_dof("multi_dof_trajectory", file.multi_dof_trajectory, robot)?;
             plain(file.joint_names, file.points)
         }
         (false, true, None) => {
-            reject_multi_dof("multi_dof_trajectory", file.multi_dof_trajectory)?;
-            of_robot(file.joint_trajectory, file.multi_dof_joint_trajectory)
+            reject_multi_dof("multi_dof_trajectory", file.multi_dof_trajectory, robot)?;
+            of_robot(file.joint_trajectory, file.multi_dof_joint_trajectory, robot)
         }
         (false, false, Some(GivenTrajectory::One(goal))) => {
-            reject_multi_dof("multi_dof_trajectory", file.multi_dof_trajectory)?;
-            of_goal(*goal).map_err(|why| format!("trajectory: {why}"))
+            reject_multi_dof("multi_dof_trajectory", file.multi_dof_trajectory, robot)?;
+            of_goal(*goal, robot).map_err(|why| format!("trajectory: {why}"))
         }
         (false, false, Some(GivenTrajectory::List(_))) if file.multi_dof_trajectory.is_some() => {
             Err("a list of trajectories and multi_dof_trajectory exclude each other".to_owned())
         }
         (false, false, Some(GivenTrajectory::List(mut all))) => match (all.pop(), all.len()) {
-            (Some(only), 0) => of_robot(Some(only.joint_trajectory), only.multi_dof_joint_trajectory),
+            (Some(only), 0) => of_robot(Some(only.joint_trajectory), only.multi_dof_joint_trajectory, robot),
             (None, _) => Err("trajectory is empty".to_owned()),
             (Some(_), others) => {
                 let count = others + 1;
@@ -293,12 +302,12 @@ fn only_trajectory(file: FileText) -> Result<JointTrajectoryText, String> {
     }
 }
 
-fn of_goal(goal: GoalTrajectoryText) -> Result<JointTrajectoryText, String> {
+fn of_goal(goal: GoalTrajectoryText, robot: &RobotModel) -> Result<JointTrajectoryText, String> {
     let is_plain = goal.joint_names.is_some() || goal.points.is_some();
     let is_of_robot = goal.joint_trajectory.is_some() || goal.multi_dof_joint_trajectory.is_some();
     match (is_plain, is_of_robot) {
         (true, false) => plain(goal.joint_names, goal.points),
-        (false, true) => of_robot(goal.joint_trajectory, goal.multi_dof_joint_trajectory),
+        (false, true) => of_robot(goal.joint_trajectory, goal.multi_dof_joint_trajectory, robot),
         (false, false) => Err("it has no joint_names and points, or joint_trajectory".to_owned()),
         (true, true) => Err("joint_names and points, and joint_trajectory exclude each other".to_owned()),
     }
@@ -318,16 +327,28 @@ fn plain(
 fn of_robot(
     joints: Option<JointTrajectoryText>,
     multi_dof: Option<MultiDofTrajectoryText>,
+    robot: &RobotModel,
 ) -> Result<JointTrajectoryText, String> {
     let joints = joints.ok_or("joint_trajectory is missing")?;
-    reject_multi_dof("multi_dof_joint_trajectory", multi_dof)?;
+    reject_multi_dof("multi_dof_joint_trajectory", multi_dof, robot)?;
     Ok(joints)
 }
 
-fn reject_multi_dof(field: &str, multi_dof: Option<MultiDofTrajectoryText>) -> Result<(), String> {
+fn reject_multi_dof(
+    field: &str,
+    multi_dof: Option<MultiDofTrajectoryText>,
+    robot: &RobotModel,
+) -> Result<(), String> {
     let MultiDofTrajectoryText { joint_names, points, .. } = multi_dof.unwrap_or_default();
     if joint_names.is_empty() && points.is_empty() {
         return Ok(());
+    }
+    let is_virtual = |name: &&String| MultiDofJoint::find(robot, name).is_only_virtual();
+    if let Some(name) = joint_names.iter().find(is_virtual) {
+        return Err(format!(
+            "{field} is not read: virtual joint '{name}' can not be moved here, leave it out; where the robot stands among obstacles, \
+             the robot_state of a planning scene says (--world)"
+        ));
     }
     let names = joint_names.iter().map(|name| format!("'{name}'")).collect::<Vec<_>>().join(", ");
     Err(format!(

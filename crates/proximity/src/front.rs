@@ -21,7 +21,7 @@
 mod bounds;
 mod collector;
 mod eight_pairs;
-mod limits;
+mod front_limits;
 mod listed_pair;
 
 use clearance_geometry::constants::CONTACT_DISTANCE;
@@ -42,7 +42,7 @@ use collector::{PairLists, collect};
 use eight_pairs::EightPairs;
 use listed_pair::ListedPair;
 
-pub use limits::FrontLimits;
+pub use front_limits::FrontLimits;
 
 /// Pairs of elements of two bodies.
 #[derive(Clone, Debug, Default)]

@@ -39,8 +39,9 @@ use crate::{motion_distances, motion_queries};
 /// pad_self=False, check_self=True, check_world=True, mesh_model="surface", volumes="obb", allowed_collisions=[], checked_collisions=[])`
 ///
 /// States `q` have all positions of the robot, in the order of `Robot.joint_names`, or with `group` those of a group of the SRDF, in the
-/// order of `joint_names` of this class. Joints outside of the group have the values of `fixed` (a dict by name; rad, m), or their
-/// defaults: 0, or the middle of limits that exclude 0. Arrays of other types than C-contiguous float64 are converted.
+/// order of `joint_names` of this class: that of the robot, without mimic joints. Joints outside of the group have the values of `fixed` (a
+/// dict or other mapping by name; rad, m), or their defaults: 0, or the middle of limits that exclude 0. Mimic joints of the group whose
+/// leader is outside follow it. Arrays of other types than C-contiguous float64 are converted.
 ///
 /// - `padding` (m): safety distance of all links against obstacles, with `pad_self` also between links; `link_padding` by link.
 /// - `link_scale`, `object_scale`: factors by name. `object_padding` (m): by obstacle, in addition to that of the links.
@@ -93,14 +94,14 @@ impl Checker {
     #[new]
     #[pyo3(
         signature = (robot, world=None, *, group=None, fixed=BTreeMap::new(), **settings),
-        text_signature = "(robot, world=None, *, group=None, fixed={}, **settings)"
+        text_signature = "(robot, world=None, *, group=None, fixed=None, **settings)"
     )]
     fn new(
         py: Python<'_>,
         robot: Py<Robot>,
         world: Option<PyRef<'_, World>>,
         group: Option<String>,
-        fixed: BTreeMap<String, f64>,
+        #[pyo3(from_py_with = options::fixed)] fixed: BTreeMap<String, f64>,
         settings: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
         let scene = world.map(|world| world.scene.clone()).unwrap_or_default();
@@ -165,7 +166,7 @@ impl Checker {
     fn configuration<'py>(
         &self,
         py: Python<'py>,
-        positions: BTreeMap<String, f64>,
+        #[pyo3(from_py_with = options::positions)] positions: BTreeMap<String, f64>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let q = self.configuration_of(&positions)?;
         Ok(PyArray1::from_vec(py, self.core.space.select(q.positions())))
@@ -205,7 +206,7 @@ impl Checker {
         link: &str,
         q: Option<&Bound<'_, PyAny>>,
         pose: Option<&Bound<'_, PyAny>>,
-        touch_links: Vec<String>,
+        #[pyo3(from_py_with = options::touch_links)] touch_links: Vec<String>,
     ) -> PyResult<Self> {
         self.attached(py, name, link, Grasp { q, pose, touch_links })
     }
@@ -311,10 +312,12 @@ impl Checker {
 
     /// Checks the straight motion from `q0` to `q1`, both of shape (n,): `MotionReport`. FREE is a proof for the whole motion.
     ///
-    /// `certificate=True` adds the proof as a document. `tube` (rad, m; (n,), or one number for every joint of the robot, mimic joints included) is a tracking tolerance: the robot may be anywhere
-    /// within it. Options: `tolerance=5e-4` (m), pairs that stay farther apart are always decided; `timeout=None` (s), infinity for none;
-    /// `budget=10_000_000` evaluations of a pair; `any_contact=False`, True to end at any contact, not the earliest; `margin=0` (m), a pair
-    /// that is not farther apart than this, besides its padding, counts as touching.
+    /// `certificate=True` adds the proof as a document. Its search differs: `t` of a contact may be another one than without it, and the
+    /// verdict, too, if a distance is within `tolerance`. Both results are right. `tube` (rad, m; (n,), or one number for every joint of the
+    /// robot, mimic joints included) is a tracking tolerance: the robot may be anywhere within it. Options: `tolerance=5e-4` (m), pairs that
+    /// stay farther apart are always decided; `timeout=None` (s), infinity for none; `budget=10_000_000` evaluations of a pair;
+    /// `any_contact=False`, True to end at any contact, not the earliest; `margin=0` (m), a pair that is not farther apart than this, besides
+    /// its padding, counts as touching.
     #[pyo3(
         signature = (q0, q1, *, certificate=false, tube=None, **options),
         text_signature = "($self, q0, q1, *, certificate=False, tube=None, **options)"
@@ -452,7 +455,7 @@ impl Checker {
         #[pyo3(from_py_with = options::clearance)] clearance: f64,
         #[pyo3(from_py_with = options::max_checks)] max_checks: u64,
         #[pyo3(from_py_with = options::timeout)] timeout: Option<Instant>,
-        locked: Vec<String>,
+        #[pyo3(from_py_with = options::locked)] locked: Vec<String>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let limits = SearchLimits { max_distance, clearance, max_checks, deadline: timeout, locked };
         recovery::find_free_state(py, &self.core, q, limits)

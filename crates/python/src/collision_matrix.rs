@@ -16,6 +16,7 @@ use pyo3::types::{PyDict, PyTuple};
 
 use crate::batches::run;
 use crate::error::error;
+use crate::options;
 use crate::result_builder::result;
 use crate::robot::Robot;
 use crate::robot_sources::RobotSources;
@@ -96,7 +97,11 @@ impl CollisionMatrix {
     /// `allow`: further pairs of links, with the reason `User`. `allow_adjacent`: also links that are joined by a joint and touch in most
     /// states, with the reason `Adjacent`.
     #[pyo3(signature = (allow=Vec::new(), allow_adjacent=false))]
-    fn srdf(&self, allow: Vec<(String, String)>, allow_adjacent: bool) -> PyResult<String> {
+    fn srdf(
+        &self,
+        #[pyo3(from_py_with = options::allow)] allow: Vec<(String, String)>,
+        allow_adjacent: bool,
+    ) -> PyResult<String> {
         let mut allowed = AllowedPairs { adjacent: allow_adjacent, ..AllowedPairs::default() };
         for (a, b) in &allow {
             let links = [self.link(a)?, self.link(b)?];

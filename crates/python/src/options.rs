@@ -1,9 +1,12 @@
 //! Conversion of option values from Python; every error names the option and the value.
 
+use std::collections::BTreeMap;
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use pyo3::exceptions::{PyOverflowError, PyTypeError};
 use pyo3::prelude::*;
+use pyo3::types::PyMapping;
 
 use crate::error::error;
 
@@ -26,15 +29,22 @@ macro_rules! options {
 
 options! {
     absolute_tolerance: f64 = length;
+    allow: Vec<(String, String)> = pairs_of_names;
     any_contact: bool = flag;
     budget: u64 = count;
     clearance: f64 = length;
+    counts: Option<BTreeMap<String, usize>> =
+        |name, value| Ok(optional(name, value, counts_by_link)?.map(BTreeMap::from_iter));
     edge: f64 = number;
     influence_distance: f64 = real;
     event_distance: f64 = |_, value| length("distance", value);
     excess: Option<f64> = |name, value| optional(name, value, tolerance_of);
+    fixed: BTreeMap<String, f64> =
+        |name, value| Ok(optional(name, value, numbers_by_name)?.into_iter().flatten().collect());
     inner: bool = flag;
     length_of_shape: f64 = |_, value| number("length", value);
+    links: Option<Vec<String>> = |name, value| optional(name, value, names);
+    locked: Vec<String> = names;
     margin: f64 = length;
     margin_if_any: Option<f64> = |_, value| optional("margin", value, length);
     max_boxes: Option<u64> = |name, value| optional(name, value, count);
@@ -44,8 +54,10 @@ options! {
     max_edges: u64 = count;
     num_threads: Option<usize> = threads;
     offset: f64 = number;
+    package_paths: Vec<PathBuf> = |name, value| extract(name, value, "a list of paths");
     point_radius: Option<f64> = |name, value| optional(name, value, number);
     port: u16 = |name, value| whole(name, value, u64::from(u16::MAX));
+    positions: BTreeMap<String, f64> = |name, value| Ok(numbers_by_name(name, value)?.into_iter().collect());
     radius: f64 = number;
     range: f64 = number;
     relative_tolerance: f64 = length;
@@ -59,6 +71,7 @@ options! {
     tolerance: f64 = tolerance_of;
     total: Option<usize> = |name, value| optional(name, value, |name, value| at_least(name, value, 1));
     tolerance_if_any: Option<f64> = |_, value| optional("tolerance", value, tolerance_of);
+    touch_links: Vec<String> = names;
     triangle_count: Option<usize> = |_, value| optional("count", value, |name, value| at_least(name, value, 4));
 }
 
@@ -70,19 +83,18 @@ fn bad(name: &str, value: &Bound<'_, PyAny>, form: &str) -> String {
     format!("{name} is {short}{rest}, but must be {form}")
 }
 
-/// Extracts a value. Numbers out of range are errors about values, all others errors about types.
+/// The error about a value that was not extracted. Numbers out of range are errors about values, all others errors about types.
+fn unfit(name: &str, value: &Bound<'_, PyAny>, form: &str, why: &PyErr) -> PyErr {
+    let text = bad(name, value, form);
+    if why.is_instance_of::<PyOverflowError>(value.py()) { error(text) } else { PyTypeError::new_err(text) }
+}
+
+/// Extracts a value.
 fn extract<T>(name: &str, value: &Bound<'_, PyAny>, form: &str) -> PyResult<T>
 where
     T: for<'a, 'py> FromPyObject<'a, 'py, Error = PyErr>,
 {
-    value.extract().map_err(|why: PyErr| {
-        let text = bad(name, value, form);
-        if why.is_instance_of::<PyOverflowError>(value.py()) {
-            error(text)
-        } else {
-            PyTypeError::new_err(text)
-        }
-    })
+    value.extract().map_err(|why: PyErr| unfit(name, value, form, &why))
 }
 
 fn optional<T>(
@@ -127,6 +139,41 @@ fn tolerance_of(name: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
 fn deadline(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Option<Instant>> {
     let seconds = checked(name, value, "zero or more seconds", |given| given >= 0.0)?;
     Ok(Duration::try_from_secs_f64(seconds).ok().and_then(|span| Instant::now().checked_add(span)))
+}
+
+fn names(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
+    extract(name, value, "a list of names")
+}
+
+/// Pairs of names, each a tuple or a list.
+pub fn pairs_of_names(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<(String, String)>> {
+    let form = "a list of pairs of names";
+    let pairs: Vec<Vec<String>> = extract(name, value, form)?;
+    let pair_of = |pair: Vec<String>| match <[String; 2]>::try_from(pair) {
+        Ok([a, b]) => Ok((a, b)),
+        Err(_) => Err(PyTypeError::new_err(bad(name, value, form))),
+    };
+    pairs.into_iter().map(pair_of).collect()
+}
+
+/// Numbers by name, of any mapping.
+pub fn numbers_by_name(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<(String, f64)>> {
+    by_name(name, value, "a dict from names to numbers")
+}
+
+fn counts_by_link(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<(String, usize)>> {
+    by_name(name, value, "a dict from names of links to whole numbers")
+}
+
+fn by_name<T>(name: &str, value: &Bound<'_, PyAny>, form: &str) -> PyResult<Vec<(String, T)>>
+where
+    T: for<'a, 'py> FromPyObject<'a, 'py>,
+{
+    let Ok(mapping) = value.cast::<PyMapping>() else {
+        return Err(PyTypeError::new_err(bad(name, value, form)));
+    };
+    let items: PyResult<Vec<(String, T)>> = mapping.items()?.extract();
+    items.map_err(|why| unfit(name, value, form, &why))
 }
 
 fn flag(name: &str, value: &Bound<'_, PyAny>) -> PyResult<bool> {

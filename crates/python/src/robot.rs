@@ -86,7 +86,7 @@ impl Robot {
         py: Python<'_>,
         urdf: &Bound<'_, PyAny>,
         srdf: Option<&Bound<'_, PyAny>>,
-        package_paths: Vec<PathBuf>,
+        #[pyo3(from_py_with = options::package_paths)] package_paths: Vec<PathBuf>,
         xacro_args: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
         let mut sources = RobotSources::read(urdf, srdf, package_paths, xacro_args)?;
@@ -188,7 +188,7 @@ impl Robot {
     fn configuration<'py>(
         &self,
         py: Python<'py>,
-        positions: BTreeMap<String, f64>,
+        #[pyo3(from_py_with = options::positions)] positions: BTreeMap<String, f64>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let named = positions.iter().map(|(name, value)| (name.as_str(), *value));
         let q = self.model.configuration_from_names(named).map_err(error)?;
@@ -235,7 +235,7 @@ impl Robot {
         &self,
         py: Python<'py>,
         q: &Bound<'py, PyAny>,
-        links: Option<Vec<String>>,
+        #[pyo3(from_py_with = options::links)] links: Option<Vec<String>>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let rows = Rows::new(q, "q", self.space.names())?;
         let links = links.unwrap_or_else(|| self.link_names());
@@ -296,7 +296,7 @@ impl Robot {
         #[pyo3(from_py_with = options::sphere_count)] count: Option<usize>,
         #[pyo3(from_py_with = options::total)] total: Option<usize>,
         #[pyo3(from_py_with = options::excess)] excess: Option<f64>,
-        counts: Option<BTreeMap<String, usize>>,
+        #[pyo3(from_py_with = options::counts)] counts: Option<BTreeMap<String, usize>>,
         #[pyo3(from_py_with = options::inner)] inner: bool,
         #[pyo3(from_py_with = options::timeout)] timeout: Option<Instant>,
         #[pyo3(from_py_with = options::num_threads)] num_threads: Option<usize>,

@@ -10,6 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::error::error;
+use crate::options;
 
 const KEYWORDS: &str = "padding, link_padding, link_scale, object_padding, object_scale, pad_self, check_self, check_world, mesh_model, \
                         volumes, allowed_collisions, checked_collisions";
@@ -60,8 +61,8 @@ impl CheckSettings {
                 settings.volumes =
                     volumes.map_err(|error| PyValueError::new_err(format!("volumes: {error}")))?;
             }
-            "allowed_collisions" => self.pairs.allowed = read(keyword, value, "a list of pairs of names")?,
-            "checked_collisions" => self.pairs.checked = read(keyword, value, "a list of pairs of names")?,
+            "allowed_collisions" => self.pairs.allowed = options::pairs_of_names(keyword, value)?,
+            "checked_collisions" => self.pairs.checked = options::pairs_of_names(keyword, value)?,
             _ => {
                 let text = format!("there is no setting '{keyword}'; there are {KEYWORDS}");
                 return Err(PyTypeError::new_err(text));
@@ -137,5 +138,5 @@ where
 }
 
 fn by_name(keyword: &str, value: &Bound<'_, PyAny>) -> PyResult<HashMap<String, f64>> {
-    read(keyword, value, "a dict from names to numbers")
+    Ok(options::numbers_by_name(keyword, value)?.into_iter().collect())
 }

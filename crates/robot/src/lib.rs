@@ -12,10 +12,11 @@
 //! | XML: documents and their limits, escaping | `xml`, `xml_limits`, `xml_escaping` |
 //! | names and numbers in texts and messages | `decimal_numbers`, `quoted_names`, `similar_names` |
 //! | meshes: names, files, readers of the formats | `mesh_name`, `mesh_files`, `loaded_mesh`, `mesh_formats` |
-//! | errors about mesh files, and their log for recordings | `mesh_file_error`, `missing_meshes`, `mesh_log` |
+//! | errors about mesh files | `mesh_file_error`, `missing_meshes` |
+//! | log of meshes for recordings, meshes of a recording | `mesh_log`, `recorded_meshes` |
 //! | visual geometry, which no query uses | `visual_geometry` |
 //! | configurations and their errors | `configuration`, `configuration_error` |
-//! | configurations from joint names, groups and named states | `named_joints`, `joint_group`, `group_states` |
+//! | configurations from joint names, groups and named states | `named_joints`, `joint_group`, `group_state_configuration` |
 //! | planar and floating joints given as transforms | `joint_transforms` |
 //! | ranges of positions; joints beyond their limits | `position_ranges`, `outside_limits` |
 //! | tracking tolerances | `uniform_tolerance` |
@@ -31,7 +32,7 @@ mod configuration;
 mod configuration_error;
 mod decimal_numbers;
 mod fault;
-mod group_states;
+mod group_state_configuration;
 mod ids;
 mod interpolation;
 mod joint;
@@ -57,6 +58,7 @@ mod pair_limit;
 mod position_ranges;
 mod quoted_names;
 mod random_configuration;
+mod recorded_meshes;
 mod robot_text;
 mod similar_names;
 mod srdf;
@@ -78,7 +80,7 @@ pub use chain::{Columns, PlacedFrame};
 pub use configuration::Configuration;
 pub use configuration_error::{ConfigurationError, MimicContradiction};
 pub use fault::{Fault, Place};
-pub use group_states::GroupStateError;
+pub use group_state_configuration::GroupStateError;
 pub use ids::{JointId, LinkId};
 pub use joint::{Joint, JointKind, Limits, Mimic};
 pub use joint_group::{JointGroup, UnknownGroup};
@@ -87,7 +89,7 @@ pub use kinematics::LinkPoses;
 pub use loaded_mesh::LoadedMesh;
 pub use mesh_file_error::MeshFileError;
 pub use mesh_files::{MeshFiles, check_package_path};
-pub use mesh_log::{MeshLog, MeshUse, RecordedMeshes};
+pub use mesh_log::{MeshLog, MeshUse};
 pub use model::{Collision, Link, MeshSource, RobotModel};
 pub use model_error::ModelError;
 pub use name_length::check_name_length;
@@ -95,6 +97,7 @@ pub use named_joints::{MIMIC_TOLERANCE, NamedJoints};
 pub use outside_limits::OutsideLimits;
 pub use quoted_names::{quoted, quoted_list};
 pub use random_configuration::SamplingBox;
+pub use recorded_meshes::RecordedMeshes;
 pub use robot_text::RobotText;
 pub use srdf::{DisabledPair, Group, GroupState, Srdf, VirtualJoint};
 pub use visual_geometry::VisualGeometry;

@@ -18,8 +18,9 @@ use clearance_files::input_files::{self, InputFileError};
 
 use super::decimal_numbers::shortened;
 use super::mesh_file_error::MeshFileError;
-use super::mesh_log::{MeshLog, RecordedMeshes};
+use super::mesh_log::MeshLog;
 use super::mesh_name::{self, MeshName};
+use super::recorded_meshes::RecordedMeshes;
 
 /// Folders into which no symbolic link is followed: their files are not regular files on a disk.
 const SYSTEM_FOLDERS: [&str; 3] = ["/proc", "/sys", "/dev"];

@@ -1,6 +1,5 @@
-//! Log of resolved mesh names for recordings, and meshes read from a recording instead of files.
+//! Log of mesh names and the files that they were resolved to, for recordings.
 
-use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -30,23 +29,5 @@ impl MeshLog {
         let found =
             MeshUse { folder: folder.map(Path::to_owned), uri: uri.to_owned(), file: file.to_owned() };
         self.0.lock().unwrap_or_else(PoisonError::into_inner).push(found);
-    }
-}
-
-/// Meshes of a recording. With them, no file is ever opened.
-#[derive(Clone, Debug, Default)]
-pub struct RecordedMeshes(HashMap<(Option<PathBuf>, String), RecordedMesh>);
-
-/// A file with its real path and its content.
-pub(super) type RecordedMesh = (PathBuf, Arc<[u8]>);
-
-impl RecordedMeshes {
-    /// Adds a mesh and the content of its file.
-    pub fn insert(&mut self, found: MeshUse, bytes: Arc<[u8]>) {
-        self.0.insert((found.folder, found.uri), (found.file, bytes));
-    }
-
-    pub(super) fn find(&self, folder: Option<&Path>, uri: &str) -> Option<&RecordedMesh> {
-        self.0.get(&(folder.map(Path::to_owned), uri.to_owned()))
     }
 }

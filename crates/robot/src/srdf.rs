@@ -75,7 +75,7 @@ pub struct GroupState {
     /// Name of the group.
     pub group: String,
     /// Names and positions (rad, m) of its joints, in the order of the text; a joint with several positions has one entry
-    /// for each. Virtual joints are left out: the robot's root does not move.
+    /// for each. Virtual joints at zero are left out; elsewhere they are a fault, since the robot's root does not move.
     pub positions: Vec<(String, f64)>,
     /// Why the state cannot be used, if an entry is faulty.
     pub fault: Option<String>,

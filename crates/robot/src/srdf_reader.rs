@@ -11,7 +11,7 @@ use super::{Fault, JointId, LinkId, RobotModel, Warning};
 
 mod collision_rules;
 mod group;
-mod group_state;
+mod group_state_reader;
 
 /// Types of virtual joints.
 const VIRTUAL_KINDS: [&str; 3] = ["fixed", "floating", "planar"];

@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use log::LevelFilter;
 
-use crate::names::Remap;
+use crate::names::{Remap, RemapScope};
 use crate::parameters::parameter_source::ParameterSource;
 use crate::parameters::parameter_value;
 
@@ -45,7 +45,7 @@ impl RosArguments {
                 "--ros-args" | "--" => {}
                 "-r" | "--remap" => {
                     let text = argument("from:=to")?;
-                    arguments.remaps.push(remap(flag, text)?);
+                    arguments.add_remap(flag, text)?;
                 }
                 "-p" | "--param" => {
                     let text = argument("name:=value")?;
@@ -66,12 +66,22 @@ impl RosArguments {
                 _ if is_log_switch(flag) => arguments.ignored.push(flag.to_owned()),
                 _ => match flag.split_once(":=") {
                     // many scripts still use the short form of ROS 1
-                    Some(_) => arguments.remaps.push(remap("-r", flag)?),
+                    Some(_) => arguments.add_remap("-r", flag)?,
                     None => return Err(ArgumentError::Unknown(flag.to_owned())),
                 },
             }
         }
         Ok(arguments)
+    }
+
+    fn add_remap(&mut self, flag: &str, text: &str) -> Result<(), ArgumentError> {
+        let rule = remap(flag, text)?;
+        if rule.has_effect() {
+            self.remaps.push(rule);
+        } else {
+            self.ignored.push(format!("{flag} {text}"));
+        }
+        Ok(())
     }
 }
 
@@ -86,11 +96,16 @@ fn malformed(flag: &str, argument: &str, why: impl Into<String>) -> ArgumentErro
 }
 
 fn remap(flag: &str, text: &str) -> Result<Remap, ArgumentError> {
-    let (from, to) = (text.split_once(":="))
-        .filter(|(from, to)| !from.is_empty() && !to.is_empty())
-        .ok_or_else(|| malformed(flag, text, "it must be from:=to"))?;
-    let (node, from) = node_qualifier(from);
-    Ok(Remap { node, from: from.to_owned(), to: to.to_owned() })
+    let wrong = || malformed(flag, text, "it must be from:=to");
+    let (from, to) = text.split_once(":=").ok_or_else(wrong)?;
+    // the colon of rostopic:// names no node
+    let has_scheme = RemapScope::split(from).0 != RemapScope::All;
+    let (node, from) = if has_scheme { (None, from) } else { node_qualifier(from) };
+    let (scope, from) = RemapScope::split(from);
+    if from.is_empty() || to.is_empty() || node.as_deref() == Some("") {
+        return Err(wrong());
+    }
+    Ok(Remap { node, scope, from: from.to_owned(), to: to.to_owned() })
 }
 
 fn parameter(flag: &str, text: &str) -> Result<ParameterSource, ArgumentError> {
@@ -135,6 +150,7 @@ mod tests {
         let arguments = RosArguments::parse(&words).unwrap();
         let remap = |node: Option<&str>, from: &str, to: &str| Remap {
             node: node.map(str::to_owned),
+            scope: RemapScope::All,
             from: from.to_owned(),
             to: to.to_owned(),
         };
@@ -163,11 +179,33 @@ mod tests {
     }
 
     #[test]
+    fn rules_with_a_scheme_are_for_topics_or_services_and_reserved_names_have_no_effect() {
+        let words = "-r rostopic://joint_states:=/y -r clearance:rosservice:///clear_octomap:=/z \
+                     rostopic://tf:=/tf -r __log:=x -r rostopic://__ns:=/cell";
+        let words: Vec<&str> = words.split_whitespace().collect();
+        let arguments = RosArguments::parse(&words).unwrap();
+        let rules: Vec<_> =
+            arguments.remaps.iter().map(|r| (r.node.as_deref(), r.scope, r.from.as_str())).collect();
+        assert_eq!(
+            rules,
+            [
+                (None, RemapScope::Topics, "joint_states"),
+                (Some("clearance"), RemapScope::Services, "/clear_octomap"),
+                (None, RemapScope::Topics, "tf"),
+            ]
+        );
+        assert_eq!(arguments.ignored, ["-r __log:=x", "-r rostopic://__ns:=/cell"]);
+    }
+
+    #[test]
     fn what_is_wrong_is_named() {
         for (words, named) in [
             (&["-r"][..], "-r"),
             (&["-r", "joint_states"], "joint_states"),
             (&["-r", ":=x"], ":=x"),
+            (&["-r", "rostopic://:=x"], "rostopic://:=x"),
+            (&["-r", "clearance::=x"], "clearance::=x"),
+            (&["-r", ":joint_states:=x"], ":joint_states:=x"),
             (&["-p", "padding=1"], "padding=1"),
             (&["-p", ":=1"], ":=1"),
             (&["--params-file"], "--params-file"),

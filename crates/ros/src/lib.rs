@@ -83,7 +83,7 @@ pub use parameters::parameter_set::Parameters;
 pub use parameters::parameter_source::ParameterSource;
 pub use parameters::parameter_value::Value;
 pub use recording::mcap_file::ReadError;
-pub use recording::recorder_handle::CommandLineInputs;
+pub use recording::recorded_event::CommandLineInputs;
 pub use recording::save::save_part;
 pub use replay::archive::Archive;
 pub use replay::replayer::{Difference, Outcome, Prepared, recorded_path, replay};

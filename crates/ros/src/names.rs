@@ -39,12 +39,75 @@ impl From<NameError> for NodeError {
     }
 }
 
+/// Names of a rule that set the name of a node.
+const NODE: [&str; 2] = ["__node", "__name"];
+
+/// Name of a rule that sets the namespace of a node.
+const NAMESPACE: &str = "__ns";
+
 /// Remapping rule `from:=to`, for every node or for the node named `node`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Remap {
     pub node: Option<String>,
+    pub scope: RemapScope,
     pub from: String,
     pub to: String,
+}
+
+/// Names to which a remapping rule applies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RemapScope {
+    /// All names: `from:=to`.
+    All,
+    /// Names of topics: `rostopic://from:=to`.
+    Topics,
+    /// Names of services: `rosservice://from:=to`.
+    Services,
+}
+
+impl RemapScope {
+    /// Splits the left side of a rule into its scope and the name.
+    #[must_use]
+    pub fn split(text: &str) -> (Self, &str) {
+        if let Some(name) = text.strip_prefix("rostopic://") {
+            (Self::Topics, name)
+        } else if let Some(name) = text.strip_prefix("rosservice://") {
+            (Self::Services, name)
+        } else {
+            (Self::All, text)
+        }
+    }
+}
+
+impl Remap {
+    /// Whether some node may apply the rule. Names that begin with two underscores are reserved, and only three exist.
+    #[must_use]
+    pub fn has_effect(&self) -> bool {
+        !self.is_special()
+            || self.scope == RemapScope::All && (self.from == NAMESPACE || NODE.contains(&self.from.as_str()))
+    }
+
+    fn is_special(&self) -> bool {
+        self.from.starts_with("__")
+    }
+
+    fn is_for(&self, nodes: &[&str]) -> bool {
+        self.node.as_deref().is_none_or(|node| nodes.contains(&node))
+    }
+}
+
+impl fmt::Display for Remap {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(node) = &self.node {
+            write!(f, "{node}:")?;
+        }
+        let scheme = match self.scope {
+            RemapScope::All => "",
+            RemapScope::Topics => "rostopic://",
+            RemapScope::Services => "rosservice://",
+        };
+        write!(f, "{scheme}{}:={}", self.from, self.to)
+    }
 }
 
 /// A node's name and namespace, and the remapping rules that apply to it.
@@ -54,28 +117,37 @@ pub struct Names {
     /// Begins with a slash, and ends with one only for the root `/`.
     namespace: String,
     remaps: Vec<Remap>,
+    other_remaps: Vec<Remap>,
 }
 
 impl Names {
     /// A node named `default_node` in the root namespace, unless the rules for `__node` and `__ns` set others.
     pub fn new(default_node: &str, remaps: &[Remap]) -> Result<Self, NameError> {
-        let applicable: Vec<Remap> = (remaps.iter())
-            .filter(|r| r.node.as_deref().is_none_or(|node| node == default_node))
-            .cloned()
-            .collect();
         // the first rule that matches applies, as in rcl
-        let special = |names: &[&str]| {
-            (applicable.iter().find(|r| names.contains(&r.from.as_str()))).map(|r| r.to.as_str())
+        let special = |names: &[&str], nodes: &[&str]| {
+            let matches = |rule: &&Remap| rule.is_for(nodes) && names.contains(&rule.from.as_str());
+            remaps.iter().find(matches).map(|rule| rule.to.as_str())
         };
-        let node = special(&["__node", "__name"]).unwrap_or(default_node);
+        let node = special(&NODE, &[default_node]).unwrap_or(default_node);
         check_token(node).map_err(|why| NameError { name: node.to_owned(), kind: "node name", why })?;
-        let namespace = special(&["__ns"]).unwrap_or("/");
+        // further rules may name the node by its new name, as in rcl, or by its default name
+        let nodes = [default_node, node];
+        let namespace = special(&[NAMESPACE], &nodes).unwrap_or("/");
         check_namespace(namespace)?;
+        let (own, other_remaps): (Vec<_>, Vec<_>) =
+            remaps.iter().cloned().partition(|rule| rule.is_for(&nodes));
         Ok(Self {
             node: node.to_owned(),
             namespace: namespace.to_owned(),
-            remaps: applicable.into_iter().filter(|r| !r.from.starts_with("__")).collect(),
+            remaps: own.into_iter().filter(|rule| !rule.is_special()).collect(),
+            other_remaps,
         })
+    }
+
+    /// Remapping rules for nodes of other names, which have no effect here.
+    #[must_use]
+    pub fn other_remaps(&self) -> &[Remap] {
+        &self.other_remaps
     }
 
     #[must_use]
@@ -94,11 +166,25 @@ impl Names {
         join(&self.namespace, &self.node)
     }
 
-    /// Full name of a topic or service after remapping.
+    /// Full name of a topic after remapping.
     pub fn resolve(&self, name: &str) -> Result<FullName, NameError> {
+        self.remapped(name, &[RemapScope::All, RemapScope::Topics])
+    }
+
+    /// Full name of a service after remapping.
+    pub fn resolve_service(&self, name: &str) -> Result<FullName, NameError> {
+        self.remapped(name, &[RemapScope::All, RemapScope::Services])
+    }
+
+    /// Full name of an action after remapping. An action has topics and services: only rules for both apply.
+    pub fn resolve_action(&self, name: &str) -> Result<FullName, NameError> {
+        self.remapped(name, &[RemapScope::All])
+    }
+
+    fn remapped(&self, name: &str, scopes: &[RemapScope]) -> Result<FullName, NameError> {
         let full = self.expand(name)?;
         for remap in &self.remaps {
-            if self.expand(&remap.from)? == full {
+            if self.expand(&remap.from)? == full && scopes.contains(&remap.scope) {
                 return self.expand(&remap.to);
             }
         }
@@ -167,7 +253,8 @@ mod tests {
     use super::*;
 
     fn remap(node: Option<&str>, from: &str, to: &str) -> Remap {
-        Remap { node: node.map(str::to_owned), from: from.to_owned(), to: to.to_owned() }
+        let (scope, from) = RemapScope::split(from);
+        Remap { node: node.map(str::to_owned), scope, from: from.to_owned(), to: to.to_owned() }
     }
 
     fn resolved(names: &Names, name: &str) -> String {
@@ -201,6 +288,46 @@ mod tests {
         assert_eq!(resolved(&names, "joint_states"), "/arm/joint_states");
         assert_eq!(resolved(&names, "~/state"), "/answer");
         assert_eq!(resolved(&names, "~/is_free"), "/guard/is_free");
+    }
+
+    #[test]
+    fn rules_with_a_scheme_apply_to_topics_or_to_services() {
+        let remaps = [
+            remap(None, "rostopic://joint_states", "/y"),
+            remap(None, "rosservice:///clear_octomap", "/z"),
+            remap(Some("clearance"), "rostopic://~/check_trajectory", "/topic"),
+            remap(None, "rosservice://joint_states", "/wrong"),
+        ];
+        let names = Names::new("clearance", &remaps).unwrap();
+        assert_eq!(resolved(&names, "joint_states"), "/y");
+        assert_eq!(resolved(&names, "clear_octomap"), "/clear_octomap");
+        let service = |name: &str| names.resolve_service(name).unwrap().to_string();
+        assert_eq!(service("clear_octomap"), "/z");
+        assert_eq!(service("~/check_trajectory"), "/clearance/check_trajectory");
+        let action = names.resolve_action("~/check_trajectory").unwrap();
+        assert_eq!(action.to_string(), "/clearance/check_trajectory");
+        let both = Names::new("clearance", &[remap(None, "a", "/b")]).unwrap();
+        for name in [both.resolve("a"), both.resolve_service("a"), both.resolve_action("a")] {
+            assert_eq!(name.unwrap().to_string(), "/b");
+        }
+    }
+
+    #[test]
+    fn rules_name_the_node_by_either_name_and_those_of_other_nodes_are_known() {
+        let remaps = [
+            remap(None, "__node", "guard"),
+            remap(Some("guard"), "__ns", "/cell"),
+            remap(Some("guard"), "joint_states", "/js"),
+            remap(Some("clearance"), "tf", "/tf"),
+            remap(Some("other"), "rostopic://tf_static", "/x"),
+        ];
+        let names = Names::new("clearance", &remaps).unwrap();
+        assert_eq!(names.full_node_name(), "/cell/guard");
+        assert_eq!(resolved(&names, "joint_states"), "/js");
+        assert_eq!(resolved(&names, "tf"), "/tf");
+        assert_eq!(resolved(&names, "tf_static"), "/cell/tf_static");
+        let others: Vec<String> = names.other_remaps().iter().map(ToString::to_string).collect();
+        assert_eq!(others, ["other:rostopic://tf_static:=/x"]);
     }
 
     #[test]

@@ -12,4 +12,7 @@ pub enum NodeError {
     /// The process exceeded its memory limit.
     #[error("{0}")]
     OutOfMemory(String),
+    /// The node ended as requested, but its recording is incomplete.
+    #[error("{0}")]
+    IncompleteRecording(String),
 }

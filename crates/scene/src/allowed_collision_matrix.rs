@@ -43,7 +43,7 @@ pub enum MatrixError {
 
 /// `moveit_msgs/AllowedCollisionMatrix` in the format of the file.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
-#[serde(default)]
+#[serde(default, deny_unknown_fields)]
 pub struct MatrixEntries {
     /// Names of the rows and columns: links or objects.
     pub entry_names: Vec<String>,
@@ -220,7 +220,11 @@ fn allows_by_defaults(a: Option<bool>, b: Option<bool>) -> bool {
 /// Rows as `[true, false]` or as `moveit_msgs/AllowedCollisionEntry` with the field `enabled`.
 fn rows<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Vec<Vec<bool>>, D::Error> {
     #[derive(Deserialize)]
-    #[serde(untagged, expecting = "a row must be a list of true and false, or have such a list as enabled")]
+    #[serde(
+        untagged,
+        deny_unknown_fields,
+        expecting = "a row must be a list of true and false, or have such a list as enabled, and nothing else"
+    )]
     enum Row {
         List(Vec<bool>),
         Map { enabled: Vec<bool> },

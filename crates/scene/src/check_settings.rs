@@ -26,7 +26,7 @@ pub struct Settings {
     pub check_world: bool,
     /// Model of a mesh: surface or solid.
     pub mesh_model: MeshModel,
-    /// Kinds of bounding volumes; no result depends on them.
+    /// Kinds of bounding volumes; no collision or distance depends on them.
     pub volumes: VolumeSelection,
 }
 

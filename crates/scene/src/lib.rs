@@ -42,7 +42,7 @@ mod named_state;
 mod names_without_effect;
 mod object_changes;
 mod obstacle;
-mod obstacle_twist;
+mod obstacle_states;
 mod octomap;
 mod octomap_placement;
 mod pair_entries;
@@ -81,7 +81,7 @@ pub use message_shapes::{mesh, message_pose, placed_shapes, plane, solid, solid_
 pub use multi_dof_joint::{MultiDofJoint, VirtualJointRole};
 pub use named_state::NamedState;
 pub use obstacle::{OCTOMAP, Obstacle, ObstacleId, ObstacleShape};
-pub use obstacle_twist::{ObstacleState, ObstacleStates, ObstacleTwist};
+pub use obstacle_states::{ObstacleState, ObstacleStates, ObstacleTwist};
 pub use octomap::{Cell, Octomap, OctomapError, Space};
 pub use octomap_placement::OctomapMessage;
 pub use pair_list::{PairList, SkipReason};

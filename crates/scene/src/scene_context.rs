@@ -1,7 +1,7 @@
 //! Snapshot that scene updates are applied against: robot poses, transforms and clock.
 
 use clearance_geometry::math::Pose;
-use clearance_robot::{LinkId, LinkPoses, RobotModel, VirtualJoint, quoted};
+use clearance_robot::{Configuration, LinkId, LinkPoses, RobotModel, VirtualJoint, quoted};
 
 use super::anchor::{AnchorFrame, Certainty};
 use super::frame_ancestor::Ancestor;
@@ -14,6 +14,8 @@ pub struct SceneContext<'c> {
     pub robot: &'c RobotModel,
     /// Present poses of the links; `None` until a joint state is received.
     pub poses: Option<&'c LinkPoses>,
+    /// Present positions of the joints, if known: what a robot state does not name stays there.
+    pub configuration: Option<&'c Configuration>,
     /// Transforms from `tf`.
     pub transforms: &'c TransformTree,
     /// Present time, of the clock that stamps transforms.
@@ -36,7 +38,33 @@ impl<'c> SceneContext<'c> {
     ) -> Self {
         let mut rest = LinkPoses::new(robot);
         robot.forward_kinematics(&robot.default_configuration(), &mut rest);
-        Self { robot, poses, transforms, now, transform_ttl, rest }
+        Self { robot, poses, configuration: None, transforms, now, transform_ttl, rest }
+    }
+
+    /// The snapshot with the present positions of the joints.
+    #[must_use]
+    pub fn at_configuration(self, configuration: Option<&'c Configuration>) -> Self {
+        Self { configuration, ..self }
+    }
+
+    /// The snapshot with other poses of the links, or with none.
+    pub(super) fn with_poses<'s>(&self, poses: Option<&'s LinkPoses>) -> SceneContext<'s>
+    where
+        'c: 's,
+    {
+        SceneContext { poses, ..self.clone() }
+    }
+
+    /// Poses of the links with some joints at other positions (rad, m). `None` without such joints, and while the others are not known.
+    pub(super) fn poses_with(&self, positions: &[(String, f64)]) -> Option<Result<LinkPoses, String>> {
+        let present = self.configuration.filter(|_| !positions.is_empty())?;
+        let named = positions.iter().map(|(name, position)| (name.as_str(), *position));
+        let configuration = self.robot.configuration_over(present, named).map_err(|error| error.to_string());
+        Some(configuration.map(|q| {
+            let mut poses = LinkPoses::new(self.robot);
+            self.robot.forward_kinematics(&q, &mut poses);
+            poses
+        }))
     }
 
     /// Pose of a link in the root frame, if it is known at present.

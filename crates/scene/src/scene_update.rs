@@ -173,13 +173,15 @@ pub struct FixedFrame {
     pub pose_pf: Pose,
 }
 
-/// The robot state of a scene; joint positions come from joint states only.
+/// The robot state of a scene. Its joint positions place the frames of the scene's objects, and nothing else.
 #[derive(Clone, Debug, Default)]
 pub struct RobotStateChange {
     /// True if attached objects that it does not name stay.
     pub is_diff: bool,
     /// True if it contains joint positions.
     pub names_joints: bool,
+    /// Positions (rad, m) of joints, by name: where the links are, in whose frames the scene has objects.
+    pub positions: Vec<(String, f64)>,
     /// Changes of attached objects, in order.
     pub attached: Vec<AttachedChange>,
 }
@@ -316,7 +318,8 @@ mod tests {
     fn joint_positions_and_octomaps_change_no_objects() {
         let update = |scene: SceneChange| SceneUpdate::Scene(Box::new(scene));
         let diff = || SceneChange { is_diff: true, ..SceneChange::default() };
-        let robot_state = RobotStateChange { is_diff: true, names_joints: true, attached: Vec::new() };
+        let robot_state =
+            RobotStateChange { is_diff: true, names_joints: true, ..RobotStateChange::default() };
         let map =
             OctomapPlacement { frame: String::new(), pose_fo: Pose::identity(), shape: None, is_blank: true };
         let world = WorldChange { objects: Vec::new(), octomap: Some(map.clone()) };

@@ -4,8 +4,8 @@ mod anchor_updates;
 mod attached;
 mod matrices;
 mod moveit;
+mod obstacle_states;
 mod scene_messages;
-mod states;
 mod transform_tree;
 
 use std::sync::Arc;
@@ -31,7 +31,10 @@ const SRDF: &str = r#"<robot name="crane">
   <virtual_joint name="stand" type="fixed" parent_frame="map" child_link="base"/>
 </robot>"#;
 
-/// A robot whose hand is lifted by 3 m, a scene around it, and transforms.
+/// Position (m) of the joint `lift`.
+const LIFTED: f64 = 3.0;
+
+/// A robot whose hand is lifted by [`LIFTED`], a scene around it, and transforms.
 struct Cell {
     robot: RobotModel,
     poses: Option<LinkPoses>,
@@ -45,14 +48,16 @@ impl Cell {
         let text = RobotText { urdf: URDF, urdf_name: None, srdf: Some(SRDF), srdf_name: None };
         let robot = RobotModel::from_text(&text, &MeshFiles::default()).unwrap();
         let mut poses = LinkPoses::new(&robot);
-        robot.forward_kinematics(&robot.configuration(&[3.0]).unwrap(), &mut poses);
+        robot.forward_kinematics(&robot.configuration(&[LIFTED]).unwrap(), &mut poses);
         let (poses, scene) = (Some(poses), Scene::default());
         Self { robot, poses, transforms: TransformTree::default(), now: seconds(100.0), scene }
     }
 
     fn apply(&mut self, update: &SceneUpdate) -> Result<Vec<String>, SceneRejection> {
         let (poses, now) = (self.poses.as_ref(), Some(self.now));
-        let context = SceneContext::new(&self.robot, poses, &self.transforms, now, 1.0);
+        let lifted = self.robot.configuration(&[LIFTED]).unwrap();
+        let context = SceneContext::new(&self.robot, poses, &self.transforms, now, 1.0)
+            .at_configuration(poses.map(|_| &lifted));
         let applied = self.scene.apply(update, &context);
         match applied.refusals.into_iter().next() {
             None => Ok(applied.ineffective.into_iter().chain(applied.warnings).collect()),
@@ -146,7 +151,7 @@ fn hold(link: &str, object: ObjectChange) -> AttachedChange {
 fn difference(objects: Vec<ObjectChange>, attached: Vec<AttachedChange>) -> SceneChange {
     SceneChange {
         is_diff: true,
-        robot_state: RobotStateChange { is_diff: true, names_joints: false, attached },
+        robot_state: RobotStateChange { is_diff: true, attached, ..RobotStateChange::default() },
         world: WorldChange { objects, octomap: None },
         ..SceneChange::default()
     }

@@ -6,7 +6,8 @@ use std::str::FromStr;
 
 use clearance_geometry::{UnknownVolumeKind, VolumeKind};
 
-/// The kinds of bounding volumes that pairs of bodies are tested with. They change the time of a check, never its result.
+/// The kinds of bounding volumes that pairs of bodies are tested with. They change the time of a check, but no collision and no
+/// distance.
 ///
 /// As text: a kind for all bodies and `LINK=KIND` for individual links, separated by commas, such as `rss,hand=kios`. Without a kind for
 /// all bodies it is `obb`.

@@ -67,6 +67,18 @@ impl Scene {
             let of = quoted(model);
             applied.warnings.push(format!("robot_model_name: the scene is of {of}, the robot is '{robot}'"));
         }
+        // as in MoveIt: the robot state comes first, and places the frames of links
+        let stated = context.poses_with(&change.robot_state.positions);
+        let context = &match &stated {
+            None => context.clone(),
+            Some(Ok(poses)) => context.with_poses(Some(poses)),
+            Some(Err(error)) => {
+                applied.warnings.push(format!(
+                    "robot_state.joint_state: {error}; objects in the frames of moving links are rejected"
+                ));
+                context.with_poses(None)
+            }
+        };
         if !change.is_diff {
             applied.changed = true;
             self.fixed_frames.clear();

@@ -13,10 +13,10 @@ use clearance_geometry::math::{MatrixPose, Point, Pose, Vector};
 use super::always_certificate::{ContactEvidence, InnerBall};
 use super::body::Body;
 use super::inner_solid::{InnerSolid, point_body, point_of};
-use super::matrix_boxes::{BoxFault, ProofText};
 use super::matrix_motion::MotionAlong;
-use super::matrix_pair::{ApartTest, BoxCentre};
 use super::matrix_path::MatrixPath;
+use super::matrix_proof_text::{BoxFault, ProofText};
+use super::matrix_separation::{ApartTest, BoxCentre};
 
 /// Reason why the evidence of a contact is no proof.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

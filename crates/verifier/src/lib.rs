@@ -20,7 +20,7 @@
 //! | `interior`, `ray_crossings` | nothing lies inside a closed mesh, if meshes are solids |
 //! | `matrix_certificate`, `always_certificate` | proofs that pairs of links never collide, or always, as a document |
 //! | `matrix_path`, `matrix_motion` | joints between two links and their ranges; motion of one relative to the other in a box |
-//! | `matrix_boxes`, `matrix_pair` | the boxes are all of the range; two bodies are apart in a box |
+//! | `matrix_proof_text`, `matrix_separation` | the boxes are all of the range; two bodies are apart in a box |
 //! | `closed_part`, `inner_solid` | connected closed parts of meshes, and balls inside them |
 //! | `contact_verifier` | in every box, balls of two links overlap, and neither solid lies inside the other |
 //! | `matrix_verifier` | every box of such a proof is proven by the above |
@@ -47,12 +47,12 @@ mod inner_solid;
 mod interior;
 mod interval_coverage;
 mod interval_midpoint;
-mod matrix_boxes;
 mod matrix_certificate;
 mod matrix_motion;
-mod matrix_pair;
 mod matrix_path;
+mod matrix_proof_text;
 mod matrix_rejection;
+mod matrix_separation;
 mod matrix_verifier;
 mod motion_bound;
 mod proof_interval;

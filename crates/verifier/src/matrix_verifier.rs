@@ -11,11 +11,11 @@ use clearance_scene::{MeshModel, Settings};
 use super::always_certificate::AlwaysProof;
 use super::body::Body;
 use super::contact_verifier::{ContactFault, ContactVerifier};
-use super::matrix_boxes::{BoxFault, ProofText};
 use super::matrix_certificate::{MatrixCertificate, NeverProof, matrix_fingerprint};
-use super::matrix_pair::{ApartTest, BoxCentre};
 use super::matrix_path::MatrixPath;
+use super::matrix_proof_text::{BoxFault, ProofText};
 use super::matrix_rejection::MatrixRejection;
+use super::matrix_separation::{ApartTest, BoxCentre};
 
 /// Reason why the collision matrix of a robot cannot be verified with some settings.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

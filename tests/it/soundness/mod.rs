@@ -1,7 +1,7 @@
 //! Tests of the soundness of proximity queries, against oracles that share no code with the library.
 //!
 //! The suite speaks to the public questions only, so that it judges any engine behind them. What is true comes from
-//! construction ([`slabs`]), from exact integers ([`grid`]) or from brute force in 106 bits ([`solid_oracle`]).
+//! construction ([`known_gaps`]), from exact integers ([`grid`]) or from brute force in 106 bits ([`solid_oracle`]).
 //!
 //! ```text
 //! cargo test --test it soundness                                                         a fast share
@@ -14,9 +14,9 @@
 //! accuracy fails. A disagreement names its case: `CLEARANCE_SOUNDNESS_CASE=17` asks about number 17 only.
 
 mod double_double;
-mod grains;
 mod grid;
 mod grid_oracle;
+mod known_gaps;
 mod laws;
 mod ledger;
 mod links;
@@ -25,9 +25,9 @@ mod motions;
 mod oracles;
 mod outline;
 mod parts;
+mod planes_points_voxels;
 mod primitives;
 mod random_pairs;
-mod slabs;
 mod solid_oracle;
 mod subject;
 mod triangle_oracle;

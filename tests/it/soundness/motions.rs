@@ -16,10 +16,10 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::share;
-use crate::other_shapes;
+use crate::peer_results::env_world;
 use crate::random::Random;
+use crate::random_world;
 use crate::tally::{Tally, json, shared_folder};
-use crate::truth::env_world;
 
 /// Nearer than this (m) a motion is looked at densely.
 const NEAR: f64 = 5e-3;
@@ -189,7 +189,7 @@ fn subjects() -> Vec<(String, Subject)> {
         vec![
             ("alone", World::default()),
             ("walls", walls(&mut random)),
-            ("other shapes", other_shapes::world(&mut random, 0.6)),
+            ("other shapes", random_world::world(&mut random, 0.6)),
         ],
     );
     if let Some(truth) = shared_folder("truth") {
@@ -205,7 +205,7 @@ fn subjects() -> Vec<(String, Subject)> {
                 ("primitives", env("env_prim_10.json")),
                 ("mesh", env("env_mesh.json")),
                 ("walls", walls(&mut random)),
-                ("other shapes", other_shapes::world(&mut random, 0.8)),
+                ("other shapes", random_world::world(&mut random, 0.8)),
             ];
             add(name, &Arc::new(robot.unwrap()), worlds);
         }

@@ -67,16 +67,28 @@ inline void reject_floating(const std::vector<std::string> &names) {
   }
 }
 
+// Throws Error for the space of the paths of CForest, whose parts and locations of values are not accessible.
+inline void reject_wrapper(const ::ompl::base::StateSpace &space) {
+  const std::string type = typeid(space).name();
+  if (type.find("CForestStateSpaceWrapper") != std::string::npos) {
+    throw Error(CLEARANCE_STATUS_REJECTED, "the state space '" + space.getName() +
+                                               "' is a wrapper of the planner CForest, which hides the joints: append the states of the "
+                                               "path to a PathGeometric of the SpaceInformation that the planner was made with");
+  }
+}
+
 }  // namespace detail
 
 // Where the positions of a checker are in the states of an OMPL space.
 //
-// Throws Error for a floating joint, if a joint is missing, if the space has values or parts that are not joints, if a joint with limits is in an SO2StateSpace,
-// or if the space may not interpolate along straight lines.
+// Throws Error for a floating joint, if a joint is missing, if the space has values or parts that are not joints, if a whole turn of a
+// joint in an SO2StateSpace is another state (it has limits, or other joints mimic it), if the space may not interpolate along straight
+// lines, or if it is the wrapper of the planner CForest.
 class OmplJoints {
  public:
   OmplJoints(const ::ompl::base::StateSpacePtr &space, const Checker &checker, OmplSpaces spaces = OmplSpaces::known)
       : space_(space) {
+    detail::reject_wrapper(*space);
     space->computeLocations();
     const std::vector<std::string> names = checker.joint_names();
     detail::reject_floating(names);
@@ -204,8 +216,8 @@ class OmplJoints {
     const bool is_circular = type == ::ompl::base::STATE_SPACE_SO2;
     if (is_circular && !is_continuous) {
       throw Error(CLEARANCE_STATUS_REJECTED, "joint '" + name +
-                                                 "' is not continuous, but in an SO2StateSpace, which would turn it through its limits: "
-                                                 "use a dimension of a RealVectorStateSpace");
+                                                 "' is in an SO2StateSpace, but a whole turn of it is another state: it is not continuous, "
+                                                 "or other joints mimic it: use a dimension of a RealVectorStateSpace");
     }
     values_.push_back({found->second, is_circular});
   }
@@ -524,7 +536,8 @@ inline ::ompl::base::StateSpacePtr ompl_state_space(const Checker &checker) {
 
 // The motion along a path, without times: for certify, and for the expectation of a verification.
 //
-// Throws Error for states out of the bounds of the space.
+// Throws Error for states out of the bounds of the space, and for paths of CForest: append their states to a path of your own
+// SpaceInformation.
 inline Trajectory trajectory_of(const ::ompl::geometric::PathGeometric &path, const Checker &checker,
                                 OmplSpaces spaces = OmplSpaces::known) {
   const OmplJoints joints(path.getSpaceInformation()->getStateSpace(), checker, spaces);

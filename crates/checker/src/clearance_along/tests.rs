@@ -193,6 +193,69 @@ fn a_stopped_search_has_wider_bounds_and_a_reason() {
     }
 }
 
+/// A ball slides along x past another ball, 0.02 m from it: with a limit, nothing may be known of distances beyond it.
+#[test]
+fn a_limit_ends_the_search_with_a_proof() {
+    let urdf = "<robot name='slider'><link name='base'/>
+        <link name='arm'><collision><geometry><sphere radius='0.1'/></geometry></collision></link>
+        <joint name='slide' type='prismatic'><parent link='base'/><child link='arm'/><axis xyz='1 0 0'/>
+          <limit lower='-1' upper='1' effort='1' velocity='1'/></joint></robot>";
+    let robot = Arc::new(RobotModel::from_urdf(urdf, &MeshFiles::default()).unwrap());
+    for x in [0.0, 0.13, 0.37] {
+        let ball = Shape::Primitive(Primitive::sphere(0.1).unwrap());
+        let mut world = World::default();
+        world.add(Obstacle::of_shape("ball", Pose::translation(x, 0.22, 0.0), ball)).unwrap();
+        let checker = CollisionChecker::new(Arc::clone(&robot), &world, Settings::default()).unwrap();
+        let [from, to] = [-0.8, 0.9].map(|slide| robot.configuration(&[slide]).unwrap());
+        let motion = MotionSegment::straight(&robot, &from, &to);
+        for limit in [0.001, 0.01, 0.019, 0.05, 1.0] {
+            let options = MotionClearanceOptions { limit, ..MotionClearanceOptions::default() };
+            let found = checker.clearance_along(&motion, &options, &mut checker.workspace());
+            assert!(found.unfinished.is_none() && found.is_free(), "{x} {limit}: {found:?}");
+            assert!(
+                found.lower() >= limit.min(0.019) && found.lower() <= 0.02 + ROUNDING,
+                "{x} {limit}: {found:?}"
+            );
+        }
+    }
+}
+
+/// The base stands above a table; only a far cart moves. The search for this pair has no motion that it could divide.
+#[test]
+fn a_pair_of_standing_bodies_is_measured_among_moving_obstacles() {
+    let urdf = "<robot name='arm'><link name='base'><collision><geometry><box size='1 1 0.01'/></geometry></collision></link>
+        <link name='tool'><collision><geometry><box size='0.1 0.1 0.1'/></geometry></collision></link>
+        <joint name='turn' type='revolute'><parent link='base'/><child link='tool'/><origin xyz='0 0 0.5'/><axis xyz='0 0 1'/>
+          <limit lower='-1' upper='1' effort='1' velocity='1'/></joint></robot>";
+    let robot = Arc::new(RobotModel::from_urdf(urdf, &MeshFiles::default()).unwrap());
+    for gap in [0.001, 0.049, 0.2] {
+        let solid = |size| Shape::Primitive(Primitive::cuboid(size).unwrap());
+        let mut world = World::default();
+        let table = Pose::translation(0.0, 0.0, -0.01 - gap);
+        world.add(Obstacle::of_shape("table", table, solid([1.0, 1.0, 0.01]))).unwrap();
+        world.add(Obstacle::of_shape("cart", Pose::translation(30.0, 0.0, 0.0), solid([0.1; 3]))).unwrap();
+        let checker = CollisionChecker::new(Arc::clone(&robot), &world, Settings::default()).unwrap();
+        let [from, to] = [0.0, 0.5].map(|turn| robot.configuration(&[turn]).unwrap());
+        let mover = MovingObstacle {
+            name: "cart".to_owned(),
+            centre: [30.0, 0.0, 0.0],
+            linear: [0.1, 0.0, 0.0],
+            angular: [0.0; 3],
+            start: None,
+        };
+        let motion = MotionSegment::straight(&robot, &from, &to);
+        let motion = motion.with_obstacles(checker.world(), vec![mover]).unwrap();
+        let options = MotionClearanceOptions::default();
+        let found = checker.clearance_along(&motion, &options, &mut checker.workspace());
+        assert!(found.unfinished.is_none(), "{gap}: {found:?}");
+        let LeastClearance { lower, upper, .. } = found.nearest_world.unwrap();
+        assert!(
+            lower >= gap - allowed(&options, gap).min(0.5 * gap) - ROUNDING && upper <= gap + ROUNDING,
+            "{gap}: {found:?}"
+        );
+    }
+}
+
 /// 160,000 turns: their parts would take gigabytes before the budget ends.
 #[test]
 fn a_search_with_many_waiting_intervals_is_stopped() {

@@ -117,3 +117,6 @@ fn with_moving_obstacles(
     let time = [obstacle_latency, obstacle_latency + horizon];
     Ok(segment.with_uncertainty(ObstacleUncertainty::new(Arc::clone(limits), time)?))
 }
+
+#[cfg(test)]
+mod tests;

@@ -52,9 +52,10 @@ impl Default for MotionClearanceOptions {
 
 impl MotionClearanceOptions {
     /// Allowed difference (m) of the bounds, for this upper bound. Small distances get a smaller tolerance, so that
-    /// contact is found or excluded down to [`CONTACT_RESOLUTION`].
+    /// contact is found or excluded down to [`CONTACT_RESOLUTION`]. While no distance is known, nothing is relative to it.
     pub(super) fn tolerance(&self, upper: f64) -> f64 {
-        let given = self.absolute_tolerance.greater(self.relative_tolerance * upper).greater(LEAST_TOLERANCE);
+        let relative = if upper.is_finite() { self.relative_tolerance * upper } else { 0.0 };
+        let given = self.absolute_tolerance.greater(relative).greater(LEAST_TOLERANCE);
         given.lesser((SHARE_OF_SMALL_DISTANCE * upper).greater(CONTACT_RESOLUTION))
     }
 

@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use super::cycles::Cycle;
 use super::inside_work::InsideWork;
 use super::patches::{OrientedFace, PatchMultiple, Patches};
-use super::weld::WeldedFaces;
+use super::welded_faces::WeldedFaces;
 use super::winding_tree::{WindingNumber, WindingTree, half_solid_angle};
 use crate::math::Point;
 

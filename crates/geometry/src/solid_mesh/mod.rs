@@ -19,7 +19,7 @@ mod moments;
 mod patches;
 mod region_octree;
 mod remarks;
-mod weld;
+mod welded_faces;
 mod winding_tree;
 
 use std::sync::{Arc, OnceLock};
@@ -34,7 +34,7 @@ use patches::Patches;
 use region_octree::{Region, RegionOctree};
 pub use remarks::SolidRemarks;
 use remarks::wound_inward;
-use weld::WeldedFaces;
+use welded_faces::WeldedFaces;
 
 /// The closed surfaces of a mesh.
 #[derive(Clone, Debug)]

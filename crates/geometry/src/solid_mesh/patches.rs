@@ -1,6 +1,6 @@
 //! Patches: sets of faces connected by edges of exactly two faces, with consistent winding.
 
-use super::weld::WeldedFaces;
+use super::welded_faces::WeldedFaces;
 
 /// A face of a patch.
 #[derive(Clone, Copy)]

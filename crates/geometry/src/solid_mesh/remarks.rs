@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::cycles::Cycle;
 use super::patches::{OrientedFace, PatchMultiple, Patches};
-use super::weld::WeldedFaces;
+use super::welded_faces::WeldedFaces;
 
 /// Repairs and open parts of a mesh, displayed as one line.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

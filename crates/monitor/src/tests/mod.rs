@@ -2,14 +2,13 @@
 
 #![expect(clippy::float_cmp, reason = "0 and infinity are said exactly")]
 
+mod attached_objects;
 mod between_states;
 mod check_budget;
-mod contact;
 mod contact_history;
 mod contacts;
-mod held;
+mod free_status_property;
 mod incomplete;
-mod laws;
 mod mimic_joints;
 mod models;
 mod publishers;
@@ -18,6 +17,7 @@ mod root_location;
 mod self_and_world;
 mod separation;
 mod speed;
+mod time_to_contact;
 mod tracked_obstacles;
 mod transform_joints;
 mod unpositioned;

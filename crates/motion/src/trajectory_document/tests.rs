@@ -1,6 +1,6 @@
 //! Tests of reading trajectory files: every ROS message type, start states, and rejected texts.
 
-use clearance_robot::{MeshFiles, RobotModel};
+use clearance_robot::{MeshFiles, RobotModel, RobotText};
 
 use crate::{ContinuousDirection, Trajectory};
 
@@ -215,6 +215,20 @@ fn a_first_point_that_comes_later_is_remarked() {
 }
 
 #[test]
+fn a_trajectory_of_another_robot_is_read_with_a_remark() {
+    let robot = robot();
+    let remarks = |model: &str| {
+        let text = displayed("{}") + &format!("model_id: {model}\n");
+        let rest = robot.default_configuration();
+        let read = Trajectory::from_yaml_with_direction(&robot, &text, &rest, ContinuousDirection::AsGiven);
+        read.unwrap_or_else(|e| panic!("{e}")).1
+    };
+    assert_eq!(remarks("r"), [""; 0]);
+    assert_eq!(remarks("''"), [""; 0]);
+    assert_eq!(remarks("panda"), ["model_id: the trajectory is of 'panda', the robot is 'r'"]);
+}
+
+#[test]
 fn a_start_of_joints_that_the_robot_does_not_have_is_rejected() {
     let robot = robot();
     let start = "{}, multi_dof_joint_state: {joint_names: [odom], transforms: [{translation: {x: 1.0}}]}";
@@ -243,8 +257,16 @@ fn what_is_no_single_joint_trajectory_is_rejected_in_one_line() {
         (format!("{}{of_robot}", points("1")), &["exclude"]),
         (points("{sec: 1, nsecs: 0}"), &["seconds", "nsecs"]),
         (points("soon"), &["seconds"]),
-        (points("-1.0"), &["time_from_start -1"]),
-        (points(".nan"), &["non-finite", "line 13"]),
+        (points("-1.0"), &["point 1: time_from_start -1 s is negative"]),
+        (
+            points("0.0").replacen(
+                "time_from_start: {sec: 0, nanosec: 0}",
+                "time_from_start: {sec: -1, nanosec: 0}",
+                1,
+            ),
+            &["point 0: time_from_start -1 s is negative"],
+        ),
+        (points(".nan"), &["point 1", "time_from_start NaN"]),
         (
             format!("trajectory:\n{one}trajectory_start: {{joint_state: {{name: [x], position: [0]}}}}\n"),
             &["trajectory_start", "'x'"],
@@ -283,6 +305,61 @@ fn what_is_no_single_joint_trajectory_is_rejected_in_one_line() {
         }
         assert!(!message.contains('\n'), "{message}");
     }
+}
+
+#[test]
+fn a_motion_of_a_virtual_joint_is_rejected_by_name() {
+    let urdf = "<robot name='r'><link name='a'/><link name='b'/>
+        <joint name='j' type='continuous'><parent link='a'/><child link='b'/></joint></robot>";
+    let srdf = "<robot name='r'><virtual_joint name='odom' type='planar' parent_frame='map' child_link='a'/></robot>";
+    let text = RobotText { urdf, srdf: Some(srdf), ..RobotText::default() };
+    let robot = RobotModel::from_text(&text, &MeshFiles::default()).unwrap();
+    let moved = |joint: &str| {
+        let of_robot = format!("joint_trajectory:\n{}", indented(&points("2.5"), "  "));
+        let text =
+            format!("{of_robot}multi_dof_joint_trajectory: {{joint_names: [{joint}], points: [{{}}]}}\n");
+        let read = Trajectory::from_yaml(&robot, &text, &robot.default_configuration());
+        read.unwrap_err().to_string()
+    };
+    let message = moved("odom");
+    assert!(message.contains("virtual joint 'odom' can not be moved here") && !message.contains("JOINT/x"));
+    assert!(moved("drive").contains("JOINT/x"));
+}
+
+#[test]
+fn numbers_that_are_not_finite_are_errors_only_where_they_are_used() {
+    let text = |first: &str, second: &str| {
+        format!(
+            "joint_names: [j]\npoints:\n- {{positions: [0.0]{first}}}\n- {{positions: [1.0]{second}, time_from_start: 2.5}}\n"
+        )
+    };
+    let straight = read(&text("", "")).unwrap();
+    for (first, second) in [
+        (", effort: [.nan]", ", effort: [.inf, -.inf]"),
+        (", velocities: [.nan]", ""),
+        ("", ", velocities: [.nan], accelerations: [.nan]"),
+        (", accelerations: [.nan]", ", accelerations: [.nan]"),
+    ] {
+        assert_eq!(read(&text(first, second)).as_ref(), Ok(&straight), "{first} {second}");
+    }
+    let bent = read(&text(", velocities: [1]", ", velocities: [0]")).unwrap();
+    let unused = text(", velocities: [1], accelerations: [.nan]", ", velocities: [0]");
+    assert_eq!(read(&unused).as_ref(), Ok(&bent));
+    for (first, second, words) in [
+        (", velocities: [.nan]", ", velocities: [0]", "point 0: its velocities of joint 'j'"),
+        (", velocities: [0]", ", velocities: [.inf]", "point 1: its velocities of joint 'j'"),
+        (
+            ", velocities: [0], accelerations: [0]",
+            ", velocities: [0], accelerations: [.nan]",
+            "point 1: its accelerations of joint 'j'",
+        ),
+        (", velocities: [.nan, .nan]", "", "point 0: 2 velocities for 1 joints"),
+    ] {
+        let message = read(&text(first, second)).unwrap_err();
+        assert!(message.contains(words), "{message}");
+    }
+    let message = read(&text("", "").replace("[1.0]", "[.nan]")).unwrap_err();
+    assert!(message.contains("point 1: its positions of joint 'j' is not finite"), "{message}");
 }
 
 /// A start is no proof about where the robot does not start.

@@ -5,7 +5,7 @@ use clearance_geometry::constants::FIT_SLACK;
 use clearance_geometry::math::{Extremes, MatrixPose, Point};
 
 use super::cube_set::CubeSet;
-use super::solid::Solid;
+use super::solid_leaf::Solid;
 use crate::bounding_volume::BoundingVolume;
 
 /// All points of a body lie within `radius` (m) of `centre`, in its frame.

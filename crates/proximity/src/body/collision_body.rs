@@ -10,7 +10,7 @@ use super::bounding_sphere::BoundingSphere;
 use super::cube_set::CubeSet;
 use super::interior::Interior;
 use super::piece::{Piece, PieceVolume, cube_pieces, solid_pieces, surface_pieces};
-use super::solid::{Solid, SolidLeaf, set_volumes_of_solids};
+use super::solid_leaf::{Solid, SolidLeaf, set_volumes_of_solids};
 use super::surface::Surface;
 use crate::bounding_volume::{BoundingVolume, Obb};
 use crate::bvh::Tree;

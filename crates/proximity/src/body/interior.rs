@@ -5,7 +5,7 @@ use std::sync::Arc;
 use clearance_geometry::math::{MatrixPose, Point, Pose};
 use clearance_geometry::{InsideGrid, InsideTest, InsideWork, Primitive, Shape, TriangleMesh};
 
-use super::solid::{Solid, SolidLeaf};
+use super::solid_leaf::{Solid, SolidLeaf};
 use crate::bounding_volume::BoundingVolume;
 use crate::bvh::Tree;
 

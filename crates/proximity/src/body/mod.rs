@@ -7,7 +7,7 @@ mod collision_body;
 mod cube_set;
 mod interior;
 mod piece;
-mod solid;
+mod solid_leaf;
 mod surface;
 mod surface_samples;
 
@@ -19,5 +19,5 @@ pub use piece::{Piece, PieceVolume};
 
 pub(crate) use cube_set::CubeSet;
 pub(crate) use interior::{Interior, MeshTest};
-pub(crate) use solid::{Hull, SolidLeaf};
+pub(crate) use solid_leaf::{Hull, SolidLeaf};
 pub(crate) use surface::Surface;

@@ -6,7 +6,7 @@ use clearance_geometry::constants::VOLUME_SLACK;
 use clearance_geometry::math::{MatrixPose, Point, RotationMatrix, Vector};
 
 use super::cube_set::CubeSet;
-use super::solid::SolidLeaf;
+use super::solid_leaf::SolidLeaf;
 use super::surface::Surface;
 use crate::bounding_volume::Obb;
 use crate::bvh::{NodeRef, Tree};

@@ -4,7 +4,7 @@
 use clearance_geometry::math::{Extremes, Point};
 use clearance_geometry::simd::{LANES, Simd, Vectors};
 
-use super::solid::SolidLeaf;
+use super::solid_leaf::SolidLeaf;
 use crate::bounding_volume::{Axes, Relative};
 
 /// Maximum number of samples.
@@ -90,7 +90,7 @@ fn in_eights(anchor: &Point, points: &[Point]) -> Vec<[[f32; LANES]; 3]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::body::solid::Solid;
+    use crate::body::solid_leaf::Solid;
     use crate::body::surface::Surface;
     use crate::bounding_volume::Obb;
     use crate::bvh::Tree;

@@ -8,16 +8,18 @@
 //! | `surface_solid` | a surface and solid primitives |
 //! | `plane_contacts` | a plane: corners behind it |
 //! | `cube_contacts` | points and voxels |
-//! | `meeting` | patches: connected parts of a contact, each with a normal |
+//! | `element_meeting` | where an element of one body meets one of the other |
+//! | `contact_patches` | patches: connected parts of a contact, each with a normal |
 //! | `touching_elements` | enumeration of what touches, with bounded work |
 //! | `surface_chords` | the parts of a line inside closed surfaces |
 //! | `candidate` | choice of contacts that are far from each other |
 
 mod candidate;
 mod chord;
+mod contact_patches;
 mod cube_contacts;
+mod element_meeting;
 mod manifold;
-mod meeting;
 mod plane_contacts;
 mod polygon;
 mod support_face;

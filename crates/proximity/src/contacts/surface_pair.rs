@@ -6,7 +6,8 @@ use clearance_geometry::{PointPair, Triangle};
 
 use super::candidate::{Candidate, Local, next_patch};
 use super::chord::Line;
-use super::meeting::{Common, CornerNames, Meeting, MeetingPoint, Patches, extent};
+use super::contact_patches::Patches;
+use super::element_meeting::{Common, CornerNames, Meeting, MeetingPoint, extent};
 use super::surface_chords::chord_at;
 use super::touching_elements::for_touching;
 use crate::body::Surface;

@@ -6,8 +6,9 @@ use clearance_geometry::{PointPair, Triangle};
 
 use super::candidate::{Candidate, Local, next_patch};
 use super::chord::{Chord, Line};
+use super::contact_patches::Patches;
+use super::element_meeting::{Common, CornerNames, Meeting, MeetingPoint};
 use super::manifold::{AcrossNormal, ConvexContact, ConvexShape, Manifold, PlacedSolid};
-use super::meeting::{Common, CornerNames, Meeting, MeetingPoint, Patches};
 use super::polygon;
 use super::surface_chords::chord_at;
 use super::surface_pair::PlacedSurface;

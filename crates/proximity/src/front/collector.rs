@@ -3,7 +3,7 @@
 use clearance_geometry::math::{Extremes, MatrixPose, Vector};
 use clearance_geometry::simd::{LANES, Simd, not_beyond};
 
-use super::limits::FrontLimits;
+use super::front_limits::FrontLimits;
 use super::listed_pair::{ListedPair, MOST};
 use crate::body::{BodyPair, SolidLeaf, Surface};
 use crate::bounding_volume::{Obb, Relative};

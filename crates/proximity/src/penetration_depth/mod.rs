@@ -185,15 +185,15 @@ fn depth_of_unions(
             depth.lower -= a.excess() + b.excess();
             depth
         }),
-        ([Part::Plane(plane)], _) => plane::depth_in_plane(plane, b, pose_ab),
+        ([Part::Plane(plane)], _) => plane::depth_in_plane(plane, b, pose_ab, margin),
         (_, [Part::Plane(plane)]) => {
-            plane::depth_in_plane(plane, a, &pose_ab.inverse()).map(|depth| depth.swapped(pose_ab))
+            plane::depth_in_plane(plane, a, &pose_ab.inverse(), margin).map(|depth| depth.swapped(pose_ab))
         }
         _ => None,
     };
     let exact = exact.map(|depth| PenetrationDepth {
         lower: (depth.lower + margin).greater(0.0),
-        upper: depth.upper + margin,
+        upper: (depth.upper + margin).greater(0.0),
         direction: depth.direction,
         witness_points: depth.witness_points,
         unknown: (a.is_open || b.is_open).then_some(UnknownDepth::OpenMesh),
@@ -296,7 +296,8 @@ fn of_exact_parts([a, b]: [&Union; 2], pose_ab: &MatrixPose) -> f64 {
     for (planes, other, pose) in [(a, b, pose_ab), (b, a, pose_ba)] {
         for part in &planes.parts {
             let Part::Plane(plane) = part else { continue };
-            lower = lower.greater(plane::depth_in_plane(plane, other, pose).map_or(0.0, |depth| depth.lower));
+            let depth = plane::depth_in_plane(plane, other, pose, 0.0);
+            lower = lower.greater(depth.map_or(0.0, |depth| depth.lower));
         }
     }
     lower

@@ -47,6 +47,8 @@ pub(crate) struct Union {
     /// The meshes, in the order of the triangles' vertices.
     meshes: Vec<Arc<TriangleMesh>>,
     winding: OnceLock<Winding>,
+    /// Vertices of the connected parts of each part that is a mesh, in the frame of the body.
+    mesh_parts: OnceLock<Vec<Vec<Point>>>,
     /// Whether a part of a mesh is not closed.
     pub is_open: bool,
 }
@@ -188,6 +190,7 @@ impl Union {
             balls: OnceLock::new(),
             meshes: shapes().filter_map(mesh_of).collect(),
             winding: OnceLock::new(),
+            mesh_parts: OnceLock::new(),
             is_open: meshes().any(|(_, shape)| is_open(shape)),
             parts,
         })
@@ -196,6 +199,18 @@ impl Union {
     /// Which side of the triangles is outside; found at the first use.
     pub fn winding(&self) -> &Winding {
         self.winding.get_or_init(|| Winding::new(self.meshes.iter().map(Arc::as_ref)))
+    }
+
+    /// Vertices of each connected part of the meshes that are not convex solids, in the frame of the body; found at the first use.
+    pub fn mesh_parts(&self) -> &[Vec<Point>] {
+        let vertices = |part: &Part| match part {
+            Part::Mesh { mesh, pose } => {
+                let placed = |vertices: Vec<Point>| vertices.iter().map(|p| pose * p).collect();
+                mesh.part_vertices().into_iter().map(placed).collect()
+            }
+            Part::Convex(_) | Part::Plane(_) => Vec::new(),
+        };
+        self.mesh_parts.get_or_init(|| self.parts.iter().flat_map(vertices).collect())
     }
 
     /// The only part, if it is a convex solid.

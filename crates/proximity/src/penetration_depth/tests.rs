@@ -408,6 +408,38 @@ fn two_clouds_that_touch_have_no_depth_and_the_result_says_so() {
     assert_eq!(penetration_depth(&a.solid, &b.solid, &apart, 0.0, &mut scratch), None);
 }
 
+/// Two balls, and one mesh of two boxes, with a gap from -0.4 to 0.4 m along x: the plane may leave into it, if it has room there.
+#[test]
+fn a_plane_may_leave_a_body_into_a_gap() {
+    let mut scratch = Scratch::default();
+    let ends = [-0.5, 0.5].map(|x| Pose::translation(x, 0.0, 0.0));
+    let balls = ends.map(|at| (at, Shape::Primitive(Primitive::Sphere { radius: 0.1 })));
+    let Shape::Mesh(cube) = cuboid_mesh([0.1; 3]) else { unreachable!() };
+    let vertices = ends.iter().flat_map(|at| cube.vertices().iter().map(move |p| at * p)).collect();
+    let second = cube.triangles().iter().map(|face| face.map(|v| v + 8));
+    let two_cubes = mesh(vertices, cube.triangles().iter().copied().chain(second).collect());
+    let bodies = [Body::new(balls.to_vec()), Body::of(two_cubes)];
+    for body in &bodies {
+        for (offset, margin, depth) in [
+            (0.42, 0.0, 0.02),
+            (0.48, 0.0, 0.08),
+            (0.55, 0.0, 0.05),
+            (-0.42, 0.0, 0.02),
+            (0.395, 0.01, 0.005),
+            // padded by 0.4 m, there is no gap
+            (0.42, 0.4, 0.58),
+        ] {
+            let plane = Body::of(Shape::Plane(Plane { normal: Vector::x_axis(), offset }));
+            let found = penetration_depth(&plane.solid, &body.solid, &Pose::identity(), margin, &mut scratch);
+            let found = found.unwrap();
+            assert!(
+                (found.lower - depth).abs() < 1e-8 && (found.upper - depth).abs() < 1e-8,
+                "{offset}: {found:?}"
+            );
+        }
+    }
+}
+
 /// A link with a plane has at least the depth of the plane.
 #[test]
 fn a_plane_among_other_shapes_counts() {

@@ -6,7 +6,7 @@ use clearance_geometry::math::{Extremes, MatrixPose};
 
 use super::best_so_far::BestSoFar;
 use super::contained_point::{DeadlinePassed, contained_point};
-use super::cube_search::CubeSearch;
+use super::cube_search_state::CubeSearch;
 use super::goal::Goal;
 use super::nearest_cubes_cubes::CubesCubesVisitor;
 use super::nearest_plane_body::nearest_to_planes;

@@ -6,7 +6,7 @@
 mod best_so_far;
 mod body_search;
 mod contained_point;
-mod cube_search;
+mod cube_search_state;
 mod effort;
 mod goal;
 mod nearest_cubes_cubes;

@@ -3,7 +3,7 @@
 use clearance_geometry::Cube;
 use clearance_geometry::simd::{LANES, Simd, not_beyond};
 
-use super::cube_search::CubeSearch;
+use super::cube_search_state::CubeSearch;
 use crate::body::CubeSet;
 use crate::bounding_volume::BoundingVolume;
 use crate::bvh::{CubeLeaf, Visitor};

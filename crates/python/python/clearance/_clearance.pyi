@@ -28,7 +28,7 @@ from ._results import (
 
 _Path = Union[str, os.PathLike[str]]
 _Pose = Union[ArrayLike, tuple[ArrayLike, ArrayLike]]
-_Pairs = Sequence[tuple[str, str]]
+_Pairs = Sequence[Union[tuple[str, str], list[str]]]
 _Floats = NDArray[np.float64]
 
 class _Settings(TypedDict, total=False):
@@ -79,7 +79,7 @@ class Robot:
         srdf: _Path | None = None,
         package_paths: Sequence[_Path] = ...,
         *,
-        xacro_args: Mapping[str, str] | None = None,
+        xacro_args: dict[str, str] | None = None,
     ) -> Robot: ...
     @property
     def name(self) -> str: ...
@@ -146,7 +146,7 @@ class CollisionMatrix:
     def pairs(self) -> tuple[LinkPair, ...]: ...
     @property
     def joint_names(self) -> list[str]: ...
-    def srdf(self, allow: Sequence[tuple[str, str]] = ..., allow_adjacent: bool = False) -> str: ...
+    def srdf(self, allow: _Pairs = ..., allow_adjacent: bool = False) -> str: ...
     def certificate(self) -> str: ...
 
 @final
@@ -240,7 +240,7 @@ class Checker:
         world: World | None = None,
         *,
         group: str | None = None,
-        fixed: Mapping[str, float] = {},
+        fixed: Mapping[str, float] | None = None,
         **settings: Unpack[_Settings],
     ) -> Checker: ...
     @property

@@ -321,7 +321,7 @@ class LinkPair:
     nearest: Optional[Floats]
     """State of ``least_distance``, for ``undecided``."""
     least_distance: Optional[float]
-    """Smallest distance (m) found, for ``never`` and ``undecided``, where one was measured."""
+    """Smallest distance (m, paddings subtracted) found, for ``never`` and ``undecided``, where one was measured."""
     contact_share: float
     """Share of the random states in which the links collide."""
     depth: Optional[float]

@@ -12,15 +12,18 @@ const URDF: &str = "<robot name='r'><link name='a'/><link name='b'/><link name='
       <limit lower='0' upper='1' effort='1' velocity='1'/><mimic joint='arm' multiplier='1000'/></joint></robot>";
 
 const SRDF: &str = "<robot name='r'>
+    <virtual_joint name='odom' type='planar' parent_frame='map' child_link='a'/>
     <group name='tip'><chain base_link='c' tip_link='e'/></group>
     <group name='hand'><joint name='finger'/></group>
-    <group name='all'><group name='tip'/><joint name='base'/><joint name='arm'/></group>
+    <group name='all'><group name='tip'/><joint name='base'/><joint name='arm'/><joint name='odom'/></group>
     <group_state name='ready' group='tip'><joint name='wheel' value='3'/><joint name='finger' value='500'/></group_state>
     <group_state name='home' group='tip'><joint name='wheel' value='1'/></group_state>
     <group_state name='home' group='all'><joint name='wheel' value='2'/></group_state>
     <group_state name='bad' group='tip'><joint name='wheel' value='one'/></group_state>
     <group_state name='torn' group='all'><joint name='arm' value='1'/><joint name='finger' value='2'/></group_state>
     <group_state name='placed' group='all'><joint name='base' value='1 2 3 0 0 0 1'/></group_state>
+    <group_state name='away' group='all'><joint name='odom' value='1 0 0'/><joint name='wheel' value='1'/></group_state>
+    <group_state name='docked' group='all'><joint name='odom' value='0 0 0'/><joint name='wheel' value='1'/></group_state>
     <group name='all/over'><joint name='wheel'/></group>
     <group_state name='there' group='all/over'><joint name='wheel' value='1'/></group_state>
     <group_state name='over/there' group='all'><joint name='wheel' value='2'/></group_state></robot>";
@@ -95,11 +98,14 @@ fn group_states_are_configurations() {
     let over = robot.group_state_over(&ready, "all/home").unwrap();
     assert_eq!(over, robot.configuration_from_names([("wheel", 2.0), ("arm", 0.5)]).unwrap());
     assert_eq!(robot.group_state("placed").unwrap().positions()[..3], [1.0, 2.0, 3.0]);
+    let docked = robot.configuration_from_names([("wheel", 1.0)]).unwrap();
+    assert_eq!(robot.group_state("docked").unwrap(), docked);
     for (name, message) in [
         ("home", "several group states 'home': give one of 'tip/home' and 'all/home'"),
         ("all/over/there", "several group states 'all/over/there': rename all but one"),
         ("rest", "no group state 'rest'; its SRDF has 'tip/ready', 'tip/home'"),
         ("bad", "group state 'bad' of the SRDF: joint 'wheel': value"),
+        ("away", "group state 'away' of the SRDF: virtual joint 'odom' is not at zero"),
         ("torn", "group state 'torn' of the SRDF: joint 'finger' is given position 2"),
     ] {
         let error = robot.group_state(name).unwrap_err().to_string();

@@ -1,7 +1,7 @@
 //! Reader of glTF 2.0, as text (`.gltf`) and binary (`.glb`): the triangles in the scene, in metres.
 //!
 //! Only positions, faces and the transforms of nodes are read. Skins and morph targets are not applied: such a mesh is used with its
-//! stored positions (for a skin, the bind pose), with a remark. Axes are used as in the file, although +Y is up in glTF: `MoveIt` does so
+//! stored positions, placed by its node, with a remark. Axes are used as in the file, although +Y is up in glTF: `MoveIt` does so
 //! (`geometric_shapes`), and RViz up to Kilted; newer versions turn +Y to +Z (ros2/rviz pull request 1482). This also causes a remark.
 //!
 //! The document is read with `serde_json`. The crate `gltf` panics on indices out of range unless it validates; its validation rejects
@@ -215,7 +215,7 @@ impl Surface<'_> {
             let to_file: Matrix4<f64> = to_file * transform(node).map_err(named)?;
             if let Some(mesh) = node.mesh {
                 if node.skin.is_some() {
-                    self.remark_counts.add("skinned meshes are taken in their bind pose", None);
+                    self.remark_counts.add("skinned meshes are taken without their skin, where their node is; glTF viewers place them by their joints", None);
                 }
                 shown.push((mesh, to_file));
             }

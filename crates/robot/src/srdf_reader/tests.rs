@@ -267,7 +267,7 @@ fn values_of_named_states_are_compared_with_limits_and_counted() {
         "<robot name='r'><link name='a'/><link name='b'/><link name='c'/><link name='d'/>
         <joint name='turn' type='revolute'><parent link='a'/><child link='b'/>{limits}</joint>
         <joint name='fly' type='floating'><parent link='a'/><child link='c'/></joint>
-        <joint name='roam' type='planar'><parent link='a'/><child link='d'/></joint></robot>"
+        <joint name='roam' type='planar'><parent link='a'/><child link='d'/><axis xyz='0 0 1'/></joint></robot>"
     );
     let warnings = |values: &str| {
         let joints: Vec<String> = (["turn", "fly", "roam", "world"].iter().zip(values.split(';')))
@@ -285,6 +285,7 @@ fn values_of_named_states_are_compared_with_limits_and_counted() {
         model.warnings().iter().map(ToString::to_string).collect::<Vec<_>>()
     };
     assert!(warnings("2.0005;1 2 3 0 0 0 1;1 2 3;0 0 0 0 0 0 1").is_empty());
+    assert!(warnings(";;;0 0 0 0 0 0 -1").is_empty());
     for (values, words) in [
         ("2.5;;;", "joint 'turn' is at 2.5, outside its limits [-1, 2]"),
         ("90;;;", "is that degrees?"),
@@ -292,6 +293,8 @@ fn values_of_named_states_are_compared_with_limits_and_counted() {
         (";1 2 3 0 0 0 2;;", "quaternion"),
         (";;1 2;", "'roam' has 2 values, but must have 3"),
         (";;;0 0 0", "'world' has 3 values, but must have 7"),
+        (";;;1 0 0 0 0 0 1", "virtual joint 'world' is not at zero"),
+        (";;;0 0 0 0 0 1 0", "virtual joint 'world' is not at zero"),
     ] {
         let warnings = warnings(values);
         assert_eq!(warnings.len(), 1, "{values}: {warnings:?}");

@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use clearance_geometry::constants::AXIS_LENGTH_SLACK;
-use clearance_geometry::math::Vector;
+use clearance_geometry::math::{Extremes, Vector};
 use roxmltree::Node;
 
 use super::{JointNotes, Validator};
@@ -11,6 +11,10 @@ use crate::decimal_numbers::shortened;
 use crate::xml::plain_attribute;
 
 const TYPES: [&str; 6] = ["fixed", "revolute", "continuous", "prismatic", "floating", "planar"];
+
+/// End of a warning about a planar joint that does not move in the plane of x and y.
+const ODD_PLANE: &str = ": a planar joint moves in the plane perpendicular to its axis, as URDF defines; MoveIt ignores the axis and \
+    moves it along x and y. Write axis '0 0 1', and turn <origin> instead";
 
 impl<'d> Validator<'d> {
     pub(super) fn check_joint(&mut self, name: &str, joint: Node<'d, 'd>, links: &HashSet<&str>) {
@@ -23,7 +27,7 @@ impl<'d> Validator<'d> {
             self.writer.element(end, &[("link", link)]);
         }
         if matches!(kind, "revolute" | "continuous" | "prismatic" | "planar") {
-            self.check_axis(joint, &element);
+            self.check_axis(joint, &element, kind);
         }
         let limited = match kind {
             "revolute" | "prismatic" => self.check_limit(joint, &element, kind),
@@ -64,8 +68,11 @@ impl<'d> Validator<'d> {
         link
     }
 
-    fn check_axis(&mut self, joint: Node<'d, 'd>, element: &str) {
+    fn check_axis(&mut self, joint: Node<'d, 'd>, element: &str, kind: &str) {
         let Some(axis) = self.only_child(joint, "axis", element) else {
+            if kind == "planar" {
+                self.warn(joint, element, format!("has no <axis>, which is then '1 0 0'{ODD_PLANE}"));
+            }
             return;
         };
         let xyz = plain_attribute(axis, "xyz").unwrap_or("1 0 0");
@@ -79,6 +86,10 @@ impl<'d> Validator<'d> {
         } else if (length - 1.0).abs() > AXIS_LENGTH_SLACK {
             let message = format!("axis '{}' has length {length}; only its direction counts", shortened(xyz));
             self.warn(axis, element, message);
+        }
+        let is_odd_plane = kind == "planar" && !is_along_z(components);
+        if is_odd_plane {
+            self.warn(axis, element, format!("axis is '{}'{ODD_PLANE}", shortened(xyz)));
         }
         self.writer.element("axis", &[("xyz", xyz)]);
     }
@@ -156,4 +167,9 @@ impl<'d> Validator<'d> {
         self.numbers::<1>(mimic, element, "mimic offset", offset);
         self.writer.element("mimic", &[("joint", leader), ("multiplier", multiplier), ("offset", offset)]);
     }
+}
+
+/// Whether a direction is that of z, up to rounding of the text.
+fn is_along_z([x, y, z]: [f64; 3]) -> bool {
+    z > 0.0 && x.abs().greater(y.abs()) <= 1e-6 * z
 }

@@ -108,6 +108,25 @@ fn misspelt_elements_and_attributes_are_reported_with_what_was_meant() {
 }
 
 #[test]
+fn a_planar_joint_with_another_axis_than_z_is_reported() {
+    let planar = |axis: &str| {
+        format!(
+            "<robot name='r'><link name='a'/><link name='b'/><joint name='drive' type='planar'><parent link='a'/>
+             <child link='b'/>{axis}</joint></robot>"
+        )
+    };
+    for axis in ["", "<axis xyz='1 0 0'/>", "<axis xyz='0 0 -1'/>", "<axis xyz='0.1 0 1'/>"] {
+        let model = accepted(&planar(axis));
+        let told: Vec<String> = model.warnings().iter().map(ToString::to_string).collect();
+        let about_plane = told
+            .iter()
+            .filter(|text| text.contains("joint 'drive'") && text.contains("MoveIt ignores the axis"));
+        assert_eq!(about_plane.count(), 1, "{axis}: {told:?}");
+    }
+    assert!(accepted(&planar("<axis xyz='0 0 1'/>")).warnings().is_empty());
+}
+
+#[test]
 fn misspelt_limits_and_scales_are_reported() {
     let limit = revolute("").replace("lower=", "lowr=");
     warned(&limit, &["'lowr' of <limit>", "did you mean 'lower'"]);

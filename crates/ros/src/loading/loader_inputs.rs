@@ -6,7 +6,7 @@ use std::sync::{Arc, PoisonError};
 use clearance_robot::MeshLog;
 
 use crate::monitor_events::current_evaluation::CurrentEvaluation;
-use crate::recording::recorder_handle::{OriginalMessage, RecordedCloud, RecordedEvent};
+use crate::recording::recorded_event::{OriginalMessage, RecordedCloud, RecordedEvent};
 use crate::recording::step::RecordedCommand;
 use crate::scene::cloud_inbox::CloudMessage;
 use crate::scene::loader_command::LoaderCommand;

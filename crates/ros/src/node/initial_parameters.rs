@@ -15,6 +15,9 @@ pub fn initial_parameters(arguments: &RosArguments) -> Result<Parameters, NodeEr
         log::warn!("{ignored} has no effect here");
     }
     let names = Names::new(NODE_NAME, &arguments.remaps)?;
+    for rule in names.other_remaps() {
+        log::warn!("-r {rule} has no effect here: this node is '{}'", names.node());
+    }
     let (parameters, passed_over) =
         parameter_files::initial(Parameters::default(), &arguments.parameters, &names)
             .map_err(|error| NodeError::Input(error.to_string()))?;

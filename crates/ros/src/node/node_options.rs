@@ -9,7 +9,7 @@ use crate::loading::loader::Surroundings;
 use crate::monitor_events::current_evaluation::Observer;
 use crate::node::startup::Startup;
 use crate::parameters::parameter_set::Parameters;
-use crate::recording::recorder_handle::CommandLineInputs;
+use crate::recording::recorded_event::CommandLineInputs;
 use crate::topics::demo_motion::Motion;
 
 /// Input of a node, determined before it starts.

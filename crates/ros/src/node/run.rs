@@ -31,8 +31,9 @@ use crate::node::termination::hand_signals_to;
 use crate::node_error::NodeError;
 use crate::parameters::parameter_set::Parameters;
 use crate::parameters::parameter_store::ParameterStore;
+use crate::recording::recorded_event::CommandLineInputs;
 use crate::recording::recorder::{RecordedNode, Recorder};
-use crate::recording::recorder_handle::{CommandLineInputs, RecorderHandle};
+use crate::recording::recorder_handle::RecorderHandle;
 use crate::scene::loader_command::LoaderCommand;
 use crate::scene::scene_command_sender::SceneCommandSender;
 use crate::scene::scene_update_context::SceneUpdateContext;
@@ -151,17 +152,20 @@ pub fn run(options: NodeOptions) -> Result<(), NodeError> {
     options.on_start.into_iter().for_each(|on_start| on_start());
     log::info!("{node} listens to {joint_states} in domain {domain}");
     drop(options.startup);
-    run_parts(parts, &end, recorder)?;
-    leave(middleware, &out_of_memory, &node)
+    let fault = run_parts(parts, &end, recorder)?;
+    leave(middleware, &out_of_memory, &node)?;
+    fault.map_or(Ok(()), |fault| Err(NodeError::IncompleteRecording(fault)))
 }
 
-/// Runs all parts until they have ended, and completes the recording.
-fn run_parts(parts: Vec<Part>, end: &StopSignal, recorder: Option<Recorder>) -> Result<(), NodeError> {
+/// Runs all parts until they have ended, and completes the recording. Returns why it is incomplete, if it is.
+fn run_parts(
+    parts: Vec<Part>,
+    end: &StopSignal,
+    recorder: Option<Recorder>,
+) -> Result<Option<String>, NodeError> {
     let ended = run_together(parts, end).map_err(NodeError::Internal);
-    if let Some(recorder) = recorder {
-        recorder.finish();
-    }
-    ended
+    let fault = recorder.and_then(|recorder| recorder.finish().err());
+    ended.map(|()| fault)
 }
 
 /// Announces the end of the node to its peers.

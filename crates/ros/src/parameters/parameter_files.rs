@@ -172,10 +172,15 @@ mod tests {
     #![expect(clippy::float_cmp, reason = "parameters are carried, not computed")]
 
     use super::*;
-    use crate::names::Remap;
+    use crate::names::{Remap, RemapScope};
 
     fn names(namespace: &str) -> Names {
-        let remap = |from: &str, to: &str| Remap { node: None, from: from.into(), to: to.into() };
+        let remap = |from: &str, to: &str| Remap {
+            node: None,
+            scope: RemapScope::All,
+            from: from.into(),
+            to: to.into(),
+        };
         Names::new("clearance", &[remap("__ns", namespace)]).unwrap()
     }
 

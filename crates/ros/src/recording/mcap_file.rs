@@ -56,6 +56,13 @@ pub struct RawMessage {
     pub data: Vec<u8>,
 }
 
+impl RawMessage {
+    /// Time of the message (s since 1970), as text.
+    pub fn time(&self) -> String {
+        format!("{}.{:09}", self.log_time / 1_000_000_000, self.log_time % 1_000_000_000)
+    }
+}
+
 /// Entry of a recording, in file order.
 #[derive(Debug)]
 pub enum Entry {

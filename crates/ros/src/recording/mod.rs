@@ -11,6 +11,7 @@
 
 pub mod mcap_file; // reader of MCAP files
 pub mod message_schemas; // message schemas that are stored in a recording
+pub mod recorded_event; // types of recorded events
 pub mod recorder; // recorder thread: writes an MCAP file
 pub mod recorder_handle; // handle through which the node records events
 pub mod save; // saves a part of a recording

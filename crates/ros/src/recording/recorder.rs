@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fs::{File, Metadata, OpenOptions};
-use std::io::{self, BufWriter};
+use std::io::{self, BufWriter, Write};
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -23,10 +23,10 @@ use crate::names::Names;
 use crate::parameters::parameter_set::Parameters;
 use crate::parameters::recording_settings::RecordingSettings;
 use crate::recording::message_schemas::schema;
-use crate::recording::recorder_handle::{
-    Backlog, CommandLineInputs, Item, OriginalMessage, RecordedCloud, RecordedEvaluation, RecordedEvent,
-    RecorderHandle, system_time,
+use crate::recording::recorded_event::{
+    CommandLineInputs, OriginalMessage, RecordedCloud, RecordedEvaluation, RecordedEvent,
 };
+use crate::recording::recorder_handle::{Backlog, Item, RecorderHandle, system_time};
 use crate::recording::step::{Clocks, CloudStep, RecordStep, RecordedCommand, parameters_to_json};
 use crate::threading::mailbox;
 use crate::threading::mailbox::Receiver;
@@ -56,7 +56,8 @@ pub struct RecordedNode<'n> {
 /// Writes a recording until [`Recorder::finish`] or a limit.
 #[derive(Debug)]
 pub struct Recorder {
-    thread: JoinHandle<()>,
+    /// Returns why the recording is incomplete, if it is.
+    thread: JoinHandle<Result<(), String>>,
     backlog: Arc<Backlog>,
 }
 
@@ -72,7 +73,7 @@ impl Recorder {
         let failed =
             |error: &dyn std::fmt::Display| format!("record_file: {}: {error}", settings.file.display());
         let (file, path) = create(&settings.file).map_err(|error| failed(&error))?;
-        Self::write_to(file, path, settings, node).map_err(|error| failed(&error))
+        Self::write_to(file, path, settings, node).map_err(|error| failed(&with_causes(&*error)))
     }
 
     /// Starts to write to a file that was created.
@@ -89,7 +90,8 @@ impl Recorder {
         let backlog = Arc::new(Backlog::default());
         let recording = RecorderHandle::to(items, Arc::clone(&backlog));
         let ends = Arc::clone(&backlog);
-        let mut writer = Writer { mcap, channels: BTreeMap::new(), topics, written: 0 };
+        let mut writer =
+            Writer { mcap, channels: BTreeMap::new(), topics, written: 0, lost_steps: 0, missing_file: None };
         let started = RecordStep::Started {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             node: names.full_node_name(),
@@ -112,15 +114,19 @@ impl Recorder {
             drop(items_in);
             let why = written.as_deref().unwrap_or("the recording failed").to_owned();
             let ended = writer.step(&RecordStep::Ended { why }, system_time());
-            let finished = ended.and_then(|()| writer.mcap.finish().map(drop).map_err(|e| e.to_string()));
-            match written.and_then(|why| finished.map(|()| why)) {
-                Ok(why) => log::info!("{} is complete: {why}", path.display()),
-                Err(error) => {
-                    let fault = ended_by(&error);
-                    log::error!("{fault}");
-                    backlog.set_fault(Some(fault));
+            let gap = writer.gap();
+            let finished = ended.and_then(|()| complete(writer.mcap));
+            let fault = match (written.and_then(|why| finished.map(|()| why)), limits.removal().or(gap)) {
+                (Ok(why), None) => {
+                    log::info!("{} is complete: {why}", path.display());
+                    return Ok(());
                 }
-            }
+                (Ok(_), Some(gap)) => format!("{} is incomplete: {gap}", path.display()),
+                (Err(error), _) => ended_by(&error),
+            };
+            log::error!("{fault}");
+            backlog.set_fault(Some(fault.clone()));
+            Err(fault)
         };
         let thread = std::thread::Builder::new().name("recorder".to_owned()).spawn(record);
         Ok((recording, Self { thread: thread?, backlog: ends }))
@@ -133,11 +139,16 @@ impl Recorder {
     }
 
     /// Writes the events that were recorded so far, and waits until they are written.
-    pub fn finish(self) {
+    ///
+    /// # Errors
+    /// When the recording is incomplete; the log has the reason, too.
+    pub fn finish(self) -> Result<(), String> {
         self.backlog.ended.store(true, Ordering::Relaxed);
-        if self.thread.join().is_err() {
-            log::error!("the recorder failed inside the program: its file ends before the node did");
-        }
+        self.thread.join().unwrap_or_else(|_| {
+            let fault = "the recorder failed inside the program: its file ends before the node did";
+            log::error!("{fault}");
+            Err(fault.to_owned())
+        })
     }
 }
 
@@ -159,6 +170,12 @@ impl Limits {
         let path = self.path.display();
         (!is_there)
             .then(|| format!("the recording {path} was moved or removed: what is recorded now may be lost"))
+    }
+
+    /// The reason why the content of the file is lost, if the file was removed.
+    fn removal(&self) -> Option<String> {
+        let is_removed = self.measured.metadata().is_ok_and(|metadata| metadata.nlink() == 0);
+        is_removed.then(|| "it was removed".to_owned())
     }
 
     fn reached(&self) -> Option<String> {
@@ -183,14 +200,13 @@ fn follow(
     limits: &Limits,
 ) -> Result<String, String> {
     let mut flushed = Instant::now();
-    let mut missing: u64 = 0;
     loop {
         // events recorded before the end are written: reading the flag before the queue misses none of them
         let ended = backlog.ended.load(Ordering::Relaxed);
         let item = wait_at_most(if ended { Duration::ZERO } else { LONGEST_WAIT }, items.receive());
         let lost = backlog.lost.swap(0, Ordering::Relaxed);
         if lost > 0 {
-            missing += lost;
+            writer.lost_steps += lost;
             log::warn!("the recording misses {lost} steps here: the disk is slower than what happens");
             writer.step(&RecordStep::Lost { steps: lost }, system_time())?;
         }
@@ -204,13 +220,8 @@ fn follow(
         }
         if flushed.elapsed() >= FLUSH_PERIOD {
             flushed = Instant::now();
-            writer.mcap.flush().map_err(|error| error.to_string())?;
-            let gap = || {
-                (missing > 0).then(|| {
-                    format!("the recording misses {missing} steps: the disk is slower than what happens")
-                })
-            };
-            backlog.set_fault(limits.is_gone().or_else(gap));
+            writer.mcap.flush().map_err(|error| with_causes(&error))?;
+            backlog.set_fault(limits.is_gone().or_else(|| writer.gap()));
             if let Some(why) = limits.reached() {
                 return Ok(why);
             }
@@ -249,6 +260,24 @@ pub fn mcap_writer(file: File) -> mcap::McapResult<mcap::Writer<BufWriter<File>>
     options.create(BufWriter::new(file))
 }
 
+/// Completes a file, and writes what is still in memory.
+pub fn complete(mut mcap: mcap::Writer<BufWriter<File>>) -> Result<(), String> {
+    mcap.finish().map_err(|error| with_causes(&error))?;
+    mcap.into_inner().flush().map_err(|error| error.to_string())
+}
+
+/// Text of an error and of its causes: that of the MCAP library does not say that the disk is full.
+pub fn with_causes(error: &(dyn std::error::Error + 'static)) -> String {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(error) = cause {
+        text.push_str(": ");
+        text.push_str(&error.to_string());
+        cause = error.source();
+    }
+    text
+}
+
 /// Names of the topics in the file.
 struct Topics {
     names: Names,
@@ -279,9 +308,21 @@ struct Writer {
     topics: Topics,
     /// Number of messages written.
     written: u32,
+    /// Number of steps that did not fit into the queue.
+    lost_steps: u64,
+    /// The last file that could not be attached, if any, with the reason.
+    missing_file: Option<String>,
 }
 
 impl Writer {
+    /// Why the content is incomplete, if it is.
+    fn gap(&self) -> Option<String> {
+        let lost = self.lost_steps;
+        (lost > 0)
+            .then(|| format!("the recording misses {lost} steps: the disk is slower than what happens"))
+            .or_else(|| self.missing_file.clone())
+    }
+
     fn write(&mut self, what: RecordedEvent, at: u64) -> Result<(), String> {
         let step = match what {
             RecordedEvent::Meshes(meshes) => {
@@ -418,11 +459,11 @@ impl Writer {
 
     fn message<M: Serialize>(&mut self, topic: &str, kind: &str, message: &M, at: u64) -> Result<(), String> {
         let bytes = cdr::encode(message)?;
-        let channel = self.channel(topic, kind).map_err(|error| error.to_string())?;
+        let channel = self.channel(topic, kind).map_err(|error| with_causes(&error))?;
         let header =
             MessageHeader { channel_id: channel, sequence: self.written, log_time: at, publish_time: at };
         self.written = self.written.wrapping_add(1);
-        self.mcap.write_to_known_channel(&header, &bytes).map_err(|error| error.to_string())
+        self.mcap.write_to_known_channel(&header, &bytes).map_err(|error| with_causes(&error))
     }
 
     fn channel(&mut self, topic: &str, kind: &str) -> mcap::McapResult<u16> {
@@ -440,14 +481,16 @@ impl Writer {
         let bytes = match input_files::read(file, MESH_LIMIT) {
             Ok(bytes) => bytes,
             Err(error) => {
-                log::error!("the recording lacks {error}");
+                let fault = format!("the recording lacks {error}");
+                log::error!("{fault}");
+                self.missing_file = Some(fault);
                 return Ok(());
             }
         };
         let (log_time, name) = (system_time(), name.display().to_string());
         let media_type = "application/octet-stream".to_owned();
         let attachment = Attachment { log_time, create_time: log_time, name, media_type, data: bytes.into() };
-        self.mcap.attach(&attachment).map_err(|error| error.to_string())
+        self.mcap.attach(&attachment).map_err(|error| with_causes(&error))
     }
 }
 

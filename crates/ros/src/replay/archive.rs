@@ -23,17 +23,25 @@ pub struct Archive {
 
 impl Archive {
     /// Reads everything but the messages.
+    ///
+    /// # Errors
+    /// When the file cannot be read, or does not hold exactly one run of a node.
     pub fn read(path: &Path) -> Result<Self, ReadError> {
         let mut file = RecordingFile::open(path)?;
         let (mut files, mut uses, mut started) = (HashMap::new(), Vec::new(), None);
         while let Some(entry) = file.next()? {
             match entry {
                 Entry::Attachment { name, data } => drop(files.insert(name, Arc::<[u8]>::from(data))),
-                Entry::RecordStep { step, .. } => match *step {
+                Entry::RecordStep { step, itself, .. } => match *step {
                     RecordStep::Mesh { folder, uri, file } => uses.push(MeshUse { folder, uri, file }),
-                    RecordStep::Started { version, given, .. } if started.is_none() => {
-                        started = Some((version, given));
+                    RecordStep::Started { node, .. } if started.is_some() => {
+                        return Err(file.error(format!(
+                            "holds a second run (of {node}, from {} on): split the file there, and replay each \
+                             part",
+                            itself.time()
+                        )));
                     }
+                    RecordStep::Started { version, given, .. } => started = Some((version, given)),
                     _ => {}
                 },
             }

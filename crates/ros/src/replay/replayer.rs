@@ -51,7 +51,7 @@ pub struct Outcome {
     pub difference: Option<Difference>,
     /// Number of steps that the recorder lost. The replay stops there, since their content is unknown.
     pub lost: Option<u64>,
-    /// Whether the file ends before its footer.
+    /// Whether the file ends before the end of the run.
     pub cut_off: bool,
     /// Version of the program that recorded it.
     pub version: String,
@@ -75,9 +75,17 @@ pub fn replay(path: &Path, prepared: Prepared) -> Result<Outcome, ReadError> {
     let mut file = RecordingFile::open(path)?;
     let mut prepared = Some(prepared);
     let mut run: Option<Replay> = None;
+    let mut has_ended = false;
     let mut outcome = Outcome::default();
     while let Some(entry) = file.next()? {
         let Entry::RecordStep { step, messages, itself } = entry else { continue };
+        if has_ended {
+            return Err(file.error(format!(
+                "holds steps of a second run (from {} on) after the end of the first one: split the file there, and \
+                 replay each part",
+                itself.time()
+            )));
+        }
         match (*step, &mut run) {
             (RecordStep::Started { parameters, version, rate_outlasts_pause, .. }, None) => {
                 let parameters = parameters_from_json(&parameters).map_err(|why| file.error(why))?;
@@ -92,7 +100,7 @@ pub fn replay(path: &Path, prepared: Prepared) -> Result<Outcome, ReadError> {
                 outcome.lost = Some(steps);
                 return Ok(outcome);
             }
-            (RecordStep::Ended { .. }, _) => return Ok(outcome),
+            (RecordStep::Ended { .. }, _) => has_ended = true,
             (_, None) => return Err(file.error("does not begin with the start of a node")),
             (step, Some(run)) => {
                 let mut messages = StepMessages::new(messages);
@@ -113,7 +121,7 @@ pub fn replay(path: &Path, prepared: Prepared) -> Result<Outcome, ReadError> {
             }
         }
     }
-    outcome.cut_off = file.is_cut_off();
+    outcome.cut_off = !has_ended && file.is_cut_off();
     Ok(outcome)
 }
 

@@ -4,6 +4,7 @@ mod contacts;
 mod damaged_files;
 mod limits;
 mod obstacle_states;
+mod several_runs;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -31,11 +32,11 @@ use crate::monitor_events::monitor_event::MonitorEvent;
 use crate::names::Names;
 use crate::parameters::parameter_set::Parameters;
 use crate::parameters::recording_settings::RecordingSettings;
-use crate::recording::recorder::{RecordedNode, Recorder};
-use crate::recording::recorder_handle::{
-    Backlog, CommandLineInputs, OriginalMessage, RecordedCloud, RecordedEvaluation, RecordedEvent,
-    RecorderHandle,
+use crate::recording::recorded_event::{
+    CommandLineInputs, OriginalMessage, RecordedCloud, RecordedEvaluation, RecordedEvent,
 };
+use crate::recording::recorder::{RecordedNode, Recorder};
+use crate::recording::recorder_handle::{Backlog, RecorderHandle};
 use crate::recording::save::save_part;
 use crate::recording::step::{
     RecordedCommand, RecordedMonitorEvent, SceneSource, parameters_from_json, parameters_to_json,
@@ -265,8 +266,13 @@ impl Cell {
     }
 
     fn end(self) {
+        self.ended().unwrap();
+    }
+
+    /// Ends the recording. Returns why it is incomplete, if it is.
+    fn ended(self) -> Result<(), String> {
         drop(self.recording);
-        self.recorder.finish();
+        self.recorder.finish()
     }
 }
 

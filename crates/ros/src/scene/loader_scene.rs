@@ -239,7 +239,8 @@ impl LoaderScene {
             let checked_state = update_context.checked_state(robot);
             let poses = checked_state.as_ref().map(|e| &e.poses);
             let SceneUpdateContext { now, parameters, transforms, .. } = update_context;
-            let context = SceneContext::new(robot, poses, transforms, now.ros, parameters.transform_ttl);
+            let context = SceneContext::new(robot, poses, transforms, now.ros, parameters.transform_ttl)
+                .at_configuration(checked_state.as_ref().map(|e| &e.configuration));
             let applied = self.state.apply(update, &context);
             changed = applied.changed;
             rejections.extend(applied.refusals);

@@ -29,4 +29,4 @@ pub mod transform_messages; // transforms to poses and to the transform tree
 pub mod whole_scene; // whether the complete scene was received
 
 #[cfg(test)]
-mod tests;
+pub mod tests; // tests, and helpers of other tests

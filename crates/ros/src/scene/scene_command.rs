@@ -5,7 +5,7 @@ use clearance_scene::{SceneRejection, SceneUpdate};
 use ros2_interfaces_jazzy_serde::octomap_msgs::msg::OctomapWithPose;
 use smol::channel::Sender;
 
-use crate::recording::recorder_handle::OriginalMessage;
+use crate::recording::recorded_event::OriginalMessage;
 use crate::recording::step::{RecordedCommand, SceneSource};
 
 /// Name of the service that clears the octomap.

@@ -15,7 +15,7 @@ use smol::channel::{self, Sender};
 use crate::messages::clearance_msgs::ObstacleStates;
 use crate::monitor_events::monitor_event::MonitorEvent;
 use crate::monitor_events::world_update::WorldUpdate;
-use crate::recording::recorder_handle::OriginalMessage;
+use crate::recording::recorded_event::OriginalMessage;
 use crate::recording::step::{RecordedCommand, SceneSource};
 use crate::scene::command_conversion::{
     attached_command, object_command, octomap_command, scene_command, states_command, undecodable_command,

@@ -149,10 +149,18 @@ fn separated<T>(results: impl Iterator<Item = Result<T, SceneRejection>>) -> (Ve
 
 /// Converts the attached objects of a `moveit_msgs/RobotState`.
 pub fn robot_state_change(message: &RobotState) -> Converted<RobotStateChange> {
-    let (attached, rejections) = separated(message.attached_collision_objects.iter().map(attached_change));
-    let names_joints =
-        !(message.joint_state.name.is_empty() && message.multi_dof_joint_state.joint_names.is_empty());
-    Converted { change: RobotStateChange { is_diff: message.is_diff, names_joints, attached }, rejections }
+    let (attached, mut rejections) =
+        separated(message.attached_collision_objects.iter().map(attached_change));
+    let joints = &message.joint_state;
+    let names_joints = !(joints.name.is_empty() && message.multi_dof_joint_state.joint_names.is_empty());
+    if joints.name.len() != joints.position.len() {
+        let (positions, names) = (joints.position.len(), joints.name.len());
+        let message = format!("robot_state.joint_state: {positions} positions for {names} names");
+        rejections.push(SceneRejection::new(message));
+    }
+    let positions = joints.name.iter().cloned().zip(joints.position.iter().copied()).collect();
+    let change = RobotStateChange { is_diff: message.is_diff, names_joints, positions, attached };
+    Converted { change, rejections }
 }
 
 /// Converts a `moveit_msgs/PlanningScene`. Colours do not affect collisions.

@@ -6,20 +6,17 @@ use std::time::Duration;
 
 use clearance_geometry::math::Pose;
 use clearance_geometry::{Primitive, Shape};
-use clearance_monitor::{
-    Evaluation, JointStateInput, Monitor, MonitorSettings, Now, Observation, Revision, Time, WorldSource,
-};
+use clearance_monitor::{Now, Revision, Time, WorldSource};
 use clearance_robot::{LinkPoses, MeshFiles, RobotModel, RobotText};
 use clearance_scene::MeshModel;
-use clearance_scene::{Obstacle, World};
+use clearance_scene::Obstacle;
 use clearance_scene::{Scene, SceneContext, SceneUpdate, TransformTree};
 use ros2_interfaces_jazzy_serde::geometry_msgs::msg::{
-    Point, Pose as PoseMessage, Quaternion, Transform, TransformStamped,
+    Point, Pose as PoseMessage, Quaternion, TransformStamped,
 };
 use ros2_interfaces_jazzy_serde::moveit_msgs::msg::{
-    AttachedCollisionObject, CollisionObject, JointConstraint, PlanningScene, PlanningSceneComponents as C,
+    AttachedCollisionObject, CollisionObject, PlanningScene, PlanningSceneComponents as C,
 };
-use ros2_interfaces_jazzy_serde::moveit_msgs::srv::{GetStateValidityRequest, GetStateValidityResponse};
 use ros2_interfaces_jazzy_serde::octomap_msgs::msg::Octomap;
 use ros2_interfaces_jazzy_serde::sensor_msgs::msg::{PointCloud2, PointField};
 use ros2_interfaces_jazzy_serde::shape_msgs::msg::{Mesh, MeshTriangle, Plane, SolidPrimitive};
@@ -31,11 +28,9 @@ use crate::scene::point_cloud_decoder::decode;
 use crate::scene::scene_checker::checker_of;
 use crate::scene::scene_message_reader::{object_change, scene_change};
 use crate::scene::scene_message_writer::{SceneMessages, scene_message};
-use crate::services::state_validity::{ValidityContext, state_validity};
 use crate::topics::monitored_scene::{self, KnownNames};
 
 mod published_scenes;
-mod validity;
 mod world_sources;
 
 const URDF: &str = include_str!("../../../../urdf/two_link/two_link.urdf");
@@ -47,9 +42,9 @@ const SRDF: &str = r#"<robot name="two_link">
   <disable_collisions link1="upper" link2="tip" reason="Adjacent"/>
 </robot>"#;
 /// Configurations: stretched; folded as far as it is free; tip on the base.
-const STRETCHED: [f64; 2] = [0.0, 0.0];
-const FOLDED: [f64; 2] = [0.0, 5.0 * PI / 6.0];
-const ON_BASE: [f64; 2] = [0.0, PI];
+pub const STRETCHED: [f64; 2] = [0.0, 0.0];
+pub const FOLDED: [f64; 2] = [0.0, 5.0 * PI / 6.0];
+pub const ON_BASE: [f64; 2] = [0.0, PI];
 
 fn robot() -> Arc<RobotModel> {
     let text = RobotText { urdf: URDF, urdf_name: None, srdf: Some(SRDF), srdf_name: None };
@@ -61,15 +56,15 @@ fn place(x: f64, y: f64, z: f64) -> PoseMessage {
     PoseMessage { position: Point { x, y, z }, orientation: Quaternion { x: 0.0, y: 0.0, z: 0.0, w: 0.0 } }
 }
 
-fn at(x: f64, y: f64, z: f64) -> PoseMessage {
+pub fn at(x: f64, y: f64, z: f64) -> PoseMessage {
     PoseMessage { position: Point { x, y, z }, ..PoseMessage::default() }
 }
 
-fn solid(type_: u8, dimensions: &[f64]) -> SolidPrimitive {
+pub fn solid(type_: u8, dimensions: &[f64]) -> SolidPrimitive {
     SolidPrimitive { type_, dimensions: dimensions.to_vec(), ..SolidPrimitive::default() }
 }
 
-fn ball(id: &str, pose: PoseMessage, radius: f64, frame: &str) -> CollisionObject {
+pub fn ball(id: &str, pose: PoseMessage, radius: f64, frame: &str) -> CollisionObject {
     let mut message = CollisionObject { id: id.to_owned(), pose, ..CollisionObject::default() };
     frame.clone_into(&mut message.header.frame_id);
     message.primitives.push(solid(SolidPrimitive::SPHERE, &[radius]));
@@ -77,7 +72,7 @@ fn ball(id: &str, pose: PoseMessage, radius: f64, frame: &str) -> CollisionObjec
 }
 
 /// An attached object that is inside the cube of the base when the arm is folded.
-fn part() -> AttachedCollisionObject {
+pub fn part() -> AttachedCollisionObject {
     AttachedCollisionObject {
         link_name: "tip".to_owned(),
         object: ball("part", at(1.0, 0.4, 0.0), 0.05, "tip"),
@@ -95,7 +90,7 @@ fn triangle() -> Mesh {
 }
 
 /// The scene after some messages, with the robot stretched out.
-fn scene(messages: &[PlanningScene]) -> Scene {
+pub fn scene(messages: &[PlanningScene]) -> Scene {
     let (robot, transforms) = (robot(), TransformTree::default());
     let mut poses = LinkPoses::new(&robot);
     robot.forward_kinematics(&robot.configuration(&STRETCHED).unwrap(), &mut poses);
@@ -142,7 +137,7 @@ fn names_without_end_are_rejected() {
     }
 }
 
-fn difference(objects: Vec<CollisionObject>, attached: Vec<AttachedCollisionObject>) -> PlanningScene {
+pub fn difference(objects: Vec<CollisionObject>, attached: Vec<AttachedCollisionObject>) -> PlanningScene {
     let mut message = PlanningScene { is_diff: true, ..PlanningScene::default() };
     message.robot_state.is_diff = true;
     message.robot_state.attached_collision_objects = attached;
@@ -150,11 +145,11 @@ fn difference(objects: Vec<CollisionObject>, attached: Vec<AttachedCollisionObje
     message
 }
 
-fn in_force(scene: Scene, sources: Vec<WorldSource>) -> Arc<ActiveScene> {
+pub fn in_force(scene: Scene, sources: Vec<WorldSource>) -> Arc<ActiveScene> {
     in_force_of(&robot(), scene, sources)
 }
 
-fn in_force_of(robot: &Arc<RobotModel>, scene: Scene, sources: Vec<WorldSource>) -> Arc<ActiveScene> {
+pub fn in_force_of(robot: &Arc<RobotModel>, scene: Scene, sources: Vec<WorldSource>) -> Arc<ActiveScene> {
     let parameters = Parameters::default();
     let checker = checker_of(robot, &scene, MeshModel::Surface, &parameters, None).unwrap();
     let revision = Arc::new(Revision { sources, ..Revision::new(checker, 1, 1) });
@@ -468,6 +463,6 @@ fn octomaps_are_trees_of_one_kind() {
     }
 }
 
-fn now() -> Now {
+pub fn now() -> Now {
     Now { ros: Some(Time::from_nanoseconds(5)), steady: Duration::ZERO }
 }

@@ -40,7 +40,8 @@ impl EnableService {
         names: &Names,
         events: Sender<MonitorEvent>,
     ) -> Result<Self, MiddlewareError> {
-        let server = middleware.server(&names.resolve("~/enable")?, TypeName::new("std_srvs", "SetBool"))?;
+        let server =
+            middleware.server(&names.resolve_service("~/enable")?, TypeName::new("std_srvs", "SetBool"))?;
         Ok(Self { server, events })
     }
 

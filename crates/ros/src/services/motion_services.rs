@@ -90,14 +90,16 @@ impl MotionServices {
         let string = TypeName::new("std_msgs", "String");
         let markers = TypeName::new("visualization_msgs", "MarkerArray");
         let services = Self {
-            motions: middleware
-                .server(&names.resolve("~/check_motion")?, TypeName::new("clearance_msgs", "CheckMotion"))?,
+            motions: middleware.server(
+                &names.resolve_service("~/check_motion")?,
+                TypeName::new("clearance_msgs", "CheckMotion"),
+            )?,
             batches: middleware.server(
-                &names.resolve("~/check_motions")?,
+                &names.resolve_service("~/check_motions")?,
                 TypeName::new("clearance_msgs", "CheckMotions"),
             )?,
             trajectories: middleware.server(
-                &names.resolve("~/check_trajectory")?,
+                &names.resolve_service("~/check_trajectory")?,
                 TypeName::new("clearance_msgs", "CheckTrajectory"),
             )?,
             goals: TrajectoryAction::open(middleware, names, Arc::clone(&clock))?,

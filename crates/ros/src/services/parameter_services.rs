@@ -70,7 +70,7 @@ impl ParameterServices {
             Request: Message + Clone + 'static,
             Response: Message + 'static,
         {
-            let name = names.resolve(&format!("~/{name}"))?;
+            let name = names.resolve_service(&format!("~/{name}"))?;
             middleware.server(&name, TypeName::new("rcl_interfaces", kind))
         }
         let events = names.resolve("/parameter_events")?;

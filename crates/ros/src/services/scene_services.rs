@@ -83,12 +83,14 @@ impl SceneServices {
         let (responses, responses_in) = channel::unbounded();
         let moveit = |kind| TypeName::new("moveit_msgs", kind);
         let services = Self {
-            get: middleware.server(&names.resolve("get_planning_scene")?, moveit("GetPlanningScene"))?,
+            get: middleware
+                .server(&names.resolve_service("get_planning_scene")?, moveit("GetPlanningScene"))?,
             apply: middleware
-                .server(&names.resolve("apply_planning_scene")?, moveit("ApplyPlanningScene"))?,
-            clear: middleware.server(&names.resolve("clear_octomap")?, TypeName::new("std_srvs", "Empty"))?,
+                .server(&names.resolve_service("apply_planning_scene")?, moveit("ApplyPlanningScene"))?,
+            clear: middleware
+                .server(&names.resolve_service("clear_octomap")?, TypeName::new("std_srvs", "Empty"))?,
             validity: middleware
-                .server(&names.resolve("check_state_validity")?, moveit("GetStateValidity"))?,
+                .server(&names.resolve_service("check_state_validity")?, moveit("GetStateValidity"))?,
             scene: Arc::clone(&scene),
             evaluation: Arc::clone(&evaluation),
             requests,

@@ -75,9 +75,10 @@ impl StateServices {
         let (responses, responses_in) = channel::unbounded();
         let kind = |name| TypeName::new("clearance_msgs", name);
         let services = Self {
-            states: middleware.server(&names.resolve("~/check_states")?, kind("CheckStates"))?,
-            distances: middleware.server(&names.resolve("~/get_distances")?, kind("GetDistances"))?,
-            free_states: middleware.server(&names.resolve("~/find_free_state")?, kind("FindFreeState"))?,
+            states: middleware.server(&names.resolve_service("~/check_states")?, kind("CheckStates"))?,
+            distances: middleware.server(&names.resolve_service("~/get_distances")?, kind("GetDistances"))?,
+            free_states: middleware
+                .server(&names.resolve_service("~/find_free_state")?, kind("FindFreeState"))?,
             requests,
             responses: responses_in,
         };

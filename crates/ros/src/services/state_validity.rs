@@ -294,3 +294,6 @@ fn with_request(
         None => Ok(applied.changed.then_some(changed)),
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -54,7 +54,7 @@ impl TrajectoryAction {
         names: &Names,
         clock: Arc<RosClock>,
     ) -> Result<Self, MiddlewareError> {
-        let name = names.resolve("~/check_trajectory")?;
+        let name = names.resolve_action("~/check_trajectory")?;
         let server = middleware.action_server(&name, TypeName::new("clearance_msgs", "CheckTrajectory"))?;
         Ok(Self { server, goals: Mutex::default(), clock })
     }

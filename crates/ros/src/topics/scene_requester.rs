@@ -104,7 +104,7 @@ impl SceneRequester {
         } else {
             Some(context.names.expand(&wanted).map_err(|why| why.to_string())?)
         };
-        if name.is_some() && name == context.names.resolve("get_planning_scene").ok() {
+        if name.is_some() && name == context.names.resolve_service("get_planning_scene").ok() {
             self.service = None;
             return Err(format!(
                 "{wanted} is the service of this node itself: give that another name (--ros-args -r get_planning_scene:=~/get_planning_scene)"

@@ -26,7 +26,7 @@ use crate::dds::subscription::{Origin, Subscription, Undecodable, system_time};
 use crate::dds::type_name::TypeName;
 use crate::messages::clearance_msgs::ObstacleStates;
 use crate::names::Names;
-use crate::recording::recorder_handle::RecordedEvent;
+use crate::recording::recorded_event::RecordedEvent;
 use crate::recording::step::SceneSource;
 use crate::scene::cloud_inbox::CloudMessage;
 use crate::scene::loader_command::LoaderCommand;

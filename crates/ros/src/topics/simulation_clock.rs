@@ -16,7 +16,8 @@ use crate::dds::type_name::TypeName;
 use crate::messages::time_and_geometry::time_of;
 use crate::names::FullName;
 use crate::parameters::parameter_store::ParameterStore;
-use crate::recording::recorder_handle::{RecordedEvent, RecorderHandle};
+use crate::recording::recorded_event::RecordedEvent;
+use crate::recording::recorder_handle::RecorderHandle;
 
 /// Parts of the node that the subscription uses.
 pub struct ClockInputs<'n> {

@@ -59,7 +59,8 @@ impl SceneFile<'_> {
             let remark = self.context.attachment_remark(&change, self.scene);
             self.warn_about(&change.object.id, remark);
         }
-        let robot_state = RobotStateChange { is_diff: true, names_joints: false, attached: vec![change] };
+        let robot_state =
+            RobotStateChange { is_diff: true, attached: vec![change], ..RobotStateChange::default() };
         let change = SceneChange { is_diff: true, robot_state, ..SceneChange::default() };
         self.apply(&SceneUpdate::Scene(Box::new(change)))
     }

@@ -29,7 +29,12 @@ fn a_difference_changes_what_it_names() {
 #[test]
 fn a_robot_state_that_is_no_difference_lets_go_of_everything_if_it_says_something() {
     let attached = || vec![hold("hand", add("new", "hand", Pose::identity()))];
-    let state = |is_diff, names_joints, attached| RobotStateChange { is_diff, names_joints, attached };
+    let state = |is_diff, names_joints, attached| RobotStateChange {
+        is_diff,
+        names_joints,
+        attached,
+        ..RobotStateChange::default()
+    };
     for (change, held) in [
         (state(false, false, vec![]), &["old"][..]),
         (state(true, true, vec![]), &["old"]),
@@ -47,6 +52,36 @@ fn a_robot_state_that_is_no_difference_lets_go_of_everything_if_it_says_somethin
     let change = state(false, true, vec![hold("hand", remove("old"))]);
     let change = SceneChange { robot_state: change, ..difference(vec![], vec![]) };
     cell.assert_rejected(&SceneUpdate::Scene(Box::new(change)), Some("old"), "only ADD is possible");
+}
+
+/// As in `MoveIt`, which applies the robot state before it looks up the frames of objects.
+#[test]
+fn the_robot_state_of_a_scene_places_the_frames_of_links() {
+    let with = |positions: &[(&str, f64)], is_diff| {
+        let positions = positions.iter().map(|(name, q)| ((*name).to_owned(), *q)).collect();
+        let attached = vec![hold("hand", add("held", "base", Pose::identity()))];
+        let robot_state = RobotStateChange { is_diff, names_joints: true, positions, attached };
+        let objects = vec![add("a", "hand", at(0.0, 0.0, 1.0)), add("b", "flange", Pose::identity())];
+        let change = SceneChange { is_diff, robot_state, ..difference(objects, vec![]) };
+        let mut cell = Cell::new();
+        let result = cell.scene(change);
+        (cell, result)
+    };
+    for is_diff in [true, false] {
+        for (positions, z) in [(&[][..], LIFTED), (&[("lift", 5.0)][..], 5.0)] {
+            let (cell, result) = with(positions, is_diff);
+            result.unwrap();
+            assert_eq!(cell.places("a"), [[1.0, 0.0, z + 1.0]]);
+            assert_eq!(cell.places("b"), [[0.0, 2.0, 0.0]]);
+            let held = cell.scene.world.attached_by_name("held").unwrap();
+            assert_eq!(held.pose_lo.translation.vector, Vector::new(-1.0, 0.0, -z));
+        }
+        for (name, position) in [("lif", 5.0), ("lift", f64::NAN)] {
+            let (cell, result) = with(&[(name, position)], is_diff);
+            assert!(result.unwrap_err().message.contains("'hand' moves"));
+            assert_eq!((cell.names(), cell.held().len()), (vec!["b"], 0));
+        }
+    }
 }
 
 #[test]

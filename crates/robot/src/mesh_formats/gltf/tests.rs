@@ -207,7 +207,7 @@ fn sparse_quantized_and_strided_elements() {
 #[test]
 fn what_is_not_applied_is_reported() {
     for (document, words) in [
-        (with("/nodes/0/skin", json!(0)), "bind pose"),
+        (with("/nodes/0/skin", json!(0)), "without their skin, where their node is"),
         (with("/meshes/0/primitives/0/targets", json!([{"POSITION": 0}])), "morph"),
         (with("/scenes", json!([{"nodes": [0]}, {}])), "2 scenes"),
         (document(), "+Y is up"),

@@ -28,7 +28,8 @@ fn behind_what_was_lost_nothing_is_run() {
     cell.turn(0.1);
     cell.recording.lose(3);
     cell.turn(0.2);
-    cell.end();
+    let fault = cell.ended().unwrap_err();
+    assert!(fault.contains("record.mcap is incomplete: the recording misses 3 steps"), "{fault}");
     let outcome = again(&folder.path().join("record.mcap")).unwrap();
     assert_eq!(outcome.lost, Some(3));
     assert!(outcome.same <= 1);
@@ -69,8 +70,8 @@ fn fault(recording: &RecorderHandle) -> String {
     panic!("no fault of the recording is told");
 }
 
-#[test]
-fn a_disk_that_is_full_is_a_fault_of_the_recording() {
+/// A recording to a disk that is full.
+fn on_a_full_disk() -> (RecorderHandle, Recorder) {
     let path = PathBuf::from("/dev/full");
     let file = std::fs::OpenOptions::new().write(true).open(&path).unwrap();
     let settings = RecordingSettings { file: path.clone(), max_size: 0.0, max_duration: 0.0 };
@@ -80,11 +81,48 @@ fn a_disk_that_is_full_is_a_fault_of_the_recording() {
         inputs: CommandLineInputs::default(),
         parameters: &Parameters::default(),
     };
-    let (recording, recorder) = Recorder::write_to(file, path, &settings, node).unwrap();
+    Recorder::write_to(file, path, &settings, node).unwrap()
+}
+
+#[test]
+fn a_disk_that_is_full_is_a_fault_of_the_recording() {
+    let (recording, recorder) = on_a_full_disk();
     let fault = fault(&recording);
     assert!(fault.contains("recording to /dev/full ended: "), "{fault}");
-    recorder.finish();
+    assert!(fault.contains("No space left on device"), "{fault}");
+    assert_eq!(recorder.finish(), Err(fault));
     assert!(recording.fault().is_some(), "it lasts");
+}
+
+#[test]
+fn a_disk_that_is_full_at_the_end_is_a_fault_too() {
+    // all of this recording waits in memory until its end
+    let (_, recorder) = on_a_full_disk();
+    let fault = recorder.finish().unwrap_err();
+    assert!(fault.contains("ended: ") && fault.contains("No space left on device"), "{fault}");
+}
+
+#[test]
+fn a_file_that_is_removed_is_no_complete_recording() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut cell = Cell::start(folder.path());
+    cell.turn(0.0);
+    std::fs::remove_file(folder.path().join("record.mcap")).unwrap();
+    assert!(cell.ended().unwrap_err().ends_with("record.mcap is incomplete: it was removed"));
+}
+
+#[test]
+fn a_recording_without_a_file_of_the_robot_is_incomplete() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("record.mcap");
+    let settings = RecordingSettings { file, max_size: 0.0, max_duration: 0.0 };
+    let names = Names::new("clearance", &[]).unwrap();
+    let files = vec![folder.path().join("gone.urdf")];
+    let inputs = CommandLineInputs { files, ..CommandLineInputs::default() };
+    let node = RecordedNode { names: &names, inputs, parameters: &Parameters::default() };
+    let (_, recorder) = Recorder::start(&settings, node).unwrap();
+    let fault = recorder.finish().unwrap_err();
+    assert!(fault.contains("the recording lacks") && fault.contains("gone.urdf"), "{fault}");
 }
 
 #[test]

@@ -87,6 +87,8 @@ fn limits() -> serde_saphyr::Options {
         with_snippet: false,
         // otherwise the keys y and n of a position or a normal would be booleans
         strict_booleans: true,
+        // drivers write .nan into fields that are not read, such as effort; readers check the numbers that they use
+        non_finite_float_policy: serde_saphyr::NonFiniteFloatPolicy::PassThrough,
         budget: serde_saphyr::budget! {
             max_events: LARGEST_COUNT,
             max_nodes: LARGEST_COUNT,

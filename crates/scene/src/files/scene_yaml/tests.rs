@@ -28,7 +28,7 @@ robot_model_name: r
 is_diff: false
 robot_state:
   is_diff: false
-  joint_state: {header: {frame_id: ''}, name: [j], position: [1.5707963267948966], velocity: [], effort: []}
+  joint_state: {header: {frame_id: ''}, name: [j], position: [1.5707963267948966], velocity: [.nan], effort: [.nan]}
   multi_dof_joint_state: {joint_names: [stand], transforms: [{translation: {x: 0, y: 0, z: 2}, rotation: {x: 0, y: 0, z: 0, w: 1}}]}
   attached_collision_objects:
   - link_name: tool
@@ -240,6 +240,24 @@ fn faults_name_object_and_field() {
         (octomap("binary: true, id: OcTree, resolution: 0, data: [1, 0]"), vec!["resolution"]),
         (octomap("binary: false, id: Tree, resolution: 1, data: [1, 0]"), vec!["'Tree'"]),
         (octomap("binary: true, id: OcTree, resolution: 1, data: [256]"), vec!["256"]),
+        (
+            "allowed_collision_matrix: {entry_names: [], entry_value: []}".to_owned(),
+            vec!["allowed_collision_matrix", "entry_value"],
+        ),
+        (
+            "allowed_collision_matrix: {entry_names: [arm], entry_values: [{enabled: [false], enable: [true]}]}"
+                .to_owned(),
+            vec!["allowed_collision_matrix.entry_values", "nothing else"],
+        ),
+        (
+            object("meshes: [{triangles: [{vertex_indices: [0, 1, 2], vertices: 3}]}]"),
+            vec!["'o'", "meshes[0].triangles"],
+        ),
+        (object("pose: {position: [.nan, 0, 0]}"), vec!["'o'", "pose", "finite"]),
+        (
+            object("meshes: [{triangles: [[0, 1, 2]], vertices: [[.inf, 0, 0], [1, 0, 0], [0, 1, 0]]}]"),
+            vec!["'o'", "meshes[0]", "vertex 0", "not finite"],
+        ),
         ("name: nothing".to_owned(), vec!["no planning scene"]),
     ] {
         let error = read(&text).unwrap_err().to_string();

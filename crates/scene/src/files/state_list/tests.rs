@@ -51,6 +51,24 @@ fn one_state_in_every_spelling() {
 }
 
 #[test]
+fn fields_that_are_not_read_may_be_nan() {
+    let echoed = echo(0.5).replace("velocity: []\neffort: []", "velocity:\n- .nan\neffort:\n- .inf");
+    for text in [
+        echoed.as_str(),
+        "joint_state: {name: [j], position: [0.5], velocity: [.nan], effort: [-.inf]}\n",
+        "joint_state: {name: [j], position: [0.5]}\nmulti_dof_joint_state: {twist: [{linear: {x: .nan}}]}\n",
+        // Python's JSON
+        r#"{"name": ["j"], "position": [0.5], "effort": [NaN]}"#,
+    ] {
+        assert_eq!(read(text), Ok(vec![j(0.5)]), "{text}");
+    }
+    let (names, positions) = read("name: [j]\nposition: [.nan]\n").unwrap().remove(0);
+    assert!(robot().configuration_from_names([(&*names[0], positions[0])]).is_err());
+    let flying = "joint_state: {}\nmulti_dof_joint_state: {joint_names: [fly], transforms: [{translation: {x: .nan}}]}\n";
+    assert!(read(flying).unwrap_err().contains("must be finite"));
+}
+
+#[test]
 fn several_states_keep_their_order() {
     let all = Ok(vec![j(1.0), j(2.0), j(3.0)]);
     assert_eq!(read(&(echo(1.0) + &echo(2.0) + &echo(3.0))), all);

@@ -101,7 +101,11 @@ pub struct MeshText {
 }
 
 #[derive(Debug, Clone, Copy, Deserialize)]
-#[serde(untagged, expecting = "it must be a list of three numbers of vertices, or vertex_indices")]
+#[serde(
+    untagged,
+    deny_unknown_fields,
+    expecting = "it must be a list of three numbers of vertices, or vertex_indices"
+)]
 pub enum FaceText {
     List([u32; 3]),
     Map { vertex_indices: [u32; 3] },

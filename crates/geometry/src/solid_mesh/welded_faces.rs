@@ -1,4 +1,4 @@
-//! Welding: joins vertices at equal positions, and keeps each face once.
+//! Welded faces of a mesh: vertices at equal positions are joined, and each face is kept once.
 
 use crate::math::Point;
 

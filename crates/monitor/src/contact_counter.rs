@@ -4,51 +4,12 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Duration;
 
-use clearance_checker::{CollisionChecker, CollisionReport};
+use clearance_checker::CollisionReport;
 use clearance_scene::BodyId;
 
 use super::motion_since_previous::{MotionSincePrevious, NoMotion};
+use super::named_pair::{NamedPair, named};
 use super::{Evaluation, MonitorSettings, Revision, Status, Time};
-
-/// Type of a body.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum BodyKind {
-    /// A link of the robot.
-    Link,
-    /// An object attached to a link.
-    Attached,
-    /// An obstacle.
-    Obstacle,
-}
-
-impl From<BodyId> for BodyKind {
-    fn from(body: BodyId) -> Self {
-        match body {
-            BodyId::Link(_) => Self::Link,
-            BodyId::Attached(_) => Self::Attached,
-            BodyId::Obstacle(_) => Self::Obstacle,
-        }
-    }
-}
-
-/// A body by its name, which stays the same when the world changes.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct NamedBody {
-    /// Type of the body.
-    pub kind: BodyKind,
-    /// Name of the link, object or obstacle.
-    pub name: String,
-}
-
-/// Two bodies by their names, in ascending order.
-pub type NamedPair = [NamedBody; 2];
-
-fn named((a, b): (BodyId, BodyId), checker: &CollisionChecker) -> NamedPair {
-    let mut pair =
-        [a, b].map(|body| NamedBody { kind: body.into(), name: checker.body_name(body).to_owned() });
-    pair.sort();
-    pair
-}
 
 /// Contacts counted since the start, and what happened since the last heartbeat message.
 #[derive(Clone, Debug, Default)]

@@ -17,7 +17,7 @@ const MOST_STATES: usize = 256;
 
 /// Joint states and positions from `tf` between the previous evaluated state and the next one, in the order of reception.
 #[derive(Debug, Default)]
-pub(super) struct PassedOver {
+pub(super) struct UnevaluatedStates {
     states: Vec<PartialState>,
     /// The last positions from `tf`, until others come or a state is evaluated.
     latest_transforms: Option<PartialState>,
@@ -46,7 +46,7 @@ pub(super) struct TolerantLine<'l> {
     pub turns: &'l [bool],
 }
 
-impl PassedOver {
+impl UnevaluatedStates {
     /// Adds a joint state; `index_of` gives the index of the position with a name.
     pub fn add(&mut self, input: &JointStateInput, index_of: impl Fn(&str) -> Option<usize>) {
         let JointStateInput { names, positions, .. } = input;

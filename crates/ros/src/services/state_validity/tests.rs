@@ -1,11 +1,21 @@
 //! Tests of `check_state_validity`: contacts, partial states, groups and attached objects.
 
-use std::time::Instant;
+use std::time::Duration;
 
-use clearance_checker::Question;
+use clearance_geometry::{Primitive, Shape};
+use clearance_monitor::{JointStateInput, Monitor, MonitorSettings, Observation, Time, WorldSource};
+use clearance_robot::MeshFiles;
+use clearance_scene::{Obstacle, World};
+use ros2_interfaces_jazzy_serde::geometry_msgs::msg::{Point, Pose as PoseMessage, Transform};
+use ros2_interfaces_jazzy_serde::moveit_msgs::msg::{
+    AttachedCollisionObject, CollisionObject, JointConstraint,
+};
+use ros2_interfaces_jazzy_serde::shape_msgs::msg::SolidPrimitive;
 
 use super::*;
-use crate::services::validity_contacts::ContactsOfState;
+use crate::scene::tests::{
+    FOLDED, ON_BASE, STRETCHED, at, ball, difference, in_force, in_force_of, now, part, scene, solid,
+};
 
 /// The evaluation of the robot at these positions.
 fn evaluation(scene: &ActiveScene, positions: &[f64]) -> Evaluation {

@@ -1,4 +1,4 @@
-//! Configurations from the named states of the SRDF.
+//! Configurations from the group states (named states) of the SRDF, and their errors.
 
 use std::collections::BTreeSet;
 

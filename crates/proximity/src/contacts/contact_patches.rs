@@ -1,8 +1,10 @@
-//! Meetings of single elements of two bodies, linked to contact patches of neighbouring ones, with their normals.
+//! Contact patches: meetings of neighbouring elements of two bodies, linked to each other, with a common normal.
 
 use std::collections::HashMap;
 
-use clearance_geometry::math::{Extremes, Point, Vector};
+use clearance_geometry::math::{Point, Vector};
+
+use super::element_meeting::{Common, Meeting};
 
 /// Length of an unclosed curve, relative to its sides, up to which it counts as closed.
 const CLOSED: f64 = 1e-3;
@@ -12,52 +14,6 @@ const FLAT: f64 = 1e-9;
 
 /// Length of a sum of unit vectors, relative to their number, below which it has no direction.
 const BALANCED: f64 = 1e-3;
-
-/// Where an element of one body meets an element of the other, in the frame of the first body.
-#[derive(Clone, Debug)]
-pub(super) struct Meeting {
-    /// Names of the elements' corners, by body: elements with a common corner are neighbours.
-    pub corners: [[u32; 3]; 2],
-    pub points: Vec<MeetingPoint>,
-    /// Outward normals of the surfaces of both bodies; for a solid, opposite to that of the other body.
-    pub normals: [Vector; 2],
-    /// True if it is known which side of the surfaces is outside.
-    pub has_outside: bool,
-    /// What the surfaces have in common.
-    pub common: Common,
-}
-
-/// What two elements have in common.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Common {
-    /// Nothing, or a point: they are apart, or touch without crossing.
-    Point,
-    /// Surfaces cross: the segment from the first to the second point, along the cross product of the normals.
-    Segment([Point; 2]),
-    /// Area (m²) of a surface inside a solid.
-    Area(f64),
-}
-
-/// A point of a contact and, where it is known, the depth there (m, margin included) and the normal.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct MeetingPoint {
-    pub position: Point,
-    pub normal: Option<Vector>,
-    pub depth: Option<f64>,
-}
-
-/// Names for the positions of corners: corners at one position have one name.
-#[derive(Debug, Default)]
-pub(super) struct CornerNames(HashMap<[u64; 3], u32>);
-
-impl CornerNames {
-    pub fn of(&mut self, corners: [Point; 3]) -> [u32; 3] {
-        corners.map(|p| {
-            let next = u32::try_from(self.0.len()).expect("few elements meet");
-            *self.0.entry([p.x, p.y, p.z].map(|c| (c + 0.0).to_bits())).or_insert(next)
-        })
-    }
-}
 
 /// The patches of some meetings.
 #[derive(Debug, Default)]
@@ -217,12 +173,4 @@ impl PatchSums {
         let is_turned = !self.has_outside && fallback.is_some_and(|fallback| fallback.dot(&normal) < 0.0);
         if is_turned { -normal } else { normal }
     }
-}
-
-/// Largest distance (m) of the points of some meetings from each other, along the axes.
-pub(super) fn extent(meetings: &[Meeting]) -> f64 {
-    let mut points = meetings.iter().flat_map(|meeting| &meeting.points).map(|point| point.position);
-    let Some(first) = points.next() else { return 0.0 };
-    let (low, high) = points.fold((first, first), |(low, high), p| (low.inf(&p), high.sup(&p)));
-    (high - low).amax().greater(0.0)
 }

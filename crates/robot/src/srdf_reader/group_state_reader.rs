@@ -53,7 +53,8 @@ impl<'d> Reader<'d> {
                 };
                 let twice = (!name.is_empty() && !joints.insert(name))
                     .then(|| format!("joint '{}' is given twice", shortened(name)));
-                let faults = || of_name.iter().chain(&of_value).chain(&twice);
+                let moves_root = self.fault_of_root_pose(name, &values);
+                let faults = || of_name.iter().chain(&of_value).chain(&twice).chain(&moves_root);
                 fault = fault.or_else(|| faults().next().cloned());
                 let outside = self.outside(name, &values);
                 faults().cloned().chain(outside).for_each(|message| remark(joint, message));
@@ -86,12 +87,28 @@ impl<'d> Reader<'d> {
         self.virtual_joints.iter().any(|joint| joint.name == name)
     }
 
+    /// Error in the values of a virtual joint that is not at zero: no configuration contains the pose of the root.
+    fn fault_of_root_pose(&self, name: &str, values: &[f64]) -> Option<String> {
+        let is_at_zero = match values {
+            // quaternions of both signs are the identity
+            [offsets_and_vector @ .., _] if values.len() == 7 => offsets_and_vector.iter().all(|x| *x == 0.0),
+            _ => values.iter().all(|x| *x == 0.0),
+        };
+        (self.is_virtual(name) && !is_at_zero).then(|| {
+            format!(
+                "virtual joint '{}' is not at zero, but a group state does not move the root: leave it out, or at zero; the robot_state \
+                 of a planning scene (--world) places the robot among obstacles",
+                shortened(name)
+            )
+        })
+    }
+
     /// Error in a joint name of a group state, if there is one.
     fn fault_of_joint(&self, name: &str, group: Option<&Group>) -> Option<String> {
         if name.is_empty() {
             return Some("a joint has no name".to_owned());
         }
-        if self.virtual_joints.iter().any(|v| v.name == name) {
+        if self.is_virtual(name) {
             return None;
         }
         let Some(&id) = self.joints.get(name) else {

@@ -4,15 +4,15 @@ use clearance::checker::{CollisionChecker, Question};
 use clearance::geometry::math::Pose;
 use clearance::geometry::{Primitive, Shape};
 use clearance::robot::{MeshFiles, RobotModel};
-use clearance::scene::AllowedCollisionMatrix;
 use clearance::scene::SceneLoader;
 use clearance::scene::{BodyId, Settings};
 use serde_json::Value;
-use std::path::Path;
 use std::sync::Arc;
 
+use crate::peer_results::{
+    COAL_ACCURACY, hits, pair_list, robot, scene_checker, scene_configuration, scene_files,
+};
 use crate::tally::{Tally, json, shared_folder};
-use crate::truth::{COAL_ACCURACY, hits, named, pair_list, robot, world_of};
 
 #[test]
 fn path_samples_of_the_scenes() {
@@ -44,41 +44,6 @@ fn scene_problem(
         let case = format!("{} at {t}", problem["id"].as_str().unwrap());
         tally.add(&case, &sample_disagreements(&checker, &q, sample, &mut workspace));
     }
-}
-
-/// A robot among a problem's obstacles.
-pub fn scene_checker(
-    scene: &Value,
-    problem: &Value,
-    robot: &Arc<RobotModel>,
-    meshes: &MeshFiles,
-) -> CollisionChecker {
-    let list = |v: Option<&Value>| v.and_then(Value::as_array).cloned().unwrap_or_default();
-    let mut obstacles = list(scene.get("shared_obstacles"));
-    obstacles.extend(list(problem.get("obstacles")));
-    let world = world_of(&obstacles, meshes);
-    let mut allowed = AllowedCollisionMatrix::from_srdf(robot);
-    for pair in list(problem.get("allowed_pairs")) {
-        allowed.set(pair[0].as_str().unwrap(), pair[1].as_str().unwrap(), true);
-    }
-    CollisionChecker::with_matrix(robot.clone(), &world, Settings::default(), Some(&allowed)).unwrap()
-}
-
-/// Where a problem's straight line from start to goal is at t.
-pub fn scene_configuration(problem: &Value, robot: &RobotModel, t: f64) -> clearance::Configuration {
-    let others = named(&problem["other_joints"]);
-    let (start, goal) = (named(&problem["start"]), &problem["goal"]);
-    let between = start.iter().map(|&(j, s)| (j, s + t * (goal[j].as_f64().unwrap() - s)));
-    let own: Vec<_> = between.chain(others.into_iter().filter(|(j, _)| goal.get(j).is_none())).collect();
-    robot.configuration_from_names(own).unwrap()
-}
-
-/// The files of the shared scenes, in order.
-pub fn scene_files(scenes: &Path) -> Vec<std::path::PathBuf> {
-    let mut files: Vec<_> = std::fs::read_dir(scenes).unwrap().map(|e| e.unwrap().path()).collect();
-    files.retain(|f| f.extension().is_some_and(|e| e == "json"));
-    files.sort();
-    files
 }
 
 /// MoveIt's own file of a scene, read against the truth of the neutral one.
