@@ -846,7 +846,8 @@ const char *clearance_checker_joint_name(const clearance_checker *checker, size_
 
 // True if a whole turn of a position changes nothing: a continuous joint without mimic joints that it moves elsewhere. False beyond the
 // last.
-bool clearance_checker_joint_is_continuous(const clearance_checker *checker, size_t index);
+bool clearance_checker_joint_is_continuous(const clearance_checker *checker,
+                                           size_t index);
 
 // Writes the `n` lower and `n` upper limits of a state (rad, m), also of the joints that mimic these; infinite without limit.
 clearance_status clearance_checker_limits(const clearance_checker *checker,

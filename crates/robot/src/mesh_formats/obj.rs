@@ -128,7 +128,8 @@ struct Surface {
 impl Surface {
     fn new(text: &str) -> Result<Self, String> {
         let mut surface = Self::default();
-        let mut lines = text.lines().map(without_comment).zip(1..);
+        // a carriage return alone ends a line, too: a comment must not hide what follows it
+        let mut lines = text.lines().flat_map(|line| line.split('\r')).map(without_comment).zip(1..);
         while let Some(((mut line, mut continues), number)) = lines.next() {
             // a path may end in a backslash, too
             if !(continues && is_geometry(line)) {
@@ -360,6 +361,21 @@ mod tests {
             );
         }
         assert_eq!(triangles(&format!("{SQUARE}f 1 2 3\nfo 1 3 4\n")), 2);
+    }
+
+    #[test]
+    fn every_line_end_ends_a_line() {
+        let text = "v 0 0 0\nv 1 0 0\nv 0 1 0 # third\nv 0 0 1\nf 1 2 3\n# top\nf 1 2 4\n";
+        for mixed in [
+            text.to_owned(),
+            text.replace('\n', "\r\n"),
+            text.replace('\n', "\r"),
+            text.replace("# third\n", "# third\r").replace("# top\n", "# top\r"),
+            text.replacen('\n', "\r", 1),
+        ] {
+            let mesh = read(&mixed).unwrap().mesh;
+            assert_eq!((mesh.vertices().len(), mesh.triangles().len()), (4, 2), "{mixed:?}");
+        }
     }
 
     #[test]
