@@ -56,7 +56,8 @@ fn real(file: &Path) -> PathBuf {
     target.canonicalize().ok().or_else(beside).unwrap_or(target)
 }
 
-#[cfg(all(test, unix))]
+#[cfg(test)]
+#[cfg(unix)]
 mod tests {
     use std::os::unix::fs::symlink;
 
