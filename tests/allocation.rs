@@ -1,4 +1,5 @@
-//! Tests that warm queries allocate no memory; a process of its own, since a counter replaces the allocator.
+//! Tests of memory: warm queries allocate none, and a checker's memory per pair does not grow with the joints between its links. A process
+//! of its own, since a counter replaces the allocator.
 
 use std::path::Path;
 use std::sync::Arc;

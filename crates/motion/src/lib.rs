@@ -22,8 +22,8 @@ mod continuous_turns;
 mod fingerprint;
 mod model_fingerprint;
 mod moving_obstacle;
+mod obstacle_motions;
 mod obstacle_trajectory;
-mod obstacle_trajectory_yaml;
 mod obstacle_uncertainty;
 mod part_hashes;
 mod sample_deviation;
@@ -44,8 +44,8 @@ pub use continuous_turns::ContinuousTurn;
 pub use fingerprint::Fingerprint;
 pub use model_fingerprint::{model_fingerprint, world_fingerprint};
 pub use moving_obstacle::MovingObstacle;
+pub use obstacle_motions::{ObstacleMotions, ObstacleTextError};
 pub use obstacle_trajectory::{ObstacleTrajectory, PosesError};
-pub use obstacle_trajectory_yaml::{ObstacleMotions, ObstacleTextError};
 pub use obstacle_uncertainty::{
     LimitError, ObstacleLimits, ObstacleUncertainty, SpeedLimit, UncertaintyText,
 };

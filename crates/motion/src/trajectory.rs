@@ -71,6 +71,8 @@ pub enum TrajectoryError {
     Time { point: usize, time: f64, previous: f64 },
     #[error("point {point}: time_from_start {time} s is negative")]
     NegativeTime { point: usize, time: f64 },
+    #[error("point {point}: time_from_start {time} s is not finite")]
+    TimeNotFinite { point: usize, time: f64 },
     #[error("times have to be set before moving obstacles")]
     ObstaclesBeforeTimes,
     #[error(
@@ -210,9 +212,9 @@ impl Trajectory {
         }
         let previous = std::iter::once(None).chain(times.iter().copied().map(Some));
         for (point, (previous, &time)) in previous.zip(&times).enumerate() {
-            let is_later = previous.map_or(time >= 0.0, |previous| time > previous);
-            if !(is_later && time.is_finite()) {
-                return Err(TrajectoryError::Time { point, time, previous: previous.unwrap_or(0.0) });
+            check_time(point, time)?;
+            if let Some(previous) = previous.filter(|previous| time <= *previous) {
+                return Err(TrajectoryError::Time { point, time, previous });
             }
         }
         Ok(Self { times, ..self })
@@ -330,17 +332,24 @@ fn is_same_pose(a: &[f64], b: &[f64]) -> bool {
     a.iter().zip(b).enumerate().all(is_near)
 }
 
+fn check_time(point: usize, time: f64) -> Result<(), TrajectoryError> {
+    if !time.is_finite() {
+        return Err(TrajectoryError::TimeNotFinite { point, time });
+    }
+    if time < 0.0 { Err(TrajectoryError::NegativeTime { point, time }) } else { Ok(()) }
+}
+
 /// True if there are times.
 fn check_times(points: &[TrajectoryPoint]) -> Result<bool, TrajectoryError> {
     if points.iter().all(|p| p.time_from_start == 0.0) {
         return Ok(false);
     }
-    if let Some(point) = points.iter().position(|p| p.time_from_start < 0.0) {
-        return Err(TrajectoryError::NegativeTime { point, time: points[point].time_from_start });
+    for (point, time) in points.iter().map(|p| p.time_from_start).enumerate() {
+        check_time(point, time)?;
     }
     for (i, pair) in points.windows(2).enumerate() {
         let [previous, time] = [pair[0].time_from_start, pair[1].time_from_start];
-        if !(time > previous && time.is_finite()) {
+        if time <= previous {
             return Err(TrajectoryError::Time { point: i + 1, time, previous });
         }
     }

@@ -1,4 +1,4 @@
-//! Errors of a robot description.
+//! Error of a robot description: the list of its faults, cut after twenty.
 
 use super::{Fault, Place};
 

@@ -91,7 +91,7 @@ pub use scene_gap::{GapExtent, GapSubject, SceneGap};
 pub use scene_rejection::SceneRejection;
 pub use scene_update::{
     AttachedChange, FixedFrame, ObjectChange, OctomapPlacement, Operation, RobotStateChange, SceneChange,
-    SceneUpdate, WorldChange,
+    SceneUpdate, StatedPositions, WorldChange,
 };
 pub use timestamp::Time;
 pub use transform::Transform;

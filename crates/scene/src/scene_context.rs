@@ -5,7 +5,7 @@ use clearance_robot::{Configuration, LinkId, LinkPoses, RobotModel, VirtualJoint
 
 use super::anchor::{AnchorFrame, Certainty};
 use super::frame_ancestor::Ancestor;
-use super::{Time, TransformTree};
+use super::{StatedPositions, Time, TransformTree};
 
 /// Snapshot of robot poses, transforms and clock that a scene update is applied against.
 #[derive(Clone, Debug)]
@@ -24,6 +24,8 @@ pub struct SceneContext<'c> {
     pub transform_ttl: f64,
     /// Poses of the links that never move.
     rest: LinkPoses,
+    /// True if a robot state that should place the moving links is wrong: nothing is placed by them.
+    is_state_wrong: bool,
 }
 
 impl<'c> SceneContext<'c> {
@@ -38,7 +40,16 @@ impl<'c> SceneContext<'c> {
     ) -> Self {
         let mut rest = LinkPoses::new(robot);
         robot.forward_kinematics(&robot.default_configuration(), &mut rest);
-        Self { robot, poses, configuration: None, transforms, now, transform_ttl, rest }
+        Self {
+            robot,
+            poses,
+            configuration: None,
+            transforms,
+            now,
+            transform_ttl,
+            rest,
+            is_state_wrong: false,
+        }
     }
 
     /// The snapshot with the present positions of the joints.
@@ -47,18 +58,29 @@ impl<'c> SceneContext<'c> {
         Self { configuration, ..self }
     }
 
-    /// The snapshot with other poses of the links, or with none.
+    /// The snapshot with other poses of the links; with none, nothing is placed by moving links.
     pub(super) fn with_poses<'s>(&self, poses: Option<&'s LinkPoses>) -> SceneContext<'s>
     where
         'c: 's,
     {
-        SceneContext { poses, ..self.clone() }
+        SceneContext { poses, is_state_wrong: poses.is_none(), ..self.clone() }
     }
 
-    /// Poses of the links with some joints at other positions (rad, m). `None` without such joints, and while the others are not known.
-    pub(super) fn poses_with(&self, positions: &[(String, f64)]) -> Option<Result<LinkPoses, String>> {
-        let present = self.configuration.filter(|_| !positions.is_empty())?;
-        let named = positions.iter().map(|(name, position)| (name.as_str(), *position));
+    /// Poses of the links with some joints at other positions. `None` without such joints, and while the others are not known.
+    pub(super) fn poses_with(&self, positions: &StatedPositions) -> Option<Result<LinkPoses, String>> {
+        let StatedPositions { single, with_transforms, fault } = positions;
+        if let Some(fault) = fault {
+            return Some(Err(fault.clone()));
+        }
+        // transforms of virtual joints are about the place of the root
+        if let Some(joint) = with_transforms.iter().find(|name| self.robot.joint_by_name(name).is_some()) {
+            let joint = quoted(joint);
+            return Some(Err(format!(
+                "joint {joint} has a transform, which is not read here: give its positions in joint_state"
+            )));
+        }
+        let present = self.configuration.filter(|_| !single.is_empty())?;
+        let named = single.iter().map(|(name, position)| (name.as_str(), *position));
         let configuration = self.robot.configuration_over(present, named).map_err(|error| error.to_string());
         Some(configuration.map(|q| {
             let mut poses = LinkPoses::new(self.robot);
@@ -82,8 +104,12 @@ impl<'c> SceneContext<'c> {
 
     pub(super) fn pose_of_link(&self, link: LinkId) -> Result<Pose, String> {
         let name = &self.robot.link(link).name;
-        self.link_pose(link)
-            .ok_or_else(|| format!("link '{name}' moves, and no fresh joint state gives its pose"))
+        let why = if self.is_state_wrong {
+            "the robot_state of the message is wrong"
+        } else {
+            "no fresh joint state gives its pose"
+        };
+        self.link_pose(link).ok_or_else(|| format!("link '{name}' moves, and {why}"))
     }
 
     /// World-fixed frame that objects placed in `frame` are anchored to, if `frame` does not move with the robot. It is the parent of the
@@ -139,6 +165,10 @@ impl<'c> SceneContext<'c> {
     /// Pose by the nearest ancestor that is a link with a known pose, or by a common ancestor with the root.
     pub(super) fn by_tf(&self, above: &[Ancestor]) -> Option<Result<Pose, String>> {
         let place = |name: &str| self.link_pose(self.robot.link_by_name(name)?);
+        let nearest_link = || above.iter().find_map(|a| self.robot.link_by_name(a.name));
+        if let Some(link) = nearest_link().filter(|link| self.is_state_wrong && !self.never_moves(*link)) {
+            return Some(self.pose_of_link(link));
+        }
         if let Some((ancestor, pose_rl)) = above.iter().find_map(|a| Some((a, place(a.name)?))) {
             return Some(self.check_age(ancestor).map(|()| pose_rl * ancestor.pose_af));
         }

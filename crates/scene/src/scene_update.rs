@@ -173,6 +173,17 @@ pub struct FixedFrame {
     pub pose_pf: Pose,
 }
 
+/// Joint positions of a robot state.
+#[derive(Clone, Debug, Default)]
+pub struct StatedPositions {
+    /// Positions (rad, m), by name.
+    pub single: Vec<(String, f64)>,
+    /// Names of joints with several positions, which are given as transforms.
+    pub with_transforms: Vec<String>,
+    /// Why the positions cannot be read.
+    pub fault: Option<String>,
+}
+
 /// The robot state of a scene. Its joint positions place the frames of the scene's objects, and nothing else.
 #[derive(Clone, Debug, Default)]
 pub struct RobotStateChange {
@@ -180,8 +191,8 @@ pub struct RobotStateChange {
     pub is_diff: bool,
     /// True if it contains joint positions.
     pub names_joints: bool,
-    /// Positions (rad, m) of joints, by name: where the links are, in whose frames the scene has objects.
-    pub positions: Vec<(String, f64)>,
+    /// Positions of joints: where the links are, in whose frames the scene has objects.
+    pub positions: StatedPositions,
     /// Changes of attached objects, in order.
     pub attached: Vec<AttachedChange>,
 }

@@ -1,4 +1,5 @@
-//! Selection of bounding volumes, for the whole robot and for individual links.
+//! Selection of the kinds of bounding volumes (OBB, RSS, kIOS, …) for all bodies and for individual links, also as text. They change the
+//! time of a check, not its result.
 
 use std::collections::BTreeMap;
 use std::fmt::{self, Display};

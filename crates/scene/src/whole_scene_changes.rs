@@ -74,7 +74,7 @@ impl Scene {
             Some(Ok(poses)) => context.with_poses(Some(poses)),
             Some(Err(error)) => {
                 applied.warnings.push(format!(
-                    "robot_state.joint_state: {error}; objects in the frames of moving links are rejected"
+                    "robot_state: {error}; objects in the frames of moving links are rejected"
                 ));
                 context.with_poses(None)
             }

@@ -46,7 +46,7 @@ const MOST_PARTS: f64 = 8.0;
 /// from tracking tolerances or rounding.
 const LEAST_MOTION: f64 = 0.05;
 
-/// Largest number of intervals that wait for their evaluation (about 0.1 GB).
+/// Largest number of intervals that wait for their evaluation (about 0.1 GB), besides one for each pair.
 const MOST_WAITING: usize = 1 << 20;
 
 /// Number of evaluations between two reads of the clock.
@@ -393,9 +393,11 @@ impl ClearanceSearch<'_, '_, '_> {
 
     /// True if the search is to stop here.
     fn is_over(&mut self) -> bool {
+        let pairs = self.motion.pairs;
+        let most_waiting = MOST_WAITING + pairs.self_pairs().count() + pairs.world().number_count();
         let waiting = self.workspace.motion.queue.len();
         let SearchProgress { evaluations, stopped, unfinished, .. } = &mut *self.progress;
-        let reason = if *evaluations > self.options.budget || waiting > MOST_WAITING {
+        let reason = if *evaluations > self.options.budget || waiting > most_waiting {
             Some(UndecidedReason::Budget)
         } else if *evaluations % EVALUATIONS_PER_CLOCK_READ == 1 {
             self.options.stopped_by()

@@ -1,4 +1,4 @@
-//! Number types of PLY: size, byte order, and reading from binary records and text.
+//! Number types of PLY, PCD and point cloud messages: size, byte order, and reading a number from bytes and text.
 
 /// How a number is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -129,7 +129,11 @@ impl Surface {
     fn new(text: &str) -> Result<Self, String> {
         let mut surface = Self::default();
         // a carriage return alone ends a line, too: a comment must not hide what follows it
-        let mut lines = text.lines().flat_map(|line| line.split('\r')).map(without_comment).zip(1..);
+        let mut lines = text
+            .lines()
+            .flat_map(|line| line.trim_end_matches('\r').split('\r'))
+            .map(without_comment)
+            .zip(1..);
         while let Some(((mut line, mut continues), number)) = lines.next() {
             // a path may end in a backslash, too
             if !(continues && is_geometry(line)) {
@@ -369,7 +373,9 @@ mod tests {
         for mixed in [
             text.to_owned(),
             text.replace('\n', "\r\n"),
+            text.replace('\n', "\r\r\n"),
             text.replace('\n', "\r"),
+            text.replace("1 2 4", "1 2 \\\n4").replace('\n', "\r\r\n"),
             text.replace("# third\n", "# third\r").replace("# top\n", "# top\r"),
             text.replacen('\n', "\r", 1),
         ] {

@@ -6,7 +6,7 @@ use clearance_geometry::math::Pose;
 use clearance_robot::check_name_length;
 use clearance_scene::{
     AttachedChange, FixedFrame, MatrixEntries, ObjectChange, ObstacleShape, Operation, RobotStateChange,
-    SceneChange, SceneRejection, WorldChange, mesh, plane, solid,
+    SceneChange, SceneRejection, StatedPositions, WorldChange, mesh, plane, solid,
 };
 use ros2_interfaces_jazzy_serde::geometry_msgs::msg::{Pose as PoseMessage, TransformStamped};
 use ros2_interfaces_jazzy_serde::moveit_msgs::msg::{
@@ -153,12 +153,16 @@ pub fn robot_state_change(message: &RobotState) -> Converted<RobotStateChange> {
         separated(message.attached_collision_objects.iter().map(attached_change));
     let joints = &message.joint_state;
     let names_joints = !(joints.name.is_empty() && message.multi_dof_joint_state.joint_names.is_empty());
-    if joints.name.len() != joints.position.len() {
-        let (positions, names) = (joints.position.len(), joints.name.len());
-        let message = format!("robot_state.joint_state: {positions} positions for {names} names");
-        rejections.push(SceneRejection::new(message));
+    let (count, names) = (joints.position.len(), joints.name.len());
+    let fault = (count != names).then(|| format!("{count} positions for {names} names"));
+    if let Some(fault) = &fault {
+        rejections.push(SceneRejection::new(format!("robot_state.joint_state: {fault}")));
     }
-    let positions = joints.name.iter().cloned().zip(joints.position.iter().copied()).collect();
+    let positions = StatedPositions {
+        single: joints.name.iter().cloned().zip(joints.position.iter().copied()).collect(),
+        with_transforms: message.multi_dof_joint_state.joint_names.clone(),
+        fault,
+    };
     let change = RobotStateChange { is_diff: message.is_diff, names_joints, positions, attached };
     Converted { change, rejections }
 }

@@ -466,3 +466,19 @@ fn octomaps_are_trees_of_one_kind() {
 pub fn now() -> Now {
     Now { ros: Some(Time::from_nanoseconds(5)), steady: Duration::ZERO }
 }
+
+#[test]
+fn a_robot_state_brings_the_positions_of_its_joints() {
+    use crate::scene::scene_message_reader::{Converted, robot_state_change};
+    let mut message = ros2_interfaces_jazzy_serde::moveit_msgs::msg::RobotState::default();
+    message.joint_state.name = vec!["a".to_owned(), "b".to_owned()];
+    message.joint_state.position = vec![1.0, 2.0];
+    let Converted { change, rejections } = robot_state_change(&message);
+    assert!(rejections.is_empty() && change.positions.fault.is_none());
+    assert_eq!(change.positions.single, [("a".to_owned(), 1.0), ("b".to_owned(), 2.0)]);
+    for count in [0, 1, 3] {
+        message.joint_state.position = vec![1.0; count];
+        let Converted { change, rejections } = robot_state_change(&message);
+        assert!(rejections[0].message.contains("positions for 2 names") && change.positions.fault.is_some());
+    }
+}

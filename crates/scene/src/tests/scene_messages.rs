@@ -58,7 +58,8 @@ fn a_robot_state_that_is_no_difference_lets_go_of_everything_if_it_says_somethin
 #[test]
 fn the_robot_state_of_a_scene_places_the_frames_of_links() {
     let with = |positions: &[(&str, f64)], is_diff| {
-        let positions = positions.iter().map(|(name, q)| ((*name).to_owned(), *q)).collect();
+        let single = positions.iter().map(|(name, q)| ((*name).to_owned(), *q)).collect();
+        let positions = StatedPositions { single, ..StatedPositions::default() };
         let attached = vec![hold("hand", add("held", "base", Pose::identity()))];
         let robot_state = RobotStateChange { is_diff, names_joints: true, positions, attached };
         let objects = vec![add("a", "hand", at(0.0, 0.0, 1.0)), add("b", "flange", Pose::identity())];
@@ -81,6 +82,17 @@ fn the_robot_state_of_a_scene_places_the_frames_of_links() {
             assert!(result.unwrap_err().message.contains("'hand' moves"));
             assert_eq!((cell.names(), cell.held().len()), (vec!["b"], 0));
         }
+    }
+    for positions in [
+        StatedPositions { fault: Some("2 positions for 1 names".to_owned()), ..StatedPositions::default() },
+        StatedPositions { with_transforms: vec!["lift".to_owned()], ..StatedPositions::default() },
+    ] {
+        let robot_state = RobotStateChange { is_diff: true, positions, ..RobotStateChange::default() };
+        let objects = vec![add("a", "hand", Pose::identity()), add("b", "flange", Pose::identity())];
+        let mut cell = Cell::new();
+        let refused = cell.scene(SceneChange { robot_state, ..difference(objects, vec![]) }).unwrap_err();
+        assert!(refused.message.contains("'hand' moves, and the robot_state of the message is wrong"));
+        assert_eq!(cell.names(), ["b"]);
     }
 }
 

@@ -1,4 +1,5 @@
-//! Reader of moving obstacle files (YAML): known motions, and limits of unknown ones.
+//! Motions of obstacles, known or within limits: YAML files, validation against the world (also for service requests), and trajectories
+//! among them.
 
 use std::sync::Arc;
 
