@@ -95,6 +95,21 @@ def test_a_full_scene_replaces_the_one_before(cell, scene):
     assert scene.get("ROBOT_STATE_ATTACHED_OBJECTS").robot_state.attached_collision_objects == []
 
 
+def test_the_robot_state_of_a_scene_places_the_frames_of_links(cell, scene):
+    """As in MoveIt: an object in the frame of the tip is where the message's joint positions put the tip, not the robot's."""
+    message = diff(ball("a", 1.3, frame="tip"))
+    message.robot_state.joint_state.name = ["joint1"]
+    message.robot_state.joint_state.position = [pi / 2]
+    assert distance(scene.change(message), "tip", "a") is None
+    state = cell.evaluate(joint1=pi / 2, joint2=0)
+    assert distance(state, "tip", "a") == pytest.approx(0.1, abs=ACCURACY)
+    cell.evaluate(**STRETCHED)
+    for name, positions in (("joint", [0.0]), ("joint1", [nan]), ("joint1", [])):
+        message.robot_state.joint_state.name = [name]
+        message.robot_state.joint_state.position = positions
+        assert not scene.apply(message)
+
+
 def test_a_full_scene_keeps_what_is_held_if_its_robot_state_is_a_diff(scene):
     scene.change(attached("tip", ball("part", 1, 0.4, frame="tip"), ["tip"]))
     message = full(ball("b", 2.3, 0.3), allowed=matrix(*NEIGHBOURS))

@@ -370,7 +370,7 @@ impl Checker {
     ///
     /// `tube` is that of `check_motion`. Options: `absolute_tolerance=1e-3` (m) and `relative_tolerance=0.01`: the search ends when lower
     /// and upper bound differ by no more than the larger of the two; `max_distance` (m, infinite): larger distances do not matter;
-    /// `timeout=None` (s); `budget=10_000_000` evaluations of a pair.
+    /// `timeout=None` (s); `budget=10_000_000` evaluations of a pair, and at most a million that wait.
     #[pyo3(
         signature = (q0, q1, *, tube=None, **options),
         text_signature = "($self, q0, q1, *, tube=None, **options)"

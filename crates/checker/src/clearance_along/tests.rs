@@ -193,14 +193,21 @@ fn a_stopped_search_has_wider_bounds_and_a_reason() {
     }
 }
 
+/// A robot of one link that slides along an axis, from -1 m to 1 m.
+fn slider(geometry: &str, axis: &str) -> Arc<RobotModel> {
+    let urdf = format!(
+        "<robot name='slider'><link name='base'/>
+        <link name='arm'><collision><geometry>{geometry}</geometry></collision></link>
+        <joint name='slide' type='prismatic'><parent link='base'/><child link='arm'/><axis xyz='{axis}'/>
+          <limit lower='-1' upper='1' effort='1' velocity='1'/></joint></robot>"
+    );
+    Arc::new(RobotModel::from_urdf(&urdf, &MeshFiles::default()).unwrap())
+}
+
 /// A ball slides along x past another ball, 0.02 m from it: with a limit, nothing may be known of distances beyond it.
 #[test]
 fn a_limit_ends_the_search_with_a_proof() {
-    let urdf = "<robot name='slider'><link name='base'/>
-        <link name='arm'><collision><geometry><sphere radius='0.1'/></geometry></collision></link>
-        <joint name='slide' type='prismatic'><parent link='base'/><child link='arm'/><axis xyz='1 0 0'/>
-          <limit lower='-1' upper='1' effort='1' velocity='1'/></joint></robot>";
-    let robot = Arc::new(RobotModel::from_urdf(urdf, &MeshFiles::default()).unwrap());
+    let robot = slider("<sphere radius='0.1'/>", "1 0 0");
     for x in [0.0, 0.13, 0.37] {
         let ball = Shape::Primitive(Primitive::sphere(0.1).unwrap());
         let mut world = World::default();
@@ -446,11 +453,7 @@ fn witness_points_of_two_links_are_in_the_root_frame() {
 /// A box slides along a wall, 0.1 m from it, by 0.16 m.
 #[test]
 fn lower_bounds_within_tracking_tolerances_are_near_the_distance() {
-    let urdf = "<robot name='slider'><link name='base'/>
-        <link name='arm'><collision><geometry><box size='0.1 0.1 0.1'/></geometry></collision></link>
-        <joint name='slide' type='prismatic'><parent link='base'/><child link='arm'/><axis xyz='0 1 0'/>
-          <limit lower='-1' upper='1' effort='1' velocity='1'/></joint></robot>";
-    let robot = Arc::new(RobotModel::from_urdf(urdf, &MeshFiles::default()).unwrap());
+    let robot = slider("<box size='0.1 0.1 0.1'/>", "0 1 0");
     let wall = Shape::Primitive(Primitive::Box { half_extents: [1.0, 1.0, 1.0] });
     let mut world = World::default();
     world.add(Obstacle::of_shape("wall", Pose::translation(1.15, 0.0, 0.0), wall)).unwrap();

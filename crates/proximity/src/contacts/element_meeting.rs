@@ -1,4 +1,4 @@
-//! Meeting of two elements of two bodies: its points and normals, what they have in common, and names of corners.
+//! Meeting of two elements of two bodies: its points and normals, the intersection of the elements, and names of corners.
 
 use std::collections::HashMap;
 
@@ -14,11 +14,11 @@ pub(super) struct Meeting {
     pub normals: [Vector; 2],
     /// True if it is known which side of the surfaces is outside.
     pub has_outside: bool,
-    /// What the surfaces have in common.
+    /// Intersection of the surfaces.
     pub common: Common,
 }
 
-/// What two elements have in common.
+/// Intersection of two elements.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Common {
     /// Nothing, or a point: they are apart, or touch without crossing.
