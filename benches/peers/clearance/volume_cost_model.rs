@@ -5,8 +5,7 @@ use std::hint::black_box;
 use std::sync::Arc;
 
 use clearance::geometry::math::Pose;
-use clearance::geometry::{Shape, TriangleMesh};
-use clearance::proximity::bounding_volume::{Aabb, BoundingVolume, Capsule, Kdop18, Kios, Obb, Rss, Sphere};
+use clearance::geometry::{Shape, TriangleMesh, VolumeKind};
 use clearance::proximity::{CollisionBody, Scratch, collide, distance};
 
 /// Repetitions of a query whose time is taken; the fastest counts.
@@ -25,21 +24,13 @@ pub struct Cost {
 /// Of every volume type, for "free" and "distance", over all poses of two meshes (by gap).
 pub fn cost_model(meshes: &[Arc<TriangleMesh>; 2], poses: &BTreeMap<&str, Vec<Pose>>) -> Vec<Cost> {
     let poses: Vec<&Pose> = poses.values().flatten().collect();
-    let mut lines = Vec::new();
-    lines.extend(costs::<Obb>(meshes, &poses));
-    lines.extend(costs::<Aabb>(meshes, &poses));
-    lines.extend(costs::<Rss>(meshes, &poses));
-    lines.extend(costs::<Capsule>(meshes, &poses));
-    lines.extend(costs::<Sphere>(meshes, &poses));
-    lines.extend(costs::<Kdop18>(meshes, &poses));
-    lines.extend(costs::<Kios>(meshes, &poses));
-    lines
+    VolumeKind::ALL.into_iter().flat_map(|kind| costs(kind, meshes, &poses)).collect()
 }
 
-fn costs<B: BoundingVolume>(meshes: &[Arc<TriangleMesh>; 2], poses: &[&Pose]) -> Vec<Cost> {
+fn costs(kind: VolumeKind, meshes: &[Arc<TriangleMesh>; 2], poses: &[&Pose]) -> Vec<Cost> {
     let body = |mesh: &Arc<TriangleMesh>| {
         let shape = Shape::Mesh(Arc::clone(mesh));
-        CollisionBody::<B>::with_volumes([(&Pose::identity(), &shape)])
+        Some(CollisionBody::new([(&Pose::identity(), &shape)])?.with_volumes_of(kind, &[kind]))
     };
     let (Some(a), Some(b)) = (body(&meshes[0]), body(&meshes[1])) else { return Vec::new() };
     let free = measure(poses, |pose, scratch| {
@@ -48,7 +39,9 @@ fn costs<B: BoundingVolume>(meshes: &[Arc<TriangleMesh>; 2], poses: &[&Pose]) ->
     let far = measure(poses, |pose, scratch| {
         black_box(distance(&a, &b, pose, f64::INFINITY, scratch));
     });
-    [("free", free), ("distance", far)].map(|(question, samples)| fitted(B::NAME, question, &samples)).into()
+    [("free", free), ("distance", far)]
+        .map(|(question, samples)| fitted(kind.name(), question, &samples))
+        .into()
 }
 
 /// Volume tests, pairs of triangles screened, and the time (ns) that a query took.

@@ -30,7 +30,6 @@ use clearance_geometry::simd::prelude::*;
 use clearance_geometry::simd::{LANES, Level, Simd, dispatch, f32x8, not_beyond};
 
 use crate::body::{BodyPair, CollisionBody};
-use crate::bounding_volume::Obb;
 use crate::bvh::Visitor;
 use crate::narrow_phase::{Separation, TrianglePairs, separation_within, triangle_slack};
 use crate::search::{
@@ -244,7 +243,7 @@ impl FrontUpdate<'_> {
 fn screen_unclear<S: Simd>(
     simd: S,
     group: &Group,
-    surfaces: &mut SurfaceSurfaceVisitor<'_, '_, Obb, false>,
+    surfaces: &mut SurfaceSurfaceVisitor<'_, '_, false>,
 ) -> usize {
     let (mut eight, mut count, mut unclear) = ([group.listed[0]; LANES], 0, 0);
     for (pairs, bounds) in group.listed.chunks(LANES).zip(group.bounds.now()) {
@@ -266,7 +265,7 @@ fn screen_unclear<S: Simd>(
 }
 
 #[inline(always)]
-fn screen<S: Simd>(simd: S, pairs: &[ListedPair], surfaces: &mut SurfaceSurfaceVisitor<'_, '_, Obb, false>) {
+fn screen<S: Simd>(simd: S, pairs: &[ListedPair], surfaces: &mut SurfaceSurfaceVisitor<'_, '_, false>) {
     let corners = EightPairs::new(surfaces.a, surfaces.b, pairs);
     let (one, other) = corners.load(simd, surfaces.relative);
     let mask = u64::from(u8::MAX >> (LANES - pairs.len()));

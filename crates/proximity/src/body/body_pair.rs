@@ -3,20 +3,19 @@
 use clearance_geometry::math::MatrixPose;
 
 use super::collision_body::CollisionBody;
-use crate::bounding_volume::{BoundingVolume, Obb};
 
 /// Two bodies, the second posed in the frame of the first.
 #[derive(Clone, Copy, Debug)]
-pub struct BodyPair<'b, B: BoundingVolume = Obb> {
+pub struct BodyPair<'b> {
     /// First body; results are in its frame.
-    pub a: &'b CollisionBody<B>,
+    pub a: &'b CollisionBody,
     /// Second body.
-    pub b: &'b CollisionBody<B>,
+    pub b: &'b CollisionBody,
     /// Pose of b in the frame of a.
     pub pose_ab: &'b MatrixPose,
 }
 
-impl<B: BoundingVolume> BodyPair<'_, B> {
+impl BodyPair<'_> {
     /// True if closed meshes are solids, and either body has one.
     #[inline]
     pub(crate) fn has_inside(&self) -> bool {

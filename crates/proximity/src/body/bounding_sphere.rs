@@ -6,7 +6,6 @@ use clearance_geometry::math::{Extremes, MatrixPose, Point};
 
 use super::cube_set::CubeSet;
 use super::solid_leaf::Solid;
-use crate::bounding_volume::BoundingVolume;
 
 /// All points of a body lie within `radius` (m) of `centre`, in its frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,12 +52,11 @@ impl BoundingSphere {
     }
 
     /// `None` without content. The centre is the middle of the bounding box.
-    #[inline]
-    pub(crate) fn around<B: BoundingVolume>(
+    pub(crate) fn around(
         vertices: &[Point],
         faces: &[[u32; 3]],
         solids: &[Solid],
-        cube_sets: &[CubeSet<B>],
+        cube_sets: &[CubeSet],
     ) -> Option<Self> {
         let corners = || faces.iter().flatten().map(|&v| vertices[v as usize]);
         let of_cubes: Vec<(Point, f64)> = cube_sets.iter().map(CubeSet::ball).collect();

@@ -12,45 +12,47 @@ use super::interior::Interior;
 use super::piece::{Piece, PieceVolume, cube_pieces, solid_pieces, surface_pieces};
 use super::solid_leaf::{Solid, SolidLeaf, set_volumes_of_solids};
 use super::surface::Surface;
-use crate::bounding_volume::{BoundingVolume, Obb};
+use crate::bounding_volume::Obb;
 use crate::bvh::Tree;
 use crate::elements::{ElementId, RoundedShape};
 
 /// Collision geometry of one body in its own frame, with hierarchies of volumes `B`: triangles, solid primitives, planes, points and
 /// voxels. Immutable; threads share it.
 #[derive(Clone, Debug)]
-pub struct CollisionBody<B: BoundingVolume = Obb> {
+pub struct CollisionBody {
     /// All triangles; shared with copies of the body.
-    surface: Option<Arc<Surface<B>>>,
+    surface: Option<Arc<Surface>>,
     /// All primitives.
-    solids: Option<Tree<B, SolidLeaf>>,
+    solids: Option<Tree<Obb, SolidLeaf>>,
     /// In the frame of the body.
     planes: Vec<Plane>,
     /// Clouds of points and sets of voxels.
-    cube_sets: Vec<CubeSet<B>>,
-    interior: Option<Interior<B>>,
+    cube_sets: Vec<CubeSet>,
+    interior: Option<Interior>,
     /// Bounding sphere of everything except the planes.
     bounded: Option<BoundingSphere>,
 }
 
 impl CollisionBody {
     /// A body of shapes, each at its pose in the body's frame; `None` without shapes. Meshes are surfaces.
+    ///
+    /// # Panics
+    /// If the meshes together have more than 2³² vertices or 2³¹ triangles.
     #[must_use]
-    #[inline]
     pub fn new<'a>(shapes: impl IntoIterator<Item = (&'a Pose, &'a Shape)>) -> Option<Self> {
-        Self::with_volumes(shapes)
+        Self::of_shapes(&Vec::from_iter(shapes))
     }
 
     /// As [`Self::new`], but closed meshes are solids: a body wholly inside one touches it, if it was also built by this function. Open
     /// meshes stay surfaces.
+    ///
+    /// # Panics
+    /// As [`Self::new`].
     #[must_use]
-    #[inline]
-    pub fn with_solid_meshes<'a>(
-        shapes: impl IntoIterator<Item = (&'a Pose, &'a Shape), IntoIter: Clone>,
-    ) -> Option<Self> {
-        let shapes = shapes.into_iter();
-        let mut body = Self::new(shapes.clone())?;
-        body.interior = Some(Interior::new(shapes));
+    pub fn with_solid_meshes<'a>(shapes: impl IntoIterator<Item = (&'a Pose, &'a Shape)>) -> Option<Self> {
+        let shapes = Vec::from_iter(shapes);
+        let mut body = Self::of_shapes(&shapes)?;
+        body.interior = Some(Interior::new(&shapes));
         Some(body)
     }
 
@@ -60,7 +62,6 @@ impl CollisionBody {
     /// Two bodies of different kinds are searched with the greater one, if both have it: `kinds` are those of the bodies that this one will
     /// meet. Otherwise they are searched with boxes.
     #[must_use]
-    #[inline]
     pub fn with_volumes_of(mut self, kind: VolumeKind, kinds: &[VolumeKind]) -> Self {
         if kinds.iter().chain([&kind]).all(|kind| *kind == VolumeKind::Obb) {
             return self;
@@ -92,14 +93,13 @@ impl CollisionBody {
 
     /// The same body as [`Self::with_solid_meshes`] makes of these shapes, from which this one was built; their hierarchies are shared.
     #[must_use]
-    pub(crate) fn with_interior<'a>(&self, shapes: impl Iterator<Item = (&'a Pose, &'a Shape)>) -> Self {
+    pub(crate) fn with_interior(&self, shapes: &[(&Pose, &Shape)]) -> Self {
         Self { interior: Some(Interior::new(shapes)), ..self.clone() }
     }
 
     /// Splits the body into not many more than `most` pieces, so that a broad phase can find those that are near. Empty if it cannot be
     /// split: planes are infinite. The inside of solid meshes is not in these pieces.
     #[must_use]
-    #[inline]
     pub fn pieces(&self, most: usize) -> Vec<(Piece, PieceVolume)> {
         if self.has_planes() {
             return Vec::new();
@@ -120,7 +120,6 @@ impl CollisionBody {
     /// The volumes at a given depth below the roots of the hierarchies, and those of leaves nearer to the root, of the kind that pairs are
     /// searched with: together they contain the body except its planes.
     #[must_use]
-    #[inline]
     pub fn volumes(&self, level: usize) -> Vec<BodyVolume> {
         let surface =
             self.surface().into_iter().flat_map(|surface| BodyVolume::of_tree(surface.tree(), level));
@@ -132,20 +131,12 @@ impl CollisionBody {
         });
         surface.chain(solids).chain(cubes).collect()
     }
-}
 
-impl<B: BoundingVolume> CollisionBody<B> {
-    /// As [`CollisionBody::new`], with hierarchies of any type of volume.
-    ///
-    /// # Panics
-    /// If the meshes together have more than 2³² vertices or 2³¹ triangles.
-    #[must_use]
-    #[inline]
-    pub fn with_volumes<'a>(shapes: impl IntoIterator<Item = (&'a Pose, &'a Shape)>) -> Option<Self> {
+    fn of_shapes(shapes: &[(&Pose, &Shape)]) -> Option<Self> {
         let (mut vertices, mut faces, mut solids): (Vec<Point>, Vec<[u32; 3]>, Vec<Solid>) =
             Default::default();
-        let (mut planes, mut cube_sets): (Vec<Plane>, Vec<CubeSet<B>>) = Default::default();
-        for (pose, shape) in shapes {
+        let (mut planes, mut cube_sets): (Vec<Plane>, Vec<CubeSet>) = Default::default();
+        for &(pose, shape) in shapes {
             match shape {
                 Shape::Primitive(primitive) => solids.push(Solid { primitive: *primitive, pose: *pose }),
                 Shape::Mesh(mesh) => {
@@ -214,13 +205,13 @@ impl<B: BoundingVolume> CollisionBody<B> {
 
     /// The triangles.
     #[inline]
-    pub(crate) fn surface(&self) -> Option<&Surface<B>> {
+    pub(crate) fn surface(&self) -> Option<&Surface> {
         self.surface.as_deref()
     }
 
     /// The solid primitives.
     #[inline]
-    pub(crate) fn solids(&self) -> Option<&Tree<B, SolidLeaf>> {
+    pub(crate) fn solids(&self) -> Option<&Tree<Obb, SolidLeaf>> {
         self.solids.as_ref()
     }
 
@@ -232,13 +223,13 @@ impl<B: BoundingVolume> CollisionBody<B> {
 
     /// Clouds of points and sets of voxels.
     #[inline]
-    pub(crate) fn cube_sets(&self) -> &[CubeSet<B>] {
+    pub(crate) fn cube_sets(&self) -> &[CubeSet] {
         &self.cube_sets
     }
 
     /// The inside, if closed meshes are solids.
     #[inline]
-    pub(crate) fn interior(&self) -> Option<&Interior<B>> {
+    pub(crate) fn interior(&self) -> Option<&Interior> {
         self.interior.as_ref()
     }
 
@@ -300,7 +291,7 @@ impl<B: BoundingVolume> CollisionBody<B> {
 }
 
 /// Index of the next set.
-fn next_index<B: BoundingVolume>(sets: &[CubeSet<B>]) -> u32 {
+fn next_index(sets: &[CubeSet]) -> u32 {
     u32::try_from(sets.len()).expect("a body has few clouds")
 }
 

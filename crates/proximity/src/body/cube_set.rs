@@ -7,15 +7,15 @@ use std::sync::Arc;
 use clearance_geometry::math::{Extremes, MatrixPose, Point, Pose, Vector};
 use clearance_geometry::{Cube, PointCloud, Voxels};
 
-use crate::bounding_volume::BoundingVolume;
+use crate::bounding_volume::Obb;
 use crate::bvh::{CubeLeaf, Tree};
 use crate::elements::{CoreShape, ElementId, RoundedShape};
 
 /// Cubes along the axes of one frame, each swept by a ball of a common radius.
 #[derive(Clone, Debug)]
-pub(crate) struct CubeSet<B: BoundingVolume> {
+pub(crate) struct CubeSet {
     /// Tree of the cubes without the balls.
-    tree: Tree<B, CubeLeaf>,
+    tree: Tree<Obb, CubeLeaf>,
     /// Pose of the cubes' frame in the body.
     pose_bs: MatrixPose,
     /// Radius of the balls (m).
@@ -33,7 +33,7 @@ enum Source {
     Voxels(Arc<Voxels>),
 }
 
-impl<B: BoundingVolume> CubeSet<B> {
+impl CubeSet {
     #[inline]
     pub fn of_points(cloud: &Arc<PointCloud>, pose: &Pose, index: u32) -> Self {
         let points = cloud.points().iter().map(|centre| Cube { centre: *centre, half_edge: 0.0 });
@@ -60,7 +60,7 @@ impl<B: BoundingVolume> CubeSet<B> {
 
     /// Tree over the cubes, without the balls.
     #[inline]
-    pub fn tree(&self) -> &Tree<B, CubeLeaf> {
+    pub fn tree(&self) -> &Tree<Obb, CubeLeaf> {
         &self.tree
     }
 

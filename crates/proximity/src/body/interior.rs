@@ -6,34 +6,33 @@ use clearance_geometry::math::{MatrixPose, Point, Pose};
 use clearance_geometry::{InsideGrid, InsideTest, InsideWork, Primitive, Shape, TriangleMesh};
 
 use super::solid_leaf::{Solid, SolidLeaf};
-use crate::bounding_volume::BoundingVolume;
+use crate::bounding_volume::Obb;
 use crate::bvh::Tree;
 
 /// The closed meshes of a body, and a point of each connected part of the body.
 #[derive(Clone, Debug)]
-pub(crate) struct Interior<B: BoundingVolume> {
-    closed_meshes: Vec<ClosedMesh<B>>,
+pub(crate) struct Interior {
+    closed_meshes: Vec<ClosedMesh>,
     part_points: Vec<Point>,
     decisive_points: Vec<Point>,
 }
 
 /// A mesh with an inside, placed in its body.
 #[derive(Clone, Debug)]
-pub(crate) struct ClosedMesh<B: BoundingVolume> {
+pub(crate) struct ClosedMesh {
     mesh: Arc<TriangleMesh>,
     pose_bm: Pose,
     pose_mb: MatrixPose,
     bounds: (Point, Point),
     /// The box around the mesh, in the frame of the body.
-    outline: Tree<B, SolidLeaf>,
+    outline: Tree<Obb, SolidLeaf>,
 }
 
-impl<B: BoundingVolume> Interior<B> {
-    #[inline]
-    pub fn new<'a>(shapes: impl Iterator<Item = (&'a Pose, &'a Shape)>) -> Self {
+impl Interior {
+    pub fn new(shapes: &[(&Pose, &Shape)]) -> Self {
         let mut interior =
             Self { closed_meshes: Vec::new(), part_points: Vec::new(), decisive_points: Vec::new() };
-        for (pose, shape) in shapes {
+        for &(pose, shape) in shapes {
             match shape {
                 // no closed mesh contains a plane; cubes are searched in their tree
                 Shape::Plane(_) | Shape::Points(_) | Shape::Voxels(_) => {}
@@ -56,7 +55,7 @@ impl<B: BoundingVolume> Interior<B> {
 
     /// The meshes that are solid.
     #[inline]
-    pub fn closed_meshes(&self) -> &[ClosedMesh<B>] {
+    pub fn closed_meshes(&self) -> &[ClosedMesh] {
         &self.closed_meshes
     }
 
@@ -80,7 +79,7 @@ impl<B: BoundingVolume> Interior<B> {
     }
 }
 
-impl<B: BoundingVolume> ClosedMesh<B> {
+impl ClosedMesh {
     fn new(mesh: &Arc<TriangleMesh>, pose_bm: &Pose) -> Self {
         mesh.prepare_solid();
         let (low, high) = mesh.bounds();
@@ -105,7 +104,7 @@ impl<B: BoundingVolume> ClosedMesh<B> {
 
     /// The box around the mesh, in the frame of its body.
     #[inline]
-    pub fn outline(&self) -> &Tree<B, SolidLeaf> {
+    pub fn outline(&self) -> &Tree<Obb, SolidLeaf> {
         &self.outline
     }
 
@@ -115,18 +114,18 @@ impl<B: BoundingVolume> ClosedMesh<B> {
     }
 
     #[inline]
-    pub fn test(&self) -> MeshTest<'_, B> {
+    pub fn test(&self) -> MeshTest<'_> {
         MeshTest { mesh: self, inside: InsideTest::new(&self.mesh) }
     }
 }
 
 /// Tests points against one mesh.
-pub(crate) struct MeshTest<'i, B: BoundingVolume> {
-    mesh: &'i ClosedMesh<B>,
+pub(crate) struct MeshTest<'i> {
+    mesh: &'i ClosedMesh,
     inside: InsideTest<'i>,
 }
 
-impl<B: BoundingVolume> MeshTest<'_, B> {
+impl MeshTest<'_> {
     /// True if a point (frame of the mesh's body) is inside.
     #[inline]
     pub fn contains(&mut self, point_b: &Point) -> bool {

@@ -64,10 +64,7 @@ pub(super) fn solid_pieces(solids: &Tree<Obb, SolidLeaf>) -> impl Iterator<Item 
 
 /// Splits a surface into not many more than `most` pieces.
 #[inline]
-pub(super) fn surface_pieces(
-    surface: &Surface<Obb>,
-    most: usize,
-) -> impl Iterator<Item = (Piece, PieceVolume)> {
+pub(super) fn surface_pieces(surface: &Surface, most: usize) -> impl Iterator<Item = (Piece, PieceVolume)> {
     let (tree, pose) = (surface.tree(), MatrixPose::identity());
     let cut = cut(tree, most.min(tree.leaves().len() / LEAVES));
     cut.map(move |node| (Piece::Surface(node), box_of(tree, node, &pose, 0.0)))
@@ -75,7 +72,7 @@ pub(super) fn surface_pieces(
 
 /// Splits a set of cubes into not many more than `most` pieces.
 #[inline]
-pub(super) fn cube_pieces(cubes: &CubeSet<Obb>, most: usize) -> impl Iterator<Item = (Piece, PieceVolume)> {
+pub(super) fn cube_pieces(cubes: &CubeSet, most: usize) -> impl Iterator<Item = (Piece, PieceVolume)> {
     let tree = cubes.tree();
     let cut = cut(tree, most.min(tree.leaves().len() / LEAVES));
     cut.map(|node| {

@@ -4,22 +4,21 @@ use clearance_geometry::math::{MatrixPose, Point};
 use clearance_geometry::{Triangle, VolumeKind};
 
 use super::surface_samples::SurfaceSamples;
-use crate::bounding_volume::{BoundingVolume, Obb};
+use crate::bounding_volume::Obb;
 use crate::bvh::{Tree, TriangleLeaf};
 use crate::elements::{CoreShape, RoundedShape};
 
 /// Triangles in the order of their tree's leaves, with shared corners.
 #[derive(Clone, Debug)]
-pub(crate) struct Surface<B: BoundingVolume> {
-    tree: Tree<B, TriangleLeaf>,
+pub(crate) struct Surface {
+    tree: Tree<Obb, TriangleLeaf>,
     samples: SurfaceSamples,
     vertices: Vec<Point>,
     faces: Vec<[u32; 3]>,
 }
 
-impl<B: BoundingVolume> Surface<B> {
+impl Surface {
     /// `None` without faces.
-    #[inline]
     pub fn new(vertices: Vec<Point>, faces: &[[u32; 3]]) -> Option<Self> {
         if faces.is_empty() {
             return None;
@@ -33,7 +32,7 @@ impl<B: BoundingVolume> Surface<B> {
 
     /// Tree over the triangles.
     #[inline]
-    pub fn tree(&self) -> &Tree<B, TriangleLeaf> {
+    pub fn tree(&self) -> &Tree<Obb, TriangleLeaf> {
         &self.tree
     }
 
@@ -85,7 +84,7 @@ impl<B: BoundingVolume> Surface<B> {
     }
 }
 
-impl Surface<Obb> {
+impl Surface {
     /// Adds volumes of another kind to the tree.
     pub fn set_volumes(&mut self, kind: VolumeKind, kinds: &[VolumeKind]) {
         let Self { tree, vertices, faces, .. } = self;

@@ -133,7 +133,7 @@ mod tests {
     fn the_innermost_is_in_the_box_around_a_solid_and_none_is_passed_over() {
         let mut random = Random::new(12);
         let (vertices, faces) = ball(&mut random, 20);
-        let surface = Surface::<Obb>::new(vertices.clone(), &faces).unwrap();
+        let surface = Surface::new(vertices.clone(), &faces).unwrap();
         let samples = surface.samples();
         let (mut inside, mut outside) = (0, 0);
         for _ in 0..500 {

@@ -13,8 +13,6 @@ use super::volume_trait::BoundingVolume;
 pub struct Aabb(pub Obb);
 
 impl BoundingVolume for Aabb {
-    const NAME: &'static str = "AABB";
-
     type Pack = ObbPack;
     type Seen = SeenObbs;
     type Facing<S: Simd> = FacingObbs<S>;

@@ -43,8 +43,6 @@ pub struct FacingCapsules<S: Simd> {
 }
 
 impl BoundingVolume for Capsule {
-    const NAME: &'static str = "LSS";
-
     type Pack = CapsulePack;
     type Seen = SeenCapsules;
     type Facing<S: Simd> = FacingCapsules<S>;

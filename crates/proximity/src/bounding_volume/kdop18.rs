@@ -118,8 +118,6 @@ fn weighted<S: Simd>(simd: S, pack: &Kdop18Pack, (number, weight): (usize, f32))
 }
 
 impl BoundingVolume for Kdop18 {
-    const NAME: &'static str = "18-DOP";
-
     type Pack = Kdop18Pack;
     type Seen = SeenKdop18;
     type Facing<S: Simd> = FacingKdop18<S>;

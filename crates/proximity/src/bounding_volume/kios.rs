@@ -41,8 +41,6 @@ pub struct FacingKios<S: Simd> {
 }
 
 impl BoundingVolume for Kios {
-    const NAME: &'static str = "5-IOS";
-
     type Pack = KiosPack;
     /// In the other frame.
     type Seen = KiosPack;

@@ -51,8 +51,6 @@ pub struct FacingObbs<S: Simd> {
 }
 
 impl BoundingVolume for Obb {
-    const NAME: &'static str = "OBB";
-
     type Pack = ObbPack;
     type Seen = SeenObbs;
     type Facing<S: Simd> = FacingObbs<S>;

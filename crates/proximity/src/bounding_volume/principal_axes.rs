@@ -5,7 +5,6 @@ use clearance_geometry::math::{RotationMatrix, Vector};
 /// Right-handed axes as columns, the direction of largest spread first (eigenvectors of the covariance matrix;
 /// Gottschalk, Lin & Manocha 1996, section 4).
 #[must_use]
-#[inline]
 pub fn principal_axes(points: &[Vector]) -> RotationMatrix {
     #[allow(clippy::cast_precision_loss)] // a mean needs no more than 52 bits of the count
     let count = points.len().max(1) as f64;

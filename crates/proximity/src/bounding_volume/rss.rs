@@ -46,8 +46,6 @@ pub struct FacingRss<S: Simd> {
 }
 
 impl BoundingVolume for Rss {
-    const NAME: &'static str = "RSS";
-
     type Pack = RssPack;
     type Seen = SeenRss;
     type Facing<S: Simd> = FacingRss<S>;

@@ -42,8 +42,6 @@ pub struct FacingSpheres<S: Simd> {
 }
 
 impl BoundingVolume for Sphere {
-    const NAME: &'static str = "PSS";
-
     type Pack = SpherePack;
     type Seen = SeenSpheres;
     type Facing<S: Simd> = FacingSpheres<S>;

@@ -11,9 +11,6 @@ use super::relative::Relative;
 
 /// A bounding volume: cheap to test, and contains everything it was fitted to.
 pub trait BoundingVolume: Copy + Debug + Send + Sync + 'static {
-    /// The usual abbreviation of its name.
-    const NAME: &'static str;
-
     /// Eight volumes of one frame, structure of arrays.
     type Pack: Clone + Debug + Send + Sync;
 

@@ -8,7 +8,6 @@ use clearance_geometry::math::{Extremes, MatrixPose, Point, Vector};
 use super::candidate::{Candidate, Local, next_patch};
 use super::touching_elements::for_touching;
 use crate::body::{CollisionBody, CubeSet};
-use crate::bounding_volume::Obb;
 use crate::bvh::TreePair;
 use crate::elements::{CoreShape, RoundedShape};
 use crate::narrow_phase::separation_within;
@@ -20,7 +19,7 @@ const MOST_INSIDE: usize = 512;
 
 /// The points and voxels of one body, and the other body.
 pub(super) struct CubeContacts<'s> {
-    pub cubes: &'s [CubeSet<Obb>],
+    pub cubes: &'s [CubeSet],
     pub pose_cubes: &'s MatrixPose,
     pub cubes_are_a: bool,
     pub other: &'s CollisionBody,
@@ -47,7 +46,7 @@ impl CubeContacts<'_> {
     }
 
     /// Removes the cube that holds a point, the one with the nearest centre if there are several.
-    fn remove_cube_at(&self, known: &Point, cubes: &CubeSet<Obb>, touching: &mut BTreeMap<u32, Point>) {
+    fn remove_cube_at(&self, known: &Point, cubes: &CubeSet, touching: &mut BTreeMap<u32, Point>) {
         let from_centre = |cube: &u32| known - self.pose_cubes * cubes.centre(*cube);
         let holds = |cube: &&u32| {
             let shape = cubes.shape(**cube);
@@ -63,7 +62,7 @@ impl CubeContacts<'_> {
     }
 
     /// Indices of cubes that touch the surface, the solids or the planes of the other body, with a common point of each.
-    fn touching(&self, cubes: &CubeSet<Obb>, scratch: &mut Scratch) -> BTreeMap<u32, Point> {
+    fn touching(&self, cubes: &CubeSet, scratch: &mut Scratch) -> BTreeMap<u32, Point> {
         let mut found = BTreeMap::new();
         let pose = self.pose_other.relative(&self.pose_cubes.compose(cubes.pose_bs()));
         if let Some(surface) = self.other.surface() {
@@ -86,7 +85,7 @@ impl CubeContacts<'_> {
 
     /// Adds cubes in planes of the other body, with the point of the plane at their centre.
     #[allow(clippy::cast_possible_truncation)] // cube count fits 31 bits
-    fn add_in_planes(&self, cubes: &CubeSet<Obb>, found: &mut BTreeMap<u32, Point>) {
+    fn add_in_planes(&self, cubes: &CubeSet, found: &mut BTreeMap<u32, Point>) {
         for plane in self.other.planes() {
             let plane = plane.placed(&self.pose_cubes.relative(self.pose_other));
             for cube in 0..cubes.count() as u32 {
@@ -105,7 +104,7 @@ impl CubeContacts<'_> {
     fn add_touching(
         &self,
         element: &RoundedShape,
-        cubes: &CubeSet<Obb>,
+        cubes: &CubeSet,
         cube: u32,
         found: &mut BTreeMap<u32, Point>,
     ) -> bool {
@@ -123,7 +122,7 @@ impl CubeContacts<'_> {
 
     /// Adds cubes whose centres are inside, where surfaces do not touch.
     #[allow(clippy::cast_possible_truncation)] // cube count fits 31 bits
-    fn add_inside(&self, cubes: &CubeSet<Obb>, scratch: &mut Scratch, found: &mut BTreeMap<u32, Point>) {
+    fn add_inside(&self, cubes: &CubeSet, scratch: &mut Scratch, found: &mut BTreeMap<u32, Point>) {
         let bound = self.union.bounding_sphere();
         if !self.union.has_closed_mesh() {
             return;

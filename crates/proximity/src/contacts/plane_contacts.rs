@@ -8,7 +8,6 @@ use clearance_geometry::math::{Extremes, MatrixPose, Point, Vector};
 use super::candidate::{Candidate, Local, next_patch};
 use super::manifold::{ConvexShape, PlacedSolid};
 use crate::body::{CollisionBody, Surface};
-use crate::bounding_volume::Obb;
 use crate::bvh::Tree;
 use crate::elements::{CoreShape, RoundedShape};
 use crate::penetration_depth::ConvexSolid;
@@ -77,7 +76,7 @@ impl PlaneContact<'_> {
     }
 
     /// Vertices that are connected behind the plane belong to one patch.
-    fn add_vertices(&self, surface: &Surface<Obb>, height: impl Fn(&Point) -> f64, low: &mut Vec<Low>) {
+    fn add_vertices(&self, surface: &Surface, height: impl Fn(&Point) -> f64, low: &mut Vec<Low>) {
         let first = low.last().map_or(0, |last| last.patch + 1);
         let mut number_at: HashMap<[u64; 3], usize> = HashMap::new();
         let (mut points, mut parent): (Vec<Low>, Vec<usize>) = Default::default();

@@ -6,7 +6,6 @@ use super::chord::{Chord, Line};
 use super::surface_pair::PlacedSurface;
 use super::touching_elements::for_touching;
 use crate::body::Surface;
-use crate::bounding_volume::Obb;
 use crate::bvh::TreePair;
 use crate::search::Scratch;
 
@@ -58,7 +57,7 @@ fn hits(placed: &PlacedSurface, line: &Line, scratch: &mut Scratch) -> Vec<Hit> 
     let own = line.seen_from(pose);
     let length = surface.tree().reach() + nalgebra::distance(surface.tree().anchor(), &own.origin);
     let ends = [own.at(-length), own.at(length)];
-    let Some(segment) = Surface::<Obb>::new(ends.to_vec(), &[[0, 1, 1]]) else { return Vec::new() };
+    let Some(segment) = Surface::new(ends.to_vec(), &[[0, 1, 1]]) else { return Vec::new() };
     let relative = &segment.tree().relative(surface.tree(), &MatrixPose::identity());
     let trees = TreePair { a: segment.tree(), b: surface.tree(), relative };
     let mut found = Vec::new();

@@ -11,7 +11,6 @@ use super::element_meeting::{Common, CornerNames, Meeting, MeetingPoint, extent}
 use super::surface_chords::chord_at;
 use super::touching_elements::for_touching;
 use crate::body::Surface;
-use crate::bounding_volume::Obb;
 use crate::bvh::TreePair;
 use crate::penetration_depth::Winding;
 use crate::search::Scratch;
@@ -28,7 +27,7 @@ const INNER_LINES: usize = 8;
 /// A surface whose body is posed in the frame of the first body.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PlacedSurface<'s> {
-    pub surface: &'s Surface<Obb>,
+    pub surface: &'s Surface,
     pub winding: &'s Winding,
     pub pose: &'s MatrixPose,
 }

@@ -6,7 +6,7 @@ use clearance_geometry::simd::{LANES, Simd, not_beyond};
 use super::front_limits::FrontLimits;
 use super::listed_pair::{ListedPair, MOST};
 use crate::body::{BodyPair, SolidLeaf, Surface};
-use crate::bounding_volume::{Obb, Relative};
+use crate::bounding_volume::Relative;
 use crate::bvh::{TreePair, TriangleLeaf, Visitor};
 use crate::elements::{ElementId, ElementPair, RoundedShape};
 use crate::narrow_phase::{
@@ -130,7 +130,7 @@ impl Visitor<SolidLeaf, SolidLeaf> for SolidsAndSolids<'_, '_> {
 
 struct SolidsAndSurface<'c, 'n> {
     near: &'c mut Near<'n>,
-    surface: &'c Surface<Obb>,
+    surface: &'c Surface,
     solid_is_a: bool,
 }
 

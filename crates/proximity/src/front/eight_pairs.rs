@@ -5,7 +5,7 @@ use clearance_geometry::simd::{LANES, Simd};
 
 use super::listed_pair::ListedPair;
 use crate::body::Surface;
-use crate::bounding_volume::{Obb, Relative};
+use crate::bounding_volume::Relative;
 use crate::elements::ElementId;
 use crate::narrow_phase::LaneTriangles;
 
@@ -19,7 +19,7 @@ pub(super) struct EightPairs {
 impl EightPairs {
     /// Of fewer than eight the last is repeated.
     #[inline]
-    pub fn new(a: &Surface<Obb>, b: &Surface<Obb>, pairs: &[ListedPair]) -> Self {
+    pub fn new(a: &Surface, b: &Surface, pairs: &[ListedPair]) -> Self {
         let mut all = Self { a: [[[0.0; LANES]; 3]; 3], b: [[[0.0; LANES]; 3]; 3] };
         for lane in 0..LANES {
             let elements = pairs[lane.min(pairs.len() - 1)].elements;
@@ -32,7 +32,7 @@ impl EightPairs {
     /// A point of body a, in the frame of b's tree.
     #[allow(clippy::cast_possible_truncation)] // rounding is meant
     #[inline]
-    pub fn point_in_b(a: &Surface<Obb>, relative: &Relative, point: &Point) -> [f32; 3] {
+    pub fn point_in_b(a: &Surface, relative: &Relative, point: &Point) -> [f32; 3] {
         let p = point - a.tree().anchor();
         relative.point(&[p.x as f32, p.y as f32, p.z as f32])
     }
@@ -46,7 +46,7 @@ impl EightPairs {
 
 /// As the leaves of the surface's tree have them.
 #[allow(clippy::cast_possible_truncation)] // rounding is meant
-fn set(corners: &mut [[[f32; LANES]; 3]; 3], lane: usize, surface: &Surface<Obb>, id: ElementId) {
+fn set(corners: &mut [[[f32; LANES]; 3]; 3], lane: usize, surface: &Surface, id: ElementId) {
     let anchor = surface.tree().anchor();
     for (corner, p) in corners.iter_mut().zip(surface.triangle(id.index()).corners()) {
         for i in 0..3 {

@@ -173,11 +173,11 @@ impl SupportMap for Union {
 impl Union {
     /// `body` is built from the same shapes.
     fn new(shapes: &[(&Pose, &Shape)], body: Option<&CollisionBody>) -> Option<Self> {
-        let shapes = || shapes.iter().copied();
         let whole = match body {
-            Some(body) => body.with_interior(shapes()),
-            None => CollisionBody::with_solid_meshes(shapes())?,
+            Some(body) => body.with_interior(shapes),
+            None => CollisionBody::with_solid_meshes(shapes.iter().copied())?,
         };
+        let shapes = || shapes.iter().copied();
         let meshes = || shapes().filter(|(_, shape)| matches!(shape, Shape::Mesh(_)));
         let is_open = |shape: &Shape| matches!(shape, Shape::Mesh(mesh) if mesh.solid().remarks().is_open());
         let parts: Vec<Part> = shapes().filter_map(|(pose, shape)| Part::new(shape, pose)).collect();

@@ -3,7 +3,6 @@
 use clearance_geometry::math::{Extremes, MatrixPose};
 
 use crate::body::{BodyPair, CollisionBody};
-use crate::bounding_volume::BoundingVolume;
 use crate::narrow_phase::Separation;
 use crate::search::{Effort, Goal, Scratch, search};
 
@@ -12,22 +11,24 @@ use crate::search::{Effort, Goal, Scratch, search};
 /// Descends both trees at once, the nearer children first (Larsen, Gottschalk, Lin & Manocha 1999).
 #[must_use]
 #[inline]
-pub fn distance<B: BoundingVolume>(
-    a: &CollisionBody<B>,
-    b: &CollisionBody<B>,
+pub fn distance(
+    a: &CollisionBody,
+    b: &CollisionBody,
     pose_ab: impl Into<MatrixPose>,
     limit: f64,
     scratch: &mut Scratch,
 ) -> Option<Separation> {
-    let goal = Goal { limit, ..Goal::EXACT };
-    search::<B, false>(BodyPair { a, b, pose_ab: &pose_ab.into() }, goal, scratch).best
+    nearest(BodyPair { a, b, pose_ab: &pose_ab.into() }, limit, scratch)
+}
+
+fn nearest(bodies: BodyPair, limit: f64, scratch: &mut Scratch) -> Option<Separation> {
+    search::<false>(bodies, Goal { limit, ..Goal::EXACT }, scratch).best
 }
 
 /// As [`distance`], with tolerances or a deadline: returns bounds.
 #[must_use]
-#[inline]
-pub fn distance_bounds<B: BoundingVolume>(
-    bodies: BodyPair<B>,
+pub fn distance_bounds(
+    bodies: BodyPair,
     limit: f64,
     effort: &Effort,
     scratch: &mut Scratch,
@@ -38,7 +39,6 @@ pub fn distance_bounds<B: BoundingVolume>(
 /// As [`distance_bounds`], where points of the bodies are known to be at most `reached` (m) apart. If the search stops before anything
 /// nearer is found, the lower bound is within the tolerance of `reached`, and there is no upper bound.
 #[must_use]
-#[inline]
 pub fn distance_bounds_below(
     bodies: BodyPair,
     reached: f64,
@@ -49,8 +49,8 @@ pub fn distance_bounds_below(
     bounds(bodies, goal, scratch)
 }
 
-fn bounds<B: BoundingVolume>(bodies: BodyPair<B>, goal: Goal, scratch: &mut Scratch) -> DistanceBounds {
-    let found = search::<B, false>(bodies, goal, scratch);
+fn bounds(bodies: BodyPair, goal: Goal, scratch: &mut Scratch) -> DistanceBounds {
+    let found = search::<false>(bodies, goal, scratch);
     let certain = |upper: f64| goal.effort.lower_after(&scratch.work, upper);
     let seen = match found.best {
         Some(best) => certain(best.distance).greater(0.0),

@@ -4,7 +4,6 @@
 use clearance_geometry::math::Extremes;
 
 use crate::body::{BodyPair, Piece};
-use crate::bounding_volume::Obb;
 use crate::elements::{ElementId, ElementPair};
 use crate::narrow_phase::Separation;
 use crate::search::{
@@ -28,7 +27,6 @@ enum Elements {
 
 /// Searches a and some pieces of b, or all of b, and passes all candidates not farther apart than `limit` (m) to
 /// `collect`. Returns an upper bound (m) on the distance; infinity, if there is none.
-#[inline]
 pub fn distance_candidates(
     bodies: BodyPair,
     pieces: Option<&[Piece]>,
@@ -38,7 +36,7 @@ pub fn distance_candidates(
 ) -> f64 {
     let goal = Goal { limit, postpones: true, ..Goal::EXACT };
     let pieces = pieces.map_or(SearchedPieces::All, SearchedPieces::new);
-    let SearchResult { best, elements, .. } = search_pieces::<Obb, false>(bodies, pieces, goal, scratch);
+    let SearchResult { best, elements, .. } = search_pieces::<false>(bodies, pieces, goal, scratch);
     let mut upper = f64::from(scratch.candidates().upper());
     if let Some(best) = best {
         upper = upper.lesser(best.distance);

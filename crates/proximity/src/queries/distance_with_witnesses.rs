@@ -1,7 +1,6 @@
 //! Distance query with all witness pairs.
 
 use crate::body::BodyPair;
-use crate::bounding_volume::Obb;
 use crate::narrow_phase::Separation;
 use crate::search::{Goal, Scratch, search};
 use crate::witnesses::{WitnessOptions, WitnessPairs, collect_witnesses};
@@ -14,7 +13,6 @@ const MOST_TIES: usize = 1024;
 ///
 /// The points of the first pair belong to the returned distance; for curved primitives they are more exact than the returned ones.
 #[must_use]
-#[inline]
 pub fn distance_with_witnesses(
     bodies: BodyPair,
     limit: f64,
@@ -24,7 +22,7 @@ pub fn distance_with_witnesses(
 ) -> Option<Separation> {
     found.clear();
     let goal = Goal { limit, ties: Some((options.tolerance, MOST_TIES)), ..Goal::EXACT };
-    let nearest = search::<Obb, false>(bodies, goal, scratch).best?;
+    let nearest = search::<false>(bodies, goal, scratch).best?;
     if nearest.distance > 0.0 {
         collect_witnesses(bodies, scratch.ties().finish(nearest.distance), options, found);
         if scratch.ties().is_truncated() {

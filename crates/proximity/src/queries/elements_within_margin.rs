@@ -5,7 +5,6 @@ use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::Extremes;
 
 use crate::body::BodyPair;
-use crate::bounding_volume::Obb;
 use crate::elements::ElementPair;
 use crate::narrow_phase::{Separation, separation_within};
 use crate::search::{Goal, Scratch, search, separation_of_triangles};
@@ -13,20 +12,18 @@ use crate::search::{Goal, Scratch, search, separation_of_triangles};
 /// The distance of two bodies that come within a margin (m) of each other, and the elements that it is measured between; `None` where it
 /// belongs to no elements that [`elements_within_margin`] can test, or if the bodies are proven farther apart.
 #[must_use]
-#[inline]
 pub fn elements_found_within_margin(
     bodies: BodyPair,
     margin: f64,
     scratch: &mut Scratch,
 ) -> Option<(Separation, Option<ElementPair>)> {
-    let found = search::<Obb, false>(bodies, Goal { limit: margin, ..Goal::EXACT }, scratch);
+    let found = search::<false>(bodies, Goal { limit: margin, ..Goal::EXACT }, scratch);
     let elements = found.elements.filter(|elements| !elements.a.is_plane() && !elements.b.is_plane());
     Some((found.best?, elements))
 }
 
 /// The distance of two elements if they come within a margin (m) of each other. They are of the same bodies, at any pose.
 #[must_use]
-#[inline]
 pub fn elements_within_margin(
     bodies: BodyPair,
     elements: ElementPair,

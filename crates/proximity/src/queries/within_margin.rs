@@ -8,7 +8,6 @@ use clearance_geometry::math::{Extremes, MatrixPose};
 use super::collide::collide;
 use super::distance::DistanceBounds;
 use crate::body::{BodyPair, CollisionBody, Piece};
-use crate::bounding_volume::{BoundingVolume, Obb};
 use crate::narrow_phase::Separation;
 use crate::search::{Effort, Goal, Scratch, SearchedPieces, search, search_pieces};
 
@@ -16,23 +15,26 @@ use crate::search::{Effort, Goal, Scratch, SearchedPieces, search, search_pieces
 /// apart.
 #[must_use]
 #[inline]
-pub fn within_margin<B: BoundingVolume>(
-    a: &CollisionBody<B>,
-    b: &CollisionBody<B>,
+pub fn within_margin(
+    a: &CollisionBody,
+    b: &CollisionBody,
     pose_ab: impl Into<MatrixPose>,
     margin: f64,
     scratch: &mut Scratch,
 ) -> Option<Separation> {
+    let pose_ab = pose_ab.into();
     if margin <= 0.0 {
         return collide(a, b, pose_ab, scratch).map(Separation::touching_at);
     }
-    let goal = Goal { limit: margin, enough: margin, ..Goal::EXACT };
-    search::<B, false>(BodyPair { a, b, pose_ab: &pose_ab.into() }, goal, scratch).best
+    first_within(BodyPair { a, b, pose_ab: &pose_ab }, margin, scratch)
+}
+
+fn first_within(bodies: BodyPair, margin: f64, scratch: &mut Scratch) -> Option<Separation> {
+    search::<false>(bodies, Goal { limit: margin, enough: margin, ..Goal::EXACT }, scratch).best
 }
 
 /// As [`within_margin`], of a and some pieces of b.
 #[must_use]
-#[inline]
 pub fn pieces_within_margin(
     bodies: BodyPair,
     pieces: &[Piece],
@@ -41,18 +43,17 @@ pub fn pieces_within_margin(
 ) -> Option<Separation> {
     let pieces = SearchedPieces::new(pieces);
     if margin <= 0.0 {
-        return search_pieces::<Obb, true>(bodies, pieces, Goal::CONTACT, scratch).best;
+        return search_pieces::<true>(bodies, pieces, Goal::CONTACT, scratch).best;
     }
     let goal = Goal { limit: margin, enough: margin, ..Goal::EXACT };
-    search_pieces::<Obb, false>(bodies, pieces, goal, scratch).best
+    search_pieces::<false>(bodies, pieces, goal, scratch).best
 }
 
 /// As [`within_margin`], for a limited time. If something within `margin` was found, it is `upper`; otherwise the bodies are proven
 /// farther apart, unless `interrupted`.
 #[must_use]
-#[inline]
-pub fn margin_bounds<B: BoundingVolume>(
-    bodies: BodyPair<B>,
+pub fn margin_bounds(
+    bodies: BodyPair,
     margin: f64,
     deadline: Option<Instant>,
     scratch: &mut Scratch,
@@ -60,7 +61,7 @@ pub fn margin_bounds<B: BoundingVolume>(
     let margin = margin.greater(CONTACT_DISTANCE);
     let effort = Effort { deadline, ..Effort::default() };
     let goal = Goal { limit: margin, enough: margin, effort, ..Goal::EXACT };
-    let found = search::<B, false>(bodies, goal, scratch);
+    let found = search::<false>(bodies, goal, scratch);
     let lower = if found.best.is_some() { 0.0 } else { margin.lesser(found.unseen) };
     let interrupted = found.best.is_none() && found.unseen.is_finite();
     DistanceBounds { lower, upper: found.best, interrupted }

@@ -20,7 +20,6 @@ use super::searched_pieces::SearchedPieces;
 use super::tree_traversal::TreeTraversal;
 use super::triangle_candidates::TriangleCandidates;
 use crate::body::{BodyPair, CollisionBody, CubeSet};
-use crate::bounding_volume::BoundingVolume;
 use crate::bvh::TreePair;
 use crate::elements::ElementPair;
 use crate::narrow_phase::Separation;
@@ -38,17 +37,17 @@ pub(crate) struct SearchResult {
 
 /// Searches all pairs of elements of two bodies that matter for `goal`. With `SEPARATE` only contact matters.
 #[inline]
-pub(crate) fn search<B: BoundingVolume, const SEPARATE: bool>(
-    bodies: BodyPair<B>,
+pub(crate) fn search<const SEPARATE: bool>(
+    bodies: BodyPair,
     goal: Goal,
     scratch: &mut Scratch,
 ) -> SearchResult {
-    search_pieces::<B, SEPARATE>(bodies, SearchedPieces::All, goal, scratch)
+    search_pieces::<SEPARATE>(bodies, SearchedPieces::All, goal, scratch)
 }
 
 /// As [`search`], for a and some pieces of b.
-pub(crate) fn search_pieces<B: BoundingVolume, const SEPARATE: bool>(
-    bodies: BodyPair<B>,
+pub(crate) fn search_pieces<const SEPARATE: bool>(
+    bodies: BodyPair,
     pieces: SearchedPieces,
     goal: Goal,
     scratch: &mut Scratch,
@@ -65,12 +64,12 @@ pub(crate) fn search_pieces<B: BoundingVolume, const SEPARATE: bool>(
     let mut best_so_far = BestSoFar::new(goal, work).with_ties(ties);
     if pieces.has_elements() {
         let searched = SearchedElements { bodies, pieces, postpones: goal.postpones };
-        search_elements::<B, SEPARATE>(searched, &mut best_so_far, traversal, candidates);
+        search_elements::<SEPARATE>(searched, &mut best_so_far, traversal, candidates);
     }
     if traversal.uses_other_volumes() && best_so_far.is_settled() {
         let (best, elements, unseen) = (best_so_far.separation(), best_so_far.elements(), traversal.unseen());
         let found = SearchResult { best, elements, unseen };
-        return repeated_with_boxes::<B, SEPARATE>(bodies, pieces, goal, scratch, found);
+        return repeated_with_boxes::<SEPARATE>(bodies, pieces, goal, scratch, found);
     }
     if !best_so_far.touches() {
         match contained_point(bodies, pieces, &mut best_so_far, traversal) {
@@ -87,45 +86,45 @@ pub(crate) fn search_pieces<B: BoundingVolume, const SEPARATE: bool>(
 /// Repeats a search that ended early, at something near enough that other volumes than boxes led to: the pair of points that is found first
 /// depends on the volumes, and shall not. If the deadline passes meanwhile, `found` remains.
 #[cold]
-fn repeated_with_boxes<B: BoundingVolume, const SEPARATE: bool>(
-    bodies: BodyPair<B>,
+fn repeated_with_boxes<const SEPARATE: bool>(
+    bodies: BodyPair,
     pieces: SearchedPieces,
     goal: Goal,
     scratch: &mut Scratch,
     found: SearchResult,
 ) -> SearchResult {
     scratch.set_boxes_only(true);
-    let repeated = search_pieces::<B, SEPARATE>(bodies, pieces, goal, scratch);
+    let repeated = search_pieces::<SEPARATE>(bodies, pieces, goal, scratch);
     scratch.set_boxes_only(false);
     if repeated.best.is_some() { repeated } else { found }
 }
 
 /// Elements that are searched: all of a, and some pieces of b.
 #[derive(Clone, Copy)]
-struct SearchedElements<'s, B: BoundingVolume> {
-    bodies: BodyPair<'s, B>,
+struct SearchedElements<'s> {
+    bodies: BodyPair<'s>,
     pieces: SearchedPieces<'s>,
     /// True if triangles that may be nearest are left among the candidates.
     postpones: bool,
 }
 
 /// Searches all kinds of elements.
-fn search_elements<B: BoundingVolume, const SEPARATE: bool>(
-    SearchedElements { bodies, pieces, postpones }: SearchedElements<B>,
+fn search_elements<const SEPARATE: bool>(
+    SearchedElements { bodies, pieces, postpones }: SearchedElements,
     best_so_far: &mut BestSoFar,
     traversal: &mut TreeTraversal,
     candidates: &mut TriangleCandidates,
 ) {
     let BodyPair { a, b, pose_ab } = bodies;
     if a.has_solids() || b.has_solids() {
-        search_solids::<B, SEPARATE>(bodies, pieces, best_so_far, traversal);
+        search_solids::<SEPARATE>(bodies, pieces, best_so_far, traversal);
     }
     if let (Some(a), Some(b)) = (a.surface(), b.surface()) {
         let relative = &a.tree().relative(b.tree(), pose_ab);
         candidates.begin(if SEPARATE { None } else { Some(relative) });
         let best_so_far = &mut *best_so_far;
         let mut visitor =
-            SurfaceSurfaceVisitor::<B, SEPARATE> { a, b, pose_ab, relative, best_so_far, candidates };
+            SurfaceSurfaceVisitor::<SEPARATE> { a, b, pose_ab, relative, best_so_far, candidates };
         pieces.of_surface(b.tree().root(), traversal.starts());
         traversal.run_from_starts(TreePair { a: a.tree(), b: b.tree(), relative }, &mut visitor, 0.0);
         if postpones {
@@ -143,8 +142,8 @@ fn search_elements<B: BoundingVolume, const SEPARATE: bool>(
 }
 
 /// Searches all solids of either body.
-fn search_solids<B: BoundingVolume, const SEPARATE: bool>(
-    bodies: BodyPair<B>,
+fn search_solids<const SEPARATE: bool>(
+    bodies: BodyPair,
     pieces: SearchedPieces,
     best_so_far: &mut BestSoFar,
     traversal: &mut TreeTraversal,
@@ -161,7 +160,7 @@ fn search_solids<B: BoundingVolume, const SEPARATE: bool>(
     }
     if let (Some(solids), Some(surface)) = (a.solids(), b.surface()) {
         let relative = &solids.relative(surface.tree(), pose_ab);
-        let visitor = &mut SurfaceSolidVisitor::<B, SEPARATE> {
+        let visitor = &mut SurfaceSolidVisitor::<SEPARATE> {
             surface,
             solid_is_a: true,
             pose_ab,
@@ -174,7 +173,7 @@ fn search_solids<B: BoundingVolume, const SEPARATE: bool>(
     }
     if let (Some(surface), Some(solids)) = (a.surface(), solids_of_b) {
         let relative = &solids.relative(surface.tree(), &pose_ab.inverse());
-        let visitor = &mut SurfaceSolidVisitor::<B, SEPARATE> {
+        let visitor = &mut SurfaceSolidVisitor::<SEPARATE> {
             surface,
             solid_is_a: false,
             pose_ab,
@@ -187,8 +186,8 @@ fn search_solids<B: BoundingVolume, const SEPARATE: bool>(
 }
 
 /// Searches all cubes of either body.
-fn search_cubes<B: BoundingVolume>(
-    bodies: BodyPair<B>,
+fn search_cubes(
+    bodies: BodyPair,
     pieces: SearchedPieces,
     best_so_far: &mut BestSoFar,
     traversal: &mut TreeTraversal,
@@ -225,8 +224,8 @@ fn search_cubes<B: BoundingVolume>(
 
 /// Cubes of one body, placed in the frame of the other body.
 #[derive(Clone, Copy)]
-struct PlacedCubes<'s, B: BoundingVolume> {
-    cubes: &'s CubeSet<B>,
+struct PlacedCubes<'s> {
+    cubes: &'s CubeSet,
     /// True if the cubes belong to body a.
     cubes_are_a: bool,
     pose_ab: &'s MatrixPose,
@@ -235,9 +234,9 @@ struct PlacedCubes<'s, B: BoundingVolume> {
 }
 
 /// Searches cubes, from the start nodes, against the surface and the solids of the other body.
-fn search_placed_cubes<B: BoundingVolume>(
-    placed: PlacedCubes<B>,
-    other: &CollisionBody<B>,
+fn search_placed_cubes(
+    placed: PlacedCubes,
+    other: &CollisionBody,
     best_so_far: &mut BestSoFar,
     traversal: &mut TreeTraversal,
 ) {

@@ -12,7 +12,6 @@ use super::best_so_far::BestSoFar;
 use super::searched_pieces::SearchedPieces;
 use super::tree_traversal::TreeTraversal;
 use crate::body::{BodyPair, CubeSet, Interior, MeshTest, SolidLeaf};
-use crate::bounding_volume::BoundingVolume;
 use crate::bvh::{CubeLeaf, TreePair, Visitor};
 use crate::narrow_phase::f32_above;
 
@@ -24,9 +23,8 @@ pub(crate) struct DeadlinePassed;
 /// encloses, and the centre of each point or cube: where surfaces do not touch, the whole part is inside or outside.
 ///
 /// Of pieces of b, only the inside may contain a part of a. A part of b that is inside a mesh of a has other pieces near that mesh.
-#[inline]
-pub(crate) fn contained_point<B: BoundingVolume>(
-    bodies: BodyPair<B>,
+pub(crate) fn contained_point(
+    bodies: BodyPair,
     pieces: SearchedPieces,
     best_so_far: &mut BestSoFar,
     traversal: &mut TreeTraversal,
@@ -69,8 +67,8 @@ pub(crate) fn contained_point<B: BoundingVolume>(
 
 /// A point of a connected part that is inside the other body, of two of which one has a part inside the other; `known` is a common point
 /// (frame of a) of their insides.
-fn part_inside<B: BoundingVolume>(
-    [inside_a, inside_b]: [&Interior<B>; 2],
+fn part_inside(
+    [inside_a, inside_b]: [&Interior; 2],
     pose_ab: &MatrixPose,
     known: Point,
     best_so_far: &mut BestSoFar,
@@ -86,8 +84,8 @@ fn part_inside<B: BoundingVolume>(
 }
 
 /// The index of the first point of another body that is inside one of the meshes.
-fn first_inside<B: BoundingVolume>(
-    interior: &Interior<B>,
+fn first_inside(
+    interior: &Interior,
     points: &[Point],
     pose_to_own: &MatrixPose,
     best_so_far: &mut BestSoFar,
@@ -112,9 +110,9 @@ fn first_inside<B: BoundingVolume>(
 }
 
 /// The centre of a cube, of those below the start nodes, inside one of the meshes; in the frame of the interior's body.
-fn cube_inside<B: BoundingVolume>(
-    interior: &Interior<B>,
-    cubes: &CubeSet<B>,
+fn cube_inside(
+    interior: &Interior,
+    cubes: &CubeSet,
     pose_to_own: &MatrixPose,
     best_so_far: &mut BestSoFar,
     traversal: &mut TreeTraversal,
@@ -135,9 +133,9 @@ fn cube_inside<B: BoundingVolume>(
 }
 
 /// Finds a cube whose centre is inside a mesh, among those in the box around it.
-struct CentresInside<'i, 'w, B: BoundingVolume> {
-    test: MeshTest<'i, B>,
-    cubes: &'i CubeSet<B>,
+struct CentresInside<'i, 'w> {
+    test: MeshTest<'i>,
+    cubes: &'i CubeSet,
     /// Pose of the cubes' body in the mesh's body.
     pose_to_own: &'i MatrixPose,
     best_so_far: &'i mut BestSoFar<'w>,
@@ -145,7 +143,7 @@ struct CentresInside<'i, 'w, B: BoundingVolume> {
     is_interrupted: bool,
 }
 
-impl<B: BoundingVolume> Visitor<SolidLeaf, CubeLeaf> for CentresInside<'_, '_, B> {
+impl Visitor<SolidLeaf, CubeLeaf> for CentresInside<'_, '_> {
     const SEPARATE: bool = true;
 
     fn threshold(&self) -> f32 {

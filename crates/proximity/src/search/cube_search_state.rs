@@ -4,13 +4,13 @@ use clearance_geometry::math::MatrixPose;
 
 use super::best_so_far::BestSoFar;
 use crate::body::CubeSet;
-use crate::bounding_volume::{BoundingVolume, Relative};
+use crate::bounding_volume::Relative;
 use crate::elements::{ElementId, ElementPair, RoundedShape};
 use crate::narrow_phase::{separation_within, shortened_to_f32, widened};
 
 /// Cubes of one body, and the elements of the other body found near them. The tree of cubes is the second in a traversal.
-pub(crate) struct CubeSearch<'s, 'w, B: BoundingVolume> {
-    pub cubes: &'s CubeSet<B>,
+pub(crate) struct CubeSearch<'s, 'w> {
+    pub cubes: &'s CubeSet,
     /// True if the cubes belong to body a.
     pub cubes_are_a: bool,
     pub pose_ab: &'s MatrixPose,
@@ -21,7 +21,7 @@ pub(crate) struct CubeSearch<'s, 'w, B: BoundingVolume> {
     pub best_so_far: &'s mut BestSoFar<'w>,
 }
 
-impl<B: BoundingVolume> CubeSearch<'_, '_, B> {
+impl CubeSearch<'_, '_> {
     /// Trees farther apart than this (m) are skipped.
     #[inline]
     pub fn threshold(&self) -> f32 {

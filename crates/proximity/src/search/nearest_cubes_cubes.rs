@@ -5,18 +5,17 @@ use clearance_geometry::simd::{LANES, Simd, not_beyond};
 
 use super::cube_search_state::CubeSearch;
 use crate::body::CubeSet;
-use crate::bounding_volume::BoundingVolume;
 use crate::bvh::{CubeLeaf, Visitor};
 use crate::narrow_phase::{lower_bounds_from_cube, nearest_lane, triangle_slack};
 
 /// Finds the nearest of two sets of cubes.
-pub(crate) struct CubesCubesVisitor<'s, 'w, B: BoundingVolume> {
+pub(crate) struct CubesCubesVisitor<'s, 'w> {
     /// Cubes of the other body.
-    pub others: &'s CubeSet<B>,
-    pub search: CubeSearch<'s, 'w, B>,
+    pub others: &'s CubeSet,
+    pub search: CubeSearch<'s, 'w>,
 }
 
-impl<B: BoundingVolume> Visitor<CubeLeaf, CubeLeaf> for CubesCubesVisitor<'_, '_, B> {
+impl Visitor<CubeLeaf, CubeLeaf> for CubesCubesVisitor<'_, '_> {
     const SEPARATE: bool = false;
 
     fn threshold(&self) -> f32 {

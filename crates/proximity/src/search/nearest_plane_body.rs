@@ -8,7 +8,6 @@ use clearance_geometry::{Plane, PointPair};
 use super::best_so_far::BestSoFar;
 use super::tree_traversal::TreeTraversal;
 use crate::body::{BodyPair, CollisionBody, CubeSet, SolidLeaf, Surface};
-use crate::bounding_volume::BoundingVolume;
 use crate::bvh::{CubeLeaf, PlaneVisitor, TreePlane, TriangleLeaf};
 use crate::elements::{ElementId, ElementPair, RoundedShape};
 use crate::narrow_phase::{Separation, widened};
@@ -18,9 +17,8 @@ use crate::narrow_phase::{Separation, widened};
 const PARALLEL: f64 = 1e-14;
 
 /// Finds the elements nearest to planes of either body.
-#[inline]
-pub(crate) fn nearest_to_planes<B: BoundingVolume>(
-    bodies: BodyPair<B>,
+pub(crate) fn nearest_to_planes(
+    bodies: BodyPair,
     best_so_far: &mut BestSoFar,
     traversal: &mut TreeTraversal,
 ) {
@@ -55,7 +53,7 @@ struct PlaneSearch<'s, 'w> {
 
 impl PlaneSearch<'_, '_> {
     /// Searches the whole other body.
-    fn all_of<B: BoundingVolume>(&mut self, body: &CollisionBody<B>, traversal: &mut TreeTraversal) {
+    fn all_of(&mut self, body: &CollisionBody, traversal: &mut TreeTraversal) {
         self.best_so_far.work.volume_tests += 1;
         if body.bounded().is_none_or(|sphere| sphere.plane_bound(&self.plane) > self.best_so_far.bound()) {
             return;
@@ -117,7 +115,7 @@ impl Elements<SolidLeaf> for () {
     }
 }
 
-impl<B: BoundingVolume> Elements<TriangleLeaf> for &Surface<B> {
+impl Elements<TriangleLeaf> for &Surface {
     fn each(&self, leaf: &TriangleLeaf, mut see: impl FnMut(&RoundedShape, ElementId)) {
         for i in leaf.first..leaf.first + leaf.count {
             see(&self.shape(i), ElementId::of_triangle(i));
@@ -125,7 +123,7 @@ impl<B: BoundingVolume> Elements<TriangleLeaf> for &Surface<B> {
     }
 }
 
-impl<B: BoundingVolume> Elements<CubeLeaf> for &CubeSet<B> {
+impl Elements<CubeLeaf> for &CubeSet {
     fn each(&self, leaf: &CubeLeaf, mut see: impl FnMut(&RoundedShape, ElementId)) {
         for i in leaf.first..leaf.first + leaf.count {
             see(&self.shape(i), self.id(i));

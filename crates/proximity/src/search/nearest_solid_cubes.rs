@@ -4,15 +4,14 @@ use clearance_geometry::simd::{LANES, Simd, not_beyond};
 
 use super::cube_search_state::CubeSearch;
 use crate::body::SolidLeaf;
-use crate::bounding_volume::BoundingVolume;
 use crate::bvh::{CubeLeaf, Visitor};
 use crate::elements::ElementId;
 use crate::narrow_phase::{lower_bounds_of_cubes, nearest_lane};
 
 /// Finds the solid nearest to cubes.
-pub(crate) struct SolidCubesVisitor<'s, 'w, B: BoundingVolume>(pub CubeSearch<'s, 'w, B>);
+pub(crate) struct SolidCubesVisitor<'s, 'w>(pub CubeSearch<'s, 'w>);
 
-impl<B: BoundingVolume> Visitor<SolidLeaf, CubeLeaf> for SolidCubesVisitor<'_, '_, B> {
+impl Visitor<SolidLeaf, CubeLeaf> for SolidCubesVisitor<'_, '_> {
     const SEPARATE: bool = false;
 
     fn threshold(&self) -> f32 {

@@ -4,24 +4,23 @@ use clearance_geometry::simd::{LANES, Simd, not_beyond};
 
 use super::cube_search_state::CubeSearch;
 use crate::body::Surface;
-use crate::bounding_volume::BoundingVolume;
 use crate::bvh::{CubeLeaf, TriangleLeaf, Visitor};
 use crate::elements::ElementId;
 use crate::narrow_phase::{MovedTriangles, OneTriangle, nearest_lane, triangle_slack};
 
 /// Finds the triangle of a surface nearest to cubes.
-pub(crate) struct SurfaceCubesVisitor<'s, 'w, B: BoundingVolume> {
-    pub surface: &'s Surface<B>,
-    pub search: CubeSearch<'s, 'w, B>,
+pub(crate) struct SurfaceCubesVisitor<'s, 'w> {
+    pub surface: &'s Surface,
+    pub search: CubeSearch<'s, 'w>,
 }
 
-impl<B: BoundingVolume> SurfaceCubesVisitor<'_, '_, B> {
+impl SurfaceCubesVisitor<'_, '_> {
     fn test(&mut self, triangle: u32, cube: u32) {
         self.search.test(&self.surface.shape(triangle), ElementId::of_triangle(triangle), cube);
     }
 }
 
-impl<B: BoundingVolume> Visitor<TriangleLeaf, CubeLeaf> for SurfaceCubesVisitor<'_, '_, B> {
+impl Visitor<TriangleLeaf, CubeLeaf> for SurfaceCubesVisitor<'_, '_> {
     const SEPARATE: bool = false;
 
     fn threshold(&self) -> f32 {

@@ -5,7 +5,7 @@ use clearance_geometry::simd::{LANES, Level, Simd, dispatch, not_beyond};
 
 use super::best_so_far::BestSoFar;
 use crate::body::{SolidLeaf, Surface};
-use crate::bounding_volume::{BoundingVolume, Relative};
+use crate::bounding_volume::{Obb, Relative};
 use crate::bvh::{Leaf, Tree, TriangleLeaf, Visitor};
 use crate::elements::{ElementId, ElementPair, RoundedShape};
 use crate::narrow_phase::{lower_bounds_of_triangles, nearest_lane, separation_within};
@@ -14,8 +14,8 @@ use crate::narrow_phase::{lower_bounds_of_triangles, nearest_lane, separation_wi
 const FEW_SOLIDS: usize = 4;
 
 /// Finds the triangle of a surface nearest to a solid; with `SEPARATE` only any that touches.
-pub(crate) struct SurfaceSolidVisitor<'s, 'w, B: BoundingVolume, const SEPARATE: bool> {
-    pub surface: &'s Surface<B>,
+pub(crate) struct SurfaceSolidVisitor<'s, 'w, const SEPARATE: bool> {
+    pub surface: &'s Surface,
     /// True if the solid belongs to body a, and the surface to b.
     pub solid_is_a: bool,
     pub pose_ab: &'s MatrixPose,
@@ -24,7 +24,7 @@ pub(crate) struct SurfaceSolidVisitor<'s, 'w, B: BoundingVolume, const SEPARATE:
     pub best_so_far: &'s mut BestSoFar<'w>,
 }
 
-impl<B: BoundingVolume, const SEPARATE: bool> SurfaceSolidVisitor<'_, '_, B, SEPARATE> {
+impl<const SEPARATE: bool> SurfaceSolidVisitor<'_, '_, SEPARATE> {
     /// The direction of the best separation, in the frame of the surface's tree; its length is at most one.
     #[allow(clippy::cast_possible_truncation)] // bounds hold for any direction
     fn direction(&self) -> [f32; 3] {
@@ -37,7 +37,7 @@ impl<B: BoundingVolume, const SEPARATE: bool> SurfaceSolidVisitor<'_, '_, B, SEP
 
     /// Tests a few vertices of the surface if any contact suffices: where the bodies touch, one of them is often inside a solid.
     #[inline]
-    pub fn test_samples(&mut self, level: Level, solids: &Tree<B, SolidLeaf>) {
+    pub fn test_samples(&mut self, level: Level, solids: &Tree<Obb, SolidLeaf>) {
         if !self.best_so_far.seeks_any() || solids.leaves().len() > FEW_SOLIDS {
             return;
         }
@@ -74,9 +74,7 @@ impl<B: BoundingVolume, const SEPARATE: bool> SurfaceSolidVisitor<'_, '_, B, SEP
     }
 }
 
-impl<B: BoundingVolume, const SEPARATE: bool> Visitor<SolidLeaf, TriangleLeaf>
-    for SurfaceSolidVisitor<'_, '_, B, SEPARATE>
-{
+impl<const SEPARATE: bool> Visitor<SolidLeaf, TriangleLeaf> for SurfaceSolidVisitor<'_, '_, SEPARATE> {
     const SEPARATE: bool = SEPARATE;
 
     fn threshold(&self) -> f32 {

@@ -7,7 +7,7 @@ use clearance_geometry::simd::{LANES, Simd, f32x8, not_beyond};
 use super::best_so_far::BestSoFar;
 use super::triangle_candidates::{TriangleCandidate, TriangleCandidates};
 use crate::body::Surface;
-use crate::bounding_volume::{BoundingVolume, Relative};
+use crate::bounding_volume::Relative;
 use crate::bvh::{TriangleLeaf, Visitor};
 use crate::elements::{ElementId, ElementPair};
 use crate::narrow_phase::{LaneTriangles, MovedTriangles, Separation, TrianglePairs, triangle_slack};
@@ -16,9 +16,9 @@ use crate::narrow_phase::{LaneTriangles, MovedTriangles, Separation, TrianglePai
 ///
 /// Distances are first bounded in f32. Triangles that may be the nearest are kept as candidates until the bound no longer improves; the
 /// remaining candidates are then measured in f64.
-pub(crate) struct SurfaceSurfaceVisitor<'s, 'w, B: BoundingVolume, const SEPARATE: bool> {
-    pub a: &'s Surface<B>,
-    pub b: &'s Surface<B>,
+pub(crate) struct SurfaceSurfaceVisitor<'s, 'w, const SEPARATE: bool> {
+    pub a: &'s Surface,
+    pub b: &'s Surface,
     pub pose_ab: &'s MatrixPose,
     /// Relative pose of the trees.
     pub relative: &'s Relative,
@@ -26,7 +26,7 @@ pub(crate) struct SurfaceSurfaceVisitor<'s, 'w, B: BoundingVolume, const SEPARAT
     pub candidates: &'s mut TriangleCandidates,
 }
 
-impl<B: BoundingVolume, const SEPARATE: bool> SurfaceSurfaceVisitor<'_, '_, B, SEPARATE> {
+impl<const SEPARATE: bool> SurfaceSurfaceVisitor<'_, '_, SEPARATE> {
     fn contact(&mut self, i: u32, j: u32) {
         self.best_so_far.work.primitive_tests += 1;
         let (a, b) = (self.a.triangle(i), placed(&self.b.triangle(j), self.pose_ab));
@@ -112,9 +112,7 @@ impl<B: BoundingVolume, const SEPARATE: bool> SurfaceSurfaceVisitor<'_, '_, B, S
     }
 }
 
-impl<B: BoundingVolume, const SEPARATE: bool> Visitor<TriangleLeaf, TriangleLeaf>
-    for SurfaceSurfaceVisitor<'_, '_, B, SEPARATE>
-{
+impl<const SEPARATE: bool> Visitor<TriangleLeaf, TriangleLeaf> for SurfaceSurfaceVisitor<'_, '_, SEPARATE> {
     const SEPARATE: bool = SEPARATE;
 
     fn threshold(&self) -> f32 {

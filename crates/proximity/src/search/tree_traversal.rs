@@ -3,7 +3,7 @@
 use clearance_geometry::math::Extremes;
 use clearance_geometry::simd::{Level, dispatch};
 
-use crate::bounding_volume::BoundingVolume;
+use crate::bounding_volume::Obb;
 use crate::bvh::{
     Entry, NodeRef, PlaneVisitor, Tree, TreePair, TreePlane, Visitor, VolumeTreePair, traverse,
     traverse_to_plane,
@@ -86,19 +86,15 @@ impl TreeTraversal {
     }
 
     /// Passes the near leaves of both trees to a visitor.
-    pub fn run<B: BoundingVolume, LA, LB, V: Visitor<LA, LB>>(
-        &mut self,
-        trees: TreePair<B, LA, LB>,
-        visitor: &mut V,
-    ) {
+    pub fn run<LA, LB, V: Visitor<LA, LB>>(&mut self, trees: TreePair<Obb, LA, LB>, visitor: &mut V) {
         self.start_at(trees.b.root());
         self.run_from_starts(trees, visitor, 0.0);
     }
 
     /// As [`Self::run`], but in the second tree from its start nodes. Balls around the trees' elements reduce distances by `radius` (m).
-    pub fn run_from_starts<B: BoundingVolume, LA, LB, V: Visitor<LA, LB>>(
+    pub fn run_from_starts<LA, LB, V: Visitor<LA, LB>>(
         &mut self,
-        trees: TreePair<B, LA, LB>,
+        trees: TreePair<Obb, LA, LB>,
         visitor: &mut V,
         radius: f64,
     ) {
@@ -118,9 +114,9 @@ impl TreeTraversal {
 
     /// Passes the leaves of a tree that may be near a plane to a visitor.
     #[inline]
-    pub fn run_to_plane<B: BoundingVolume, L, V: PlaneVisitor<L>>(
+    pub fn run_to_plane<L, V: PlaneVisitor<L>>(
         &mut self,
-        tree: &Tree<B, L>,
+        tree: &Tree<Obb, L>,
         plane: &TreePlane,
         visitor: &mut V,
         radius: f64,

@@ -10,7 +10,6 @@ impl Chain {
     /// # Panics
     /// If a joint names a link beyond `needed`, or its parent does not have a pose yet.
     #[must_use]
-    #[inline]
     pub fn compile(root: usize, joints: &[ChainJoint], needed: &[bool]) -> Self {
         let mut draft = Draft::new(root, joints, needed.len());
         draft.drop_unneeded(needed);
