@@ -4,7 +4,7 @@
 //! meets the surface on both sides of the point. So a convex shape that contains the surface in a cell contains the inside of the solid in
 //! this cell, too.
 
-use clearance_geometry::math::{Extremes, Point, RotationMatrix, Vector};
+use clearance_geometry::math::{Extremes, Point, RotationMatrix, Vector, symmetric_eigen};
 
 /// The triangles in a cell (m), cut at its planes.
 #[derive(Clone, Debug)]
@@ -69,7 +69,7 @@ pub fn principal_axes(triangles: &[[Point; 3]]) -> [Vector; 3] {
         }
     }
     let mean = mean / weight;
-    let eigen = (squares / weight - mean * mean.transpose()).symmetric_eigen();
+    let eigen = symmetric_eigen(&(squares / weight - mean * mean.transpose()));
     let mut order = [0, 1, 2];
     order.sort_by(|i, j| eigen.eigenvalues[*j].total_cmp(&eigen.eigenvalues[*i]));
     order.map(|i| eigen.eigenvectors.column(i).into_owned())

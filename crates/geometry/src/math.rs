@@ -24,6 +24,14 @@ pub type RotationMatrix = nalgebra::Matrix3<f64>;
 /// The pose of one frame in another.
 pub type Pose = nalgebra::Isometry3<f64>;
 
+/// Eigenvalues and eigenvectors (columns, of length one) of a symmetric matrix, in no particular order.
+///
+/// The method of nalgebra is generic, and long: called here, it is compiled once.
+#[must_use]
+pub fn symmetric_eigen(matrix: &nalgebra::Matrix3<f64>) -> nalgebra::SymmetricEigen<f64, nalgebra::U3> {
+    matrix.symmetric_eigen()
+}
+
 /// The equivalent angle (rad) between minus half a turn and half a turn.
 #[must_use]
 pub fn without_whole_turns(angle: f64) -> f64 {

@@ -1,6 +1,6 @@
 //! Fits a tight capsule around points or shapes.
 
-use clearance_geometry::math::{Extremes, Point, Pose, RotationMatrix, UnitVector, Vector};
+use clearance_geometry::math::{Extremes, Point, Pose, RotationMatrix, UnitVector, Vector, symmetric_eigen};
 use clearance_geometry::{Primitive, Shape};
 use nalgebra::Vector2;
 
@@ -62,7 +62,7 @@ pub fn fit_capsule(points: &[Point]) -> Option<LinkCapsule> {
     let mean = points.iter().map(|p| p.coords).sum::<Vector>() / f64::from(count);
     let spread: RotationMatrix =
         points.iter().map(|p| (p.coords - mean) * (p.coords - mean).transpose()).sum();
-    let axes = spread.symmetric_eigen().eigenvectors;
+    let axes = symmetric_eigen(&spread).eigenvectors;
     let principal =
         (0..3).map(|i| along(points, mean, &UnitVector::new_normalize(axes.column(i).into_owned())));
     let mut best = principal.min_by(Fit::by_volume)?;

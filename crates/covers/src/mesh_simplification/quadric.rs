@@ -1,6 +1,6 @@
 //! Sums of squared distances from planes (Garland and Heckbert 1997, *Surface simplification using quadric error metrics*).
 
-use clearance_geometry::math::{Point, RotationMatrix, Vector};
+use clearance_geometry::math::{Point, RotationMatrix, Vector, symmetric_eigen};
 
 /// Eigenvalues below this part of the largest count as zero: planes that differ by less than half a degree are one plane.
 const FLAT: f64 = 1e-4;
@@ -46,7 +46,7 @@ impl Quadric {
     /// The point with the least value; where several have it, the nearest to `start`.
     pub fn least(&self, start: &Point) -> Point {
         let slope = self.matrix * start.coords + self.vector;
-        let eigen = self.matrix.symmetric_eigen();
+        let eigen = symmetric_eigen(&self.matrix);
         let least = FLAT * eigen.eigenvalues.amax();
         let mut point = *start;
         for (value, axis) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {

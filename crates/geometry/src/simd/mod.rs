@@ -36,8 +36,20 @@ pub fn baseline() -> Level {
 
 /// Evaluates an expression that is compiled for AVX2 and for the baseline, at the level of this machine. AVX-512 gains little for vectors
 /// of eight f32, slows the scalar code between them, and its compilers have errors (`math/extremes.rs`).
+///
+/// With `baseline` in place of a level it is compiled for the baseline only: for code that is large, and whose time is spent elsewhere.
 #[macro_export]
 macro_rules! dispatch {
+    (baseline, $simd:ident => $body:expr) => {{
+        let level = $crate::simd::baseline();
+        #[cfg(target_arch = "x86_64")]
+        {
+            let $simd = level.as_sse2().expect("every x86-64 has SSE2");
+            $crate::simd::Simd::vectorize($simd, #[inline(always)] || $body)
+        }
+        #[cfg(not(target_arch = "x86_64"))]
+        $crate::simd::fearless_simd::dispatch!(level, $simd => $body)
+    }};
     ($level:expr, $simd:ident => $body:expr) => {{
         #[cfg(target_arch = "x86_64")]
         {

@@ -1,6 +1,6 @@
 //! Principal axes: the directions in which points spread most.
 
-use clearance_geometry::math::{RotationMatrix, Vector};
+use clearance_geometry::math::{RotationMatrix, Vector, symmetric_eigen};
 
 /// Right-handed axes as columns, the direction of largest spread first (eigenvectors of the covariance matrix;
 /// Gottschalk, Lin & Manocha 1996, section 4).
@@ -17,7 +17,7 @@ pub fn principal_axes(points: &[Vector]) -> RotationMatrix {
     if scale == 0.0 || !scale.is_finite() {
         return RotationMatrix::identity();
     }
-    let eigen = (covariance / scale).symmetric_eigen();
+    let eigen = symmetric_eigen(&(covariance / scale));
     let mut order = [0, 1, 2];
     order.sort_by(|&i, &j| eigen.eigenvalues[j].total_cmp(&eigen.eigenvalues[i]));
     orthonormal(&eigen.eigenvectors.column(order[0]).into(), &eigen.eigenvectors.column(order[1]).into())

@@ -68,14 +68,14 @@ impl CubeContacts<'_> {
         if let Some(surface) = self.other.surface() {
             let relative = &surface.tree().relative(cubes.tree(), &pose);
             let trees = TreePair { a: surface.tree(), b: cubes.tree(), relative };
-            for_touching(trees, self.margin, cubes.radius(), scratch, |triangle, cube| {
+            for_touching(trees, self.margin, cubes.radius(), scratch, &mut |triangle, cube| {
                 self.add_touching(&surface.shape(triangle), cubes, cube, &mut found)
             });
         }
         if let Some(solids) = self.other.solids() {
             let relative = &solids.relative(cubes.tree(), &pose);
             let trees = TreePair { a: solids, b: cubes.tree(), relative };
-            for_touching(trees, self.margin, cubes.radius(), scratch, |solid, cube| {
+            for_touching(trees, self.margin, cubes.radius(), scratch, &mut |solid, cube| {
                 self.add_touching(&solids.leaves()[solid as usize].content.shape, cubes, cube, &mut found)
             });
         }

@@ -237,7 +237,7 @@ impl<'q> ContactSearch<'q> {
         let (Some(a), Some(b)) = (a.solids(), b.solids()) else { return };
         let relative = &a.relative(b, pose_ab);
         let (mut touching, margin) = (Vec::new(), self.query.margin);
-        for_touching(TreePair { a, b, relative }, margin, 0.0, scratch, |i, j| {
+        for_touching(TreePair { a, b, relative }, margin, 0.0, scratch, &mut |i, j| {
             let shapes = (a.leaves()[i as usize].content.shape, b.leaves()[j as usize].content.shape);
             let normal = normal_of(&shapes.0, &shapes.1, pose_ab, margin);
             touching.extend(normal.map(|normal| (shapes, normal)));

@@ -61,7 +61,7 @@ fn hits(placed: &PlacedSurface, line: &Line, scratch: &mut Scratch) -> Vec<Hit> 
     let relative = &segment.tree().relative(surface.tree(), &MatrixPose::identity());
     let trees = TreePair { a: segment.tree(), b: surface.tree(), relative };
     let mut found = Vec::new();
-    for_touching(trees, 0.0, 0.0, scratch, |_, index| {
+    for_touching(trees, 0.0, 0.0, scratch, &mut |_, index| {
         let triangle = surface.triangle(index);
         let sign = winding.sign(surface.corners(index));
         let Some((sign, point)) = sign.zip(triangle.pierced_by(&ends)) else { return false };

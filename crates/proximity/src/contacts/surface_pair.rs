@@ -70,7 +70,7 @@ impl<'s> SurfacePair<'s> {
         let relative = &a.surface.tree().relative(b.surface.tree(), &pose_ab);
         let trees = TreePair { a: a.surface.tree(), b: b.surface.tree(), relative };
         let (mut meetings, mut names) = (Vec::new(), CornerNames::default());
-        for_touching(trees, margin, 0.0, scratch, |i, j| {
+        for_touching(trees, margin, 0.0, scratch, &mut |i, j| {
             let found = meeting(&a, &b, [i, j], margin, &mut names);
             let meets = found.is_some();
             meetings.extend(found);

@@ -107,7 +107,7 @@ impl SurfaceAndSolids<'_> {
         let relative = &self.solids.relative(surface.tree(), &pose);
         let trees = TreePair { a: self.solids, b: surface.tree(), relative };
         let (mut faces, mut names) = (Vec::new(), CornerNames::default());
-        for_touching(trees, self.margin, 0.0, scratch, |solid, triangle| {
+        for_touching(trees, self.margin, 0.0, scratch, &mut |solid, triangle| {
             let found = self.face([solid, triangle], fallback, &mut names);
             let meets = found.is_some();
             faces.extend(found);

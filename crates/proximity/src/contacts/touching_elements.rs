@@ -30,44 +30,42 @@ const SHARED_LEVEL: usize = 2;
 
 /// Passes the indices of all elements that may come within `reach` (m) to `meets`, which returns whether they do. Balls of `radius` (m)
 /// around the elements of the second tree count.
-pub(super) fn for_touching<LA, LB, F>(
+pub(super) fn for_touching<LA, LB>(
     trees: TreePair<Obb, LA, LB>,
     reach: f64,
     radius: f64,
     scratch: &mut Scratch,
-    meets: F,
+    meets: &mut dyn FnMut(u32, u32) -> bool,
 ) where
-    F: FnMut(u32, u32) -> bool,
-    for<'w> TouchingElements<'w, F, true>: Visitor<LA, LB>,
-    for<'w> TouchingElements<'w, F, false>: Visitor<LA, LB>,
+    for<'w> TouchingElements<'w, true>: Visitor<LA, LB>,
+    for<'w> TouchingElements<'w, false>: Visitor<LA, LB>,
 {
     if reach + radius > CONTACT_DISTANCE {
-        run::<LA, LB, F, false>(trees, reach, radius, scratch, meets);
+        run::<LA, LB, false>(trees, reach, radius, scratch, meets);
     } else {
-        run::<LA, LB, F, true>(trees, reach, radius, scratch, meets);
+        run::<LA, LB, true>(trees, reach, radius, scratch, meets);
     }
 }
 
-fn run<LA, LB, F, const SEPARATE: bool>(
+fn run<LA, LB, const SEPARATE: bool>(
     trees: TreePair<Obb, LA, LB>,
     reach: f64,
     radius: f64,
     scratch: &mut Scratch,
-    meets: F,
+    meets: &mut dyn FnMut(u32, u32) -> bool,
 ) where
-    F: FnMut(u32, u32) -> bool,
-    for<'w> TouchingElements<'w, F, SEPARATE>: Visitor<LA, LB>,
+    for<'w> TouchingElements<'w, SEPARATE>: Visitor<LA, LB>,
 {
     let ScratchParts { work, traversal, .. } = scratch.begin();
     let starts = starts(trees.b);
     let share = Share { steps: MOST_STEPS / starts.len(), pairs: MOST_PAIRS / starts.len() };
     let threshold = widened(f32_above(reach.greater(CONTACT_DISTANCE)), radius);
     let mut visitor =
-        TouchingElements::<F, SEPARATE> { threshold, relative: trees.relative, left: share, meets, work };
+        TouchingElements::<SEPARATE> { threshold, relative: trees.relative, left: share, meets, work };
     for start in starts {
         visitor.left = share;
         traversal.start_at(start);
-        traversal.run_from_starts(trees, &mut visitor, radius);
+        traversal.enumerate_from_starts(trees, &mut visitor, radius);
     }
 }
 
@@ -84,17 +82,17 @@ struct Share {
 }
 
 /// Visitor that passes on pairs of elements; with `SEPARATE` only those that touch.
-pub(super) struct TouchingElements<'w, F, const SEPARATE: bool> {
+pub(super) struct TouchingElements<'w, const SEPARATE: bool> {
     /// Elements farther apart than this (m) are left out.
     threshold: f32,
     /// Pose of the first tree in the second.
     relative: &'w Relative,
     left: Share,
-    meets: F,
+    meets: &'w mut dyn FnMut(u32, u32) -> bool,
     work: &'w mut Work,
 }
 
-impl<F: FnMut(u32, u32) -> bool, const SEPARATE: bool> TouchingElements<'_, F, SEPARATE> {
+impl<const SEPARATE: bool> TouchingElements<'_, SEPARATE> {
     /// Passes on element `a` with those elements after `first` of the other leaf that a bit mask selects.
     fn offer(&mut self, a: u32, first: u32, mut near: u64) {
         while near != 0 && self.left.pairs > 0 {
@@ -140,9 +138,7 @@ fn bits(mut mask: u64) -> impl Iterator<Item = u32> {
     })
 }
 
-impl<F: FnMut(u32, u32) -> bool, const SEPARATE: bool> Visitor<TriangleLeaf, TriangleLeaf>
-    for TouchingElements<'_, F, SEPARATE>
-{
+impl<const SEPARATE: bool> Visitor<TriangleLeaf, TriangleLeaf> for TouchingElements<'_, SEPARATE> {
     of_any_elements!();
 
     #[inline(always)]
@@ -167,9 +163,7 @@ impl<F: FnMut(u32, u32) -> bool, const SEPARATE: bool> Visitor<TriangleLeaf, Tri
     }
 }
 
-impl<F: FnMut(u32, u32) -> bool, const SEPARATE: bool> Visitor<SolidLeaf, TriangleLeaf>
-    for TouchingElements<'_, F, SEPARATE>
-{
+impl<const SEPARATE: bool> Visitor<SolidLeaf, TriangleLeaf> for TouchingElements<'_, SEPARATE> {
     of_any_elements!();
 
     #[inline(always)]
@@ -180,9 +174,7 @@ impl<F: FnMut(u32, u32) -> bool, const SEPARATE: bool> Visitor<SolidLeaf, Triang
     }
 }
 
-impl<F: FnMut(u32, u32) -> bool, const SEPARATE: bool> Visitor<SolidLeaf, SolidLeaf>
-    for TouchingElements<'_, F, SEPARATE>
-{
+impl<const SEPARATE: bool> Visitor<SolidLeaf, SolidLeaf> for TouchingElements<'_, SEPARATE> {
     of_any_elements!();
 
     #[inline(always)]
@@ -191,9 +183,7 @@ impl<F: FnMut(u32, u32) -> bool, const SEPARATE: bool> Visitor<SolidLeaf, SolidL
     }
 }
 
-impl<F: FnMut(u32, u32) -> bool, const SEPARATE: bool> Visitor<SolidLeaf, CubeLeaf>
-    for TouchingElements<'_, F, SEPARATE>
-{
+impl<const SEPARATE: bool> Visitor<SolidLeaf, CubeLeaf> for TouchingElements<'_, SEPARATE> {
     of_any_elements!();
 
     #[inline(always)]
@@ -204,9 +194,7 @@ impl<F: FnMut(u32, u32) -> bool, const SEPARATE: bool> Visitor<SolidLeaf, CubeLe
     }
 }
 
-impl<F: FnMut(u32, u32) -> bool, const SEPARATE: bool> Visitor<TriangleLeaf, CubeLeaf>
-    for TouchingElements<'_, F, SEPARATE>
-{
+impl<const SEPARATE: bool> Visitor<TriangleLeaf, CubeLeaf> for TouchingElements<'_, SEPARATE> {
     of_any_elements!();
 
     #[inline(always)]

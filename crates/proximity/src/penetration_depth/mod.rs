@@ -137,7 +137,16 @@ pub fn penetration_depth(
     margin: f64,
     scratch: &mut Scratch,
 ) -> Option<PenetrationDepth> {
-    let pose_ab = &pose_ab.into();
+    deepest(a, b, &pose_ab.into(), margin, scratch)
+}
+
+fn deepest(
+    a: &SolidBody,
+    b: &SolidBody,
+    pose_ab: &MatrixPose,
+    margin: f64,
+    scratch: &mut Scratch,
+) -> Option<PenetrationDepth> {
     let pose_ba = &pose_ab.inverse();
     let unions = a.union.as_ref().zip(b.union.as_ref());
     let of_unions = unions.and_then(|(a, b)| depth_of_unions([a, b], pose_ab, margin, scratch));

@@ -34,9 +34,7 @@ pub fn distance_candidates(
     scratch: &mut Scratch,
     mut collect: impl FnMut(DistanceCandidate),
 ) -> f64 {
-    let goal = Goal { limit, postpones: true, ..Goal::EXACT };
-    let pieces = pieces.map_or(SearchedPieces::All, SearchedPieces::new);
-    let SearchResult { best, elements, .. } = search_pieces::<false>(bodies, pieces, goal, scratch);
+    let SearchResult { best, elements, .. } = search_postponed(bodies, pieces, limit, scratch);
     let mut upper = f64::from(scratch.candidates().upper());
     if let Some(best) = best {
         upper = upper.lesser(best.distance);
@@ -49,6 +47,17 @@ pub fn distance_candidates(
         }
     }
     upper
+}
+
+/// Searches without measuring triangles: those that may be nearest are left among the candidates.
+fn search_postponed(
+    bodies: BodyPair,
+    pieces: Option<&[Piece]>,
+    limit: f64,
+    scratch: &mut Scratch,
+) -> SearchResult {
+    let pieces = pieces.map_or(SearchedPieces::All, SearchedPieces::new);
+    search_pieces::<false>(bodies, pieces, Goal { limit, postpones: true, ..Goal::EXACT }, scratch)
 }
 
 impl DistanceCandidate {

@@ -24,6 +24,7 @@ pub fn elements_found_within_margin(
 
 /// The distance of two elements if they come within a margin (m) of each other. They are of the same bodies, at any pose.
 #[must_use]
+#[inline]
 pub fn elements_within_margin(
     bodies: BodyPair,
     elements: ElementPair,

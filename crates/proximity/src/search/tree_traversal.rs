@@ -112,6 +112,22 @@ impl TreeTraversal {
         self.note_unseen(radius);
     }
 
+    /// As [`Self::run_from_starts`], but always with boxes and at the baseline of SIMD: for visitors that spend more time on a pair of
+    /// elements than its discovery takes.
+    pub fn enumerate_from_starts<LA, LB, V: Visitor<LA, LB>>(
+        &mut self,
+        trees: TreePair<Obb, LA, LB>,
+        visitor: &mut V,
+        radius: f64,
+    ) {
+        if visitor.threshold() == f32::NEG_INFINITY || self.starts.is_empty() {
+            return;
+        }
+        let (stack, starts) = (&mut self.stack, &*self.starts);
+        dispatch!(baseline, simd => traverse(simd, (trees, trees), starts, stack, visitor));
+        self.note_unseen(radius);
+    }
+
     /// Passes the leaves of a tree that may be near a plane to a visitor.
     #[inline]
     pub fn run_to_plane<L, V: PlaneVisitor<L>>(
