@@ -1,4 +1,3 @@
-//! Library of the fuzz targets: one function for each input format.
-//! See `README.md`.
+//! Library of the fuzz targets; their functions are in `inputs`. See `README.md`.
 
 pub mod inputs;

@@ -123,7 +123,7 @@ pub fn run(args: &AcmArgs) -> Result<ExitStatus, Failure> {
     })?;
     kept?;
     let all_decided = document.pairs.iter().all(|pair| pair.decision.is_final());
-    Ok(ExitStatus::from(u8::from(!all_decided)))
+    Ok(ExitStatus::of_answer(all_decided))
 }
 
 impl AcmArgs {
@@ -250,7 +250,7 @@ impl AcmArgs {
             Format::Json => output.json(),
             Format::Text => output.text(),
         })?;
-        Ok(ExitStatus::from(u8::from(output.is_refuted())))
+        Ok(ExitStatus::of_answer(!output.is_refuted()))
     }
 
     /// The SRDF that entries are added to, read before anything is decided.

@@ -123,7 +123,7 @@ pub fn run(args: &CheckArgs) -> Result<ExitStatus, Failure> {
         Format::Text => print_line(&text(&output, &checker))?,
     }
     let all_free = reports.iter().all(CollisionReport::is_free);
-    Ok(ExitStatus::from(u8::from(!all_free)))
+    Ok(ExitStatus::of_answer(all_free))
 }
 
 /// Contacts and derivatives by state, where they were requested.

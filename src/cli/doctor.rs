@@ -56,7 +56,7 @@ pub fn run(args: &DoctorArgs, level: LevelFilter) -> Result<ExitStatus, Failure>
         Format::Text => findings.iter().try_for_each(print_finding)?,
     }
     let is_wrong = findings.iter().any(|finding| finding.verdict == Verdict::Wrong);
-    Ok(ExitStatus::from(u8::from(is_wrong)))
+    Ok(ExitStatus::of_answer(!is_wrong))
 }
 
 /// Time limit (s) of the checks of a robot's geometry.

@@ -33,10 +33,10 @@ impl Failure {
 
     pub fn exit_code(&self) -> ExitStatus {
         match self {
-            Self::Input(_) | Self::Faults(_) => ExitStatus::from(2),
-            Self::Internal(_) => ExitStatus::from(3),
-            Self::IncompleteRecording(_) => ExitStatus::from(4),
-            Self::OutOfMemory(_) => ExitStatus::from(5),
+            Self::Input(_) | Self::Faults(_) => ExitStatus::INVALID_INPUT,
+            Self::Internal(_) => ExitStatus::INTERNAL_ERROR,
+            Self::IncompleteRecording(_) => ExitStatus::INCOMPLETE_RECORDING,
+            Self::OutOfMemory(_) => ExitStatus::OUT_OF_MEMORY,
         }
     }
 }

@@ -87,7 +87,7 @@ pub fn run(args: &LintArgs) -> Result<ExitStatus, Failure> {
         text(&report).iter().try_for_each(|line| print_line(line))?;
     }
     let is_wrong = report.count(Severity::Error) > 0 || (args.strict && report.count(Severity::Warning) > 0);
-    Ok(ExitStatus::from(u8::from(is_wrong)))
+    Ok(ExitStatus::of_answer(!is_wrong))
 }
 
 impl LintArgs {

@@ -63,7 +63,7 @@ pub fn reject_for_motion(format: Format) -> Result<ExitStatus, Failure> {
         Format::Text => format!("NOT PROVEN: {reason}"),
         Format::Json => json!({"verified": false, "reason": reason}).to_string(),
     })?;
-    Ok(ExitStatus::from(1))
+    Ok(ExitStatus::NEGATIVE)
 }
 
 /// Verifies every proof, on all processors. Exit code 0: all hold; 1: one does not, and the reason is printed.
@@ -95,7 +95,7 @@ pub fn run(
             json!({"verified": false, "reason": rejection.to_string()}).to_string()
         }
     })?;
-    Ok(ExitStatus::from(u8::from(!is_proven)))
+    Ok(ExitStatus::of_answer(is_proven))
 }
 
 /// The number of proven boxes.

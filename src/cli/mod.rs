@@ -140,11 +140,11 @@ fn reject(error: &clap::Error, command_line: &[OsString]) -> ExitStatus {
     let given: Vec<String> = command_line.iter().map(|a| a.to_string_lossy().into_owned()).collect();
     if let Some(hint) = stray.and_then(|stray| assignments::unquoted(&given, stray)) {
         eprintln!("clearance: {hint}");
-        return ExitStatus::from(2);
+        return ExitStatus::INVALID_INPUT;
     }
     // a closed pipe is not an error
     let _ = error.print();
-    ExitStatus::from(if error.use_stderr() { 2 } else { 0 })
+    if error.use_stderr() { ExitStatus::INVALID_INPUT } else { ExitStatus::SUCCESS }
 }
 
 fn dispatch(arguments: Arguments) -> Result<ExitStatus, Failure> {

@@ -204,7 +204,7 @@ pub fn run(args: &MotionArgs) -> Result<ExitStatus, Failure> {
         Format::Text => print_line(&text(&output))?,
     }
     let all_free = reports.iter().all(TrajectoryReport::is_free);
-    Ok(ExitStatus::from(u8::from(!all_free)))
+    Ok(ExitStatus::of_answer(all_free))
 }
 
 impl MotionArgs {

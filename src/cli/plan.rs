@@ -160,7 +160,7 @@ pub fn run(args: &PlanArgs) -> Result<ExitStatus, Failure> {
         Format::Json => print_line(&serde_json::to_string(&output).map_err(internal)?)?,
         Format::Text => print_line(&text(&output))?,
     }
-    Ok(ExitStatus::from(u8::from(!matches!(plan, Plan::Found(_)))))
+    Ok(ExitStatus::of_answer(matches!(plan, Plan::Found(_))))
 }
 
 impl PlanArgs {

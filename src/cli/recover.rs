@@ -126,7 +126,7 @@ pub fn run(args: &RecoverArgs) -> Result<ExitStatus, Failure> {
         Format::Text => print_line(&text(&output, &states))?,
     }
     let all_free = !found.iter().any(|recovery| matches!(recovery, Recovery::NoneFound(_)));
-    Ok(ExitStatus::from(u8::from(!all_free)))
+    Ok(ExitStatus::of_answer(all_free))
 }
 
 impl RecoverArgs {

@@ -49,7 +49,7 @@ pub fn run(args: &ReplayArgs) -> Result<ExitStatus, Failure> {
         (None, None) => {}
     }
     let is_same = outcome.difference.is_none() && outcome.lost.is_none() && outcome.same > 0;
-    Ok(ExitStatus::from(u8::from(!is_same)))
+    Ok(ExitStatus::of_answer(is_same))
 }
 
 /// Runs a recording again.

@@ -202,7 +202,7 @@ impl SpheresArgs {
     /// Exit code 1: the time ended the search before the excess that was requested was reached.
     pub fn status_of(&self, is_cut: bool, largest_error: f64) -> ExitStatus {
         let is_missed = self.size.excess.is_some_and(|requested| largest_error > requested);
-        ExitStatus::from(u8::from(is_cut && is_missed))
+        ExitStatus::of_answer(!(is_cut && is_missed))
     }
 
     fn cover_size(&self, robot: &RobotModel) -> Result<CoverSize, Failure> {
@@ -380,5 +380,5 @@ fn measure(args: &SpheresArgs, robot: &RobotModel, file: &Path) -> Result<ExitSt
         }
     }
     let is_bare = |link: &MeasuredLink| link.uncovered.lower > 0.0 || link.spheres == 0;
-    Ok(ExitStatus::from(u8::from(links.iter().any(is_bare))))
+    Ok(ExitStatus::of_answer(!links.iter().any(is_bare)))
 }

@@ -89,7 +89,7 @@ pub fn run(args: &VerifyArgs) -> Result<ExitStatus, Failure> {
         Format::Text => input.text(&verified, &expected),
         Format::Json => input.json(&verified, &expected),
     })?;
-    Ok(ExitStatus::from(u8::from(verified.is_err())))
+    Ok(ExitStatus::of_answer(verified.is_ok()))
 }
 
 impl VerifyArgs {

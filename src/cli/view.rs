@@ -56,5 +56,5 @@ pub fn run(args: &ViewCommandArgs) -> Result<ExitStatus, Failure> {
     print_line(&format!("view: {}", view.url()))?;
     // ends with the signal, or if the handler has ended
     let _ = stopped.recv();
-    Ok(ExitStatus::from(0))
+    Ok(ExitStatus::SUCCESS)
 }

@@ -1,4 +1,4 @@
-"""Tests of recordings: other programs read them, and a replay gives the same results, bit for bit."""
+"""Tests of recordings: other programs read them, a replay gives the same results, and what remains after a kill."""
 
 import shutil
 from math import pi

@@ -1,4 +1,4 @@
-// C++17 interface of clearance: collision and distance queries of robots. Header only, above the C interface of clearance.h.
+// C++17 interface of clearance: collisions, distances, motions, plans and proofs. Header only, above the C interface of clearance.h.
 //
 // Units are metres, radians and seconds. Poses and points are in the frame of the robot's root link.
 //

@@ -1,4 +1,4 @@
-//! Tests of padded links: the distances of decisions are those of the checker, with the paddings subtracted.
+//! Tests of padded links: the distances of decisions have the paddings subtracted.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! Evaluates the clearance of one state: the distances of near pairs, then their derivatives.
+//! Evaluates the clearance of one state: the signed distances of near pairs, then their derivatives.
 //!
 //! For witness points p on body a and q on body b with the unit normal n from a to b, the signed distance d has the derivative
 //! `nᵀ (J_b(q) − J_a(p))` with the Jacobians J of the points (for bodies that are apart: Gilbert & Johnson 1985, *Distance functions and

@@ -1,4 +1,6 @@
-//! Pairs of links that touch in every state: usually overlapping geometry that no SRDF entry allows, not a collision.
+//! Pairs of links that touched in every state checked so far, and the warning that names the SRDF entries for them.
+//!
+//! Such a pair is usually overlapping geometry that no SRDF entry allows, not a collision.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;

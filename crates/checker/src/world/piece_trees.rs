@@ -1,4 +1,4 @@
-//! Pieces of obstacles, and the bounding box trees that find the pieces near a robot part.
+//! Pieces of obstacles, and the two bounding box trees (within the robot's reach, or not) that find those near a part.
 
 use clearance_geometry::simd::{LANES, Level, Simd, dispatch, f32x8};
 use clearance_proximity::Piece;

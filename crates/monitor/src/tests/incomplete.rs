@@ -1,4 +1,4 @@
-//! Tests that a world that is known to be incomplete is never FREE.
+//! Tests that the status is UNKNOWN while the world is known to be incomplete.
 
 use super::*;
 

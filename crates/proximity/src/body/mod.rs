@@ -1,4 +1,4 @@
-//! Collision geometry of a rigid body: its elements by kind, and the hierarchies over them.
+//! Module of the collision geometry of a rigid body: `collision_body` has the body, the others its elements and hierarchies.
 
 mod body_pair;
 mod body_volume;

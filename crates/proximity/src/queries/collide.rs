@@ -1,4 +1,4 @@
-//! Collision query: do two bodies touch?
+//! Collision query: a common point of two bodies, if they touch.
 
 use clearance_geometry::math::{MatrixPose, Point};
 

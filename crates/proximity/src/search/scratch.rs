@@ -1,4 +1,4 @@
-//! Scratch memory of queries, owned by the caller.
+//! Scratch memory of queries, owned by the caller; counts their work and selects their SIMD level.
 
 use clearance_geometry::simd::{Level, baseline};
 

@@ -19,14 +19,14 @@ use super::remark_counter::{RemarkCounter, TOO_FEW_CORNERS};
 use super::{Parts, ReadMesh, mesh_memory};
 use crate::decimal_numbers::shortened;
 
-mod accessor;
 mod buffers;
 mod document;
+mod elements;
 mod glb;
 
-use accessor::Elements;
 use buffers::Buffers;
 use document::{Asset, Document, Node, Primitive};
+use elements::Elements;
 use glb::Glb;
 
 pub(super) use glb::MAGIC;

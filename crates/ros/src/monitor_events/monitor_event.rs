@@ -1,4 +1,4 @@
-//! Events that the other threads send to the monitor thread.
+//! Events that the other threads send to the monitor thread. Joint states and transforms it receives itself.
 
 use std::sync::Arc;
 

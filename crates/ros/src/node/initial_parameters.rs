@@ -1,4 +1,4 @@
-//! Initial parameters of the node, from its arguments and parameter files.
+//! Initial parameters of the node: those of arguments and parameter files, with warnings about those without effect.
 
 use crate::arguments::RosArguments;
 use crate::names::{NODE_NAME, Names};

@@ -1,4 +1,4 @@
-//! Replays of recordings without a network.
+//! Module of replays of recordings without a network: `replayer` replays, the others read, compare and report.
 //!
 //! ```text
 //! FILE.mcap ──> reader ──> replayer: the same loader and the same monitor ──> the first result that differs

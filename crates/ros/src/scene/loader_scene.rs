@@ -22,12 +22,12 @@ use crate::monitor_events::cloud_report::CloudReports;
 use crate::parameters::parameter_set::Parameters;
 use crate::recording::step::SceneSource;
 use crate::scene::cloud_inbox::delay_of;
+use crate::scene::cloud_topic_status::CloudTopicStatus;
 use crate::scene::file_obstacles::FileObstacles;
 use crate::scene::lost_messages::LostMessages;
 use crate::scene::missing_objects::MissingObjects;
 use crate::scene::scene_command::SceneCommand;
 use crate::scene::scene_update_context::SceneUpdateContext;
-use crate::scene::topic_cloud::TopicCloud;
 use crate::scene::whole_scene::WholeScene;
 
 /// Maximum number of commands that wait for a robot; later ones are rejected.
@@ -81,7 +81,7 @@ pub struct LoaderScene {
     pub state: Scene,
     pub octomap: Option<Arc<OctomapWithPose>>,
     octomap_state: OctomapState,
-    clouds: BTreeMap<String, TopicCloud>,
+    clouds: BTreeMap<String, CloudTopicStatus>,
     filter: Option<SelfFilter>,
     /// Orders that arrived before there was a robot.
     waiting: VecDeque<SceneCommand>,

@@ -8,6 +8,7 @@
 
 pub mod active_scene; // the robot and the scene in use
 pub mod cloud_inbox; // received point clouds that wait for the loader
+pub mod cloud_topic_status; // status of one cloud topic: time and report of its last cloud
 pub mod command_conversion; // scene messages to scene commands
 pub mod file_obstacles; // obstacles of world files, which messages may remove
 pub mod loader_command; // commands of the loader
@@ -24,7 +25,6 @@ pub mod scene_message_reader; // scene messages to scene changes
 pub mod scene_message_writer; // the scene to messages
 pub mod scene_update_context; // snapshot that updates are applied against
 pub mod shared_state; // state shared between threads
-pub mod topic_cloud; // state of the last point cloud of one topic
 pub mod transform_messages; // transforms to poses and to the transform tree
 pub mod whole_scene; // whether the complete scene was received
 

@@ -1,13 +1,18 @@
-//! Loader that collects scene files, point clouds and octrees, one after the other, in one scene.
+//! Loader of world files of any kind, one after the other, into one scene; adds clouds and octrees itself.
+
+use std::path::Path;
 
 use clearance_geometry::Shape;
 use clearance_geometry::math::Pose;
-use clearance_robot::RobotModel;
+use clearance_robot::{MeshFiles, RobotModel};
 
 use super::robot_state_yaml::FileRobotState;
 use super::scene_error::SceneError;
 use super::scene_file::SceneFile;
-use crate::{CloudPoints, FileOctree, OCTOMAP, Obstacle, Octomap, OctomapPlacement, Scene, SceneContext};
+use super::world_file_kind::WorldFileKind;
+use crate::{
+    CloudPoints, FileOctree, OCTOMAP, Obstacle, Octomap, OctomapPlacement, Scene, SceneContext, read_cloud,
+};
 
 /// Reads files of any kind, one after the other; each adds to the scene of the earlier ones.
 #[derive(Clone, Debug, Default)]
@@ -26,6 +31,40 @@ impl SceneLoader {
     #[must_use]
     pub fn into_scene(self) -> Scene {
         self.scene.without_frames()
+    }
+
+    /// Adds the content of a file of any kind; `path` is only used as its name. Clouds and octrees are in the root frame. A cloud's
+    /// points become balls of `point_radius` (m), and its obstacle is named after the file without its extension.
+    pub fn read_file(
+        &mut self,
+        bytes: &[u8],
+        path: &Path,
+        point_radius: Option<f64>,
+        robot: &RobotModel,
+        files: &MeshFiles,
+    ) -> Result<(), SceneError> {
+        let file = path.display().to_string();
+        let text = || {
+            std::str::from_utf8(bytes)
+                .map_err(|e| SceneError::of_file(&file, format!("no UTF-8 text at byte {}", e.valid_up_to())))
+        };
+        match WorldFileKind::of(bytes, path) {
+            WorldFileKind::Yaml => self.read_yaml(text()?, &file, robot, files),
+            WorldFileKind::SceneText => self.read_scene_text(text()?, &file, robot),
+            WorldFileKind::Octomap => {
+                let octomap =
+                    Octomap::from_file(bytes).map_err(|e| SceneError::of_file(&file, e.to_string()))?;
+                self.add_octomap(&octomap, &file, robot)
+            }
+            WorldFileKind::Cloud => {
+                let Some(radius) = point_radius else {
+                    return Err(SceneError::of_file(&file, "a cloud needs the radius of its points"));
+                };
+                let points = read_cloud(bytes).map_err(|e| SceneError::of_file(&file, e.to_string()))?;
+                let name = path.file_stem().unwrap_or_default().to_string_lossy();
+                self.add_cloud(points, &name, radius, &file, robot)
+            }
+        }
     }
 
     /// Adds the points of a file as an obstacle made of balls with this `radius` (m), in the root frame; `name` is the file's stem.

@@ -1,4 +1,4 @@
-//! State of the last point cloud of one topic.
+//! Status of one cloud topic: time and report of its last cloud, and the log of its faults.
 
 use std::time::{Duration, Instant};
 
@@ -6,9 +6,9 @@ use clearance_monitor::Observation;
 
 use crate::monitor_events::cloud_report::CloudReport;
 
-/// The last cloud of one topic.
+/// Status of one cloud topic, without the points.
 #[derive(Default)]
-pub struct TopicCloud {
+pub struct CloudTopicStatus {
     pub seen: Option<Observation>,
     pub report: CloudReport,
     /// Reception time of the message that is being used; taken when it is in use.
@@ -16,7 +16,7 @@ pub struct TopicCloud {
     logged_at: Option<Instant>,
 }
 
-impl TopicCloud {
+impl CloudTopicStatus {
     /// Logs a fault as one line, with rate limiting.
     pub fn log_fault(&mut self, topic: &str, fault: &str) {
         const PAUSE: Duration = Duration::from_secs(1);
