@@ -145,6 +145,27 @@ fn edges_are_cut_where_obstacles_turn_and_reported_whole() {
     assert!(lo <= touch && touch <= hi + 1e-5 && hi - lo < 1e-2, "{answer} but {touch}");
 }
 
+/// The ball is 5 cm from the tip's at t = 0.5, where it has a pose, and may be nearer within its limits.
+#[test]
+fn what_is_undecided_may_go_on_after_a_pose() {
+    let case = |end: f64| {
+        Case::new(&format!(
+            "{{obstacle_limits: [{{name: ball, speed: 0.2}}], moving_obstacles: [{{name: ball, poses: [
+            {{time: 0, position: [2, 2, 0]}}, {{time: 0.5, position: [2, 0.25, 0]}}, {{time: 1, position: [2, {end}, 0]}}]}}]}}"
+        ))
+    };
+    let touches = case(-1.0).answer(&STILL);
+    assert_eq!(touches["verdict"], "contact", "{touches}");
+    let [lo, hi] = numbers(&touches["t"]);
+    assert!(lo < 0.5 && (0.52 - 1e-9..0.53).contains(&hi), "{touches}");
+
+    let passes = case(2.0).answer(&STILL);
+    assert_eq!(passes["verdict"], "undecided", "{passes}");
+    let [lo, hi] = numbers(&passes["t"]);
+    let last = 1.7 / 3.3;
+    assert!(lo < 0.5 && last <= hi && hi <= 1.0, "the ball may touch until {last}: {passes}");
+}
+
 /// The first t, by samples, at which a ball of radius 0.1 there touches the tip's at this joint1.
 fn first_touch(at: impl Fn(f64) -> ([f64; 2], f64)) -> f64 {
     let touches = |t: f64| {

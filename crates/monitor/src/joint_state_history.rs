@@ -69,11 +69,23 @@ impl JointStateHistory {
         Some((robot, Configuration::trusted(positions?)))
     }
 
-    /// Whether the configuration at a time is known: the history of every position begins before it.
+    /// Whether the configuration at a time is known. Nothing is known about the motion between values more than `longest_gap` (s) apart.
     #[must_use]
-    pub fn reaches(&self, time: Time) -> bool {
-        self.positions.iter().all(|history| history.values.front().is_some_and(|(first, _)| *first <= time))
+    pub fn coverage(&self, time: Time, longest_gap: f64) -> Coverage {
+        let each = self.positions.iter().map(|history| history.coverage(time, longest_gap));
+        each.max().unwrap_or(Coverage::Known)
     }
+}
+
+/// What a history says about a time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Coverage {
+    /// The configuration is known.
+    Known,
+    /// The history begins later.
+    Before,
+    /// Some position was not evaluated for too long.
+    Gap,
 }
 
 impl PositionHistory {
@@ -113,6 +125,15 @@ impl PositionHistory {
             (Some((_, only)), None) | (None, Some((_, only))) => Some(*only),
             (None, None) => None,
         }
+    }
+
+    fn coverage(&self, time: Time, longest_gap: f64) -> Coverage {
+        let after = self.values.partition_point(|(stamp, _)| *stamp <= time);
+        let Some((before, _)) = after.checked_sub(1).and_then(|before| self.values.get(before)) else {
+            return Coverage::Before;
+        };
+        let next = self.values.get(after).map_or(time, |(next, _)| *next);
+        if next.seconds_since(*before) <= longest_gap { Coverage::Known } else { Coverage::Gap }
     }
 
     /// Interpolates linearly between two values.
@@ -170,6 +191,21 @@ mod tests {
 
     fn evaluated(revision: &Arc<Revision>, milliseconds: i64, [turn, slide]: [f64; 2]) -> Evaluation {
         received(&mut monitor(revision), milliseconds, &[("turn", turn), ("slide", slide)])
+    }
+
+    #[test]
+    fn nothing_is_known_in_a_long_gap() {
+        use Coverage::{Before, Gap, Known};
+        let (revision, mut joint_state_history) = (revision(), JointStateHistory::default());
+        let mut monitor = monitor(&revision);
+        for milliseconds in [0, 100, 700, 800] {
+            let joints = [("turn", 0.0), ("slide", 0.0)];
+            joint_state_history.note(&received(&mut monitor, milliseconds, &joints), None);
+        }
+        let coverage = |milliseconds| joint_state_history.coverage(time(milliseconds), 0.5);
+        let found = [-1, 50, 101, 400, 699, 700, 1300, 1301].map(coverage);
+        assert_eq!(found, [Before, Known, Gap, Gap, Gap, Known, Known, Gap]);
+        assert_eq!(joint_state_history.coverage(time(400), 0.6), Known);
     }
 
     #[test]

@@ -96,7 +96,7 @@ pub use clearance_scene::Time;
 pub use contact_counter::{ContactHistory, LeastKnown, SinceHeartbeat};
 pub use evaluation::{CheckedState, Evaluation, Expiry, LeftOut, Revision};
 pub use input::{JointStateInput, SourceId};
-pub use joint_state_history::JointStateHistory;
+pub use joint_state_history::{Coverage, JointStateHistory};
 pub use monitor::Monitor;
 pub use motion_since_previous::{
     GAP_NOT_PROVEN, GapReason, MotionSincePrevious, NoMotion, PASSED_THROUGH, Passage,

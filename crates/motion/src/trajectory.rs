@@ -279,7 +279,25 @@ impl Trajectory {
     pub fn origin(&self, segment: usize, t: f64) -> (usize, f64) {
         match self.parts.get(segment) {
             None => (segment, t),
-            Some(Part { segment, t: [from, to] }) => (*segment, from + t * (to - from)),
+            Some(Part { segment, t: [from, to] }) => (*segment, (from + t * (to - from)).clamp(0.0, 1.0)),
+        }
+    }
+
+    /// Whether two segments are parts of one original segment; true if they are the same.
+    #[must_use]
+    pub fn are_of_one_segment(&self, a: usize, b: usize) -> bool {
+        self.origin(a, 0.0).0 == self.origin(b, 0.0).0
+    }
+
+    /// Where a fraction of `segment` is in `part`, as a fraction of that: below 0 or above 1, if it is in another part of one original
+    /// segment. It is exact up to rounding.
+    #[must_use]
+    pub fn fraction_in(&self, part: usize, (segment, t): (usize, f64)) -> f64 {
+        match self.parts.get(part) {
+            Some(Part { t: [from, to], .. }) if segment != part => {
+                (self.origin(segment, t).1 - from) / (to - from)
+            }
+            _ => t,
         }
     }
 

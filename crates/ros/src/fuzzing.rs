@@ -254,7 +254,11 @@ impl OfflineNode {
             parameters: self.parameters.get(),
             transforms: self.transforms.clone(),
             evaluation: self.evaluation.clone(),
-            robots_at_stamps: robots_at_stamps(&clouds, &self.joint_state_history),
+            robots_at_stamps: robots_at_stamps(
+                &clouds,
+                &self.joint_state_history,
+                self.parameters.get().stale_after,
+            ),
         };
         let monitor = &mut self.monitor;
         self.loader.process(Pass { update_context, commands, clouds }, |event| match event {

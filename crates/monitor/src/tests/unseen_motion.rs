@@ -261,13 +261,13 @@ fn a_history_begins_anew_when_the_clock_is_set_back_a_little() {
         history.note(&evaluation, Some(time(START + seconds)));
         let (robot, q) = history.at(time(START + seconds)).unwrap();
         let index = robot.position_names().iter().position(|name| name == "x").unwrap();
-        (q.positions()[index], history.reaches(time(START + seconds - 0.05)))
+        (q.positions()[index], history.coverage(time(START + seconds - 0.05), 0.5))
     };
     for step in 0..100 {
         note(0.02 * f64::from(step), 5.0);
     }
-    assert_eq!(note(0.5, 1.0), (1.0, false));
-    assert_eq!(note(0.6, 2.0), (2.0, true));
+    assert_eq!(note(0.5, 1.0), (1.0, Coverage::Before));
+    assert_eq!(note(0.6, 2.0), (2.0, Coverage::Known));
 }
 
 /// A cart that passes through the tool between two slow joint states, and stands since.

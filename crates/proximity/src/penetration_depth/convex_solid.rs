@@ -23,6 +23,11 @@ pub(crate) trait SupportMap {
 
     /// Radius (m) of the sphere that is swept over the core.
     fn radius(&self) -> f64;
+
+    /// The outward normals of the flat faces of the core, as far as they are known.
+    fn face_normals(&self) -> Vec<Vector> {
+        Vec::new()
+    }
 }
 
 /// A convex solid in the frame of its body: a core swept by a sphere.
@@ -62,6 +67,16 @@ impl SupportMap for ConvexSolid {
         match self {
             Self::Primitive(rounded) => rounded.radius,
             Self::Hull(_) => 0.0,
+        }
+    }
+
+    fn face_normals(&self) -> Vec<Vector> {
+        match self {
+            Self::Primitive(rounded) => {
+                let axes = (0..3).map(|i| rounded.pose.rotation.column(i).into_owned());
+                axes.flat_map(|axis| [axis, -axis]).collect()
+            }
+            Self::Hull(hull) => hull.faces.iter().map(|face| face.normal).collect(),
         }
     }
 }

@@ -19,6 +19,9 @@ const ROUNDING: f64 = 1e-13;
 /// Largest number of support points. Flat solids need a few dozen; curved ones come within 1e-6 of the depth by then.
 const MOST_POINTS: usize = 400;
 
+/// Most normals of faces that are tested where the search ends early.
+const MOST_NORMALS: usize = 64;
+
 /// Two convex solids, the second posed in the frame of the first. `rounded` solids include their radius in support points.
 pub(super) struct ConvexPair<'s, A, B> {
     pub a: &'s A,
@@ -97,10 +100,35 @@ impl<A: SupportMap, B: SupportMap> ConvexPair<'_, A, B> {
                 upper = (height, face.normal);
             }
             let is_accurate = upper.0 - face.offset <= RELATIVE_ACCURACY * upper.0 + polytope.resolution;
-            if is_accurate || polytope.supports.len() >= MOST_POINTS || !polytope.expand(&face, support) {
+            if is_accurate {
+                return Some(self.result(&polytope, &face, upper));
+            }
+            if polytope.supports.len() >= MOST_POINTS || !polytope.expand(&face, support) {
+                let upper = self.least_of_faces(&face.normal, upper)?;
                 return Some(self.result(&polytope, &face, upper));
             }
         }
+    }
+
+    /// The shorter of a translation (m, with its direction) and those along normals of faces of the solids: a search that rounding ends
+    /// early misses exact normals. Tests those near an `expected` direction. `None` if a direction separates the solids.
+    fn least_of_faces(&self, expected: &Vector, found: (f64, Vector)) -> Option<(f64, Vector)> {
+        let rotation = self.pose_ab.rotation;
+        let of_b = self.b.face_normals().into_iter().map(|n| -(rotation * n));
+        let mut normals: Vec<Vector> = self.a.face_normals().into_iter().chain(of_b).collect();
+        normals.sort_by(|m, n| n.dot(expected).total_cmp(&m.dot(expected)));
+        normals.truncate(MOST_NORMALS);
+        let mut least = found;
+        for normal in normals {
+            let height = normal.dot(&self.support(&normal).difference);
+            if height <= 0.0 {
+                return None;
+            }
+            if height < least.0 {
+                least = (height, normal);
+            }
+        }
+        Some(least)
     }
 
     /// The directions in which the cores separate by a translation that is longer than the shortest by at most `tolerance` (m), as many

@@ -48,7 +48,7 @@ use crate::search::Scratch;
 use expanding_polytope::{ConvexDepth, ConvexPair};
 use inner_balls::{Ball, SurfacePoint};
 use separating_translation::{GAP, MovedSolids, SeparatingTranslation};
-use solid_set::deepest_solid;
+use solid_set::deepest_solids;
 
 /// Relative lengths that are added to an exact depth until the distance after the translation is proven positive: that of curved solids in
 /// contact is found less accurately than their depth.
@@ -128,7 +128,7 @@ impl PenetrationDepth {
 /// It is the depth of the bodies enlarged by `margin` together: the length of the shortest translation after which their distance is
 /// larger. Two convex solids (primitives, or meshes without dents) have an exact depth, up to rounding, and so has a plane in a bounded
 /// body. A body of several shapes counts as their union. Each point of a cloud and each voxel is a body of its own; the result is for the
-/// one whose centre is deepest. Points and voxels of both bodies are compared only if nothing else touches, and without a depth.
+/// deepest one. Points and voxels of both bodies are compared only if nothing else touches, and without a depth.
 #[must_use]
 pub fn penetration_depth(
     a: &SolidBody,
@@ -177,8 +177,10 @@ fn depth_of_set(
     margin: f64,
     scratch: &mut Scratch,
 ) -> Option<PenetrationDepth> {
-    let index = deepest_solid(set, body, pose_bs, margin, scratch)?;
-    depth_of_unions([body, &set.solid(index)?], pose_bs, margin, scratch)
+    let candidates = deepest_solids(set, body, pose_bs, margin, scratch).into_iter();
+    let depths =
+        candidates.filter_map(|index| depth_of_unions([body, &set.solid(index)?], pose_bs, margin, scratch));
+    depths.reduce(PenetrationDepth::deeper)
 }
 
 fn depth_of_unions(

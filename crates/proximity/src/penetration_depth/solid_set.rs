@@ -1,4 +1,4 @@
-//! Sets of solids (points with a radius, voxels), and the search for the one that is deepest in a body.
+//! Sets of solids (points with a radius, voxels), and the search for those that may be deepest in a body.
 
 use std::sync::Arc;
 
@@ -44,6 +44,14 @@ impl SolidSet {
         }
     }
 
+    /// Radius (m) of the ball inside a ball or cube, from that of the ball around it.
+    fn inner_radius(&self, radius: f64) -> f64 {
+        match self {
+            Self::Points { .. } => radius,
+            Self::Voxels { .. } => radius / 3.0_f64.sqrt(),
+        }
+    }
+
     /// One of the balls or cubes.
     pub fn solid(&self, index: usize) -> Option<Union> {
         let (centre, radius) = self.ball(index);
@@ -61,23 +69,35 @@ impl SolidSet {
     }
 }
 
-/// Searches for the ball or cube whose centre is deepest in a body, relative to its size.
+/// Most balls or cubes that are compared by their depths.
+const MOST_CANDIDATES: usize = 64;
+
+/// A ball or cube that may be the deepest.
+struct Candidate {
+    index: usize,
+    /// It is not deeper than this (m).
+    most: f64,
+}
+
+/// Searches for the balls or cubes that may be deepest in a body: those that are possibly deeper than another one certainly is. Of too many,
+/// those with the largest bounds.
 ///
 /// The depth of a point changes at most as much as the point moves, so that neighbours of a shallow point are passed over.
-pub(super) fn deepest_solid(
+pub(super) fn deepest_solids(
     set: &SolidSet,
     body: &Union,
     pose_body_set: &MatrixPose,
     margin: f64,
     scratch: &mut Scratch,
-) -> Option<usize> {
+) -> Vec<usize> {
     let bound = body.bounding_sphere();
-    let mut deepest: Option<(f64, usize)> = None;
+    let mut candidates: Vec<Candidate> = Vec::new();
+    // one of them is at least this deep
+    let mut least = 0.0;
     let mut last: Option<(Point, f64)> = None;
     for index in 0..set.count() {
         let (centre, radius) = set.ball(index);
         let centre = pose_body_set * centre;
-        let least = deepest.map_or(0.0, |(depth, _)| depth);
         if nalgebra::distance(&centre, &bound.centre) > bound.radius + radius + margin - least {
             continue;
         }
@@ -86,10 +106,14 @@ pub(super) fn deepest_solid(
         }
         let depth = body.depth_of_point(&centre, scratch);
         last = Some((centre, depth));
-        let depth = depth + radius + margin;
-        if depth >= 0.0 && deepest.is_none_or(|(best, _)| depth > best) {
-            deepest = Some((depth.greater(0.0), index));
+        let most = depth + radius + margin;
+        if most >= least {
+            least = least.greater(depth + set.inner_radius(radius) + margin);
+            candidates.push(Candidate { index, most });
         }
     }
-    deepest.map(|(_, index)| index)
+    candidates.retain(|candidate| candidate.most >= least);
+    candidates.sort_by(|a, b| b.most.total_cmp(&a.most).then(a.index.cmp(&b.index)));
+    candidates.truncate(MOST_CANDIDATES);
+    candidates.into_iter().map(|candidate| candidate.index).collect()
 }

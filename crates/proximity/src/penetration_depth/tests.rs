@@ -286,6 +286,54 @@ fn a_plane_in_a_body_is_as_deep_as_the_nearer_side() {
     assert_eq!((depth.upper, depth.unknown), (f64::INFINITY, Some(UnknownDepth::Inseparable)));
 }
 
+/// The Minkowski difference has a large flat face beside faces that are almost flat: rounding ends the search in slivers.
+#[test]
+fn a_cylinder_that_lies_on_a_large_flat_mesh_is_as_deep_as_its_lowest_point() {
+    let (mut random, mut scratch) = (Random::new(77), Scratch::default());
+    let (radius, half_length) = (0.05, 0.15);
+    let cylinder = Body::of(Shape::Primitive(Primitive::Cylinder { radius, half_length }));
+    for size in [1.0, 20.0, 100.0] {
+        let slack = 1e-8 * (1.0 + size);
+        let half = Vector::new(0.5 * size, 0.5 * size, 0.15);
+        let floor = Body::of(cuboid_mesh(half.into()));
+        for _ in 0..300 {
+            let tilt = 10_f64.powf(-2.5 + random.within(1.5));
+            let rotation = nalgebra::UnitQuaternion::from_axis_angle(&Vector::z_axis(), random.within(3.0))
+                * nalgebra::UnitQuaternion::from_axis_angle(
+                    &Vector::y_axis(),
+                    0.5 * std::f64::consts::PI + tilt,
+                );
+            let axis: Vector = rotation * Vector::z();
+            let lowest = half_length * axis.z.abs() + radius * (1.0 - axis.z * axis.z).sqrt();
+            let depth = 10_f64.powf(-5.0 + random.within(2.0));
+            let aside = [(); 2].map(|()| random.within(0.1 * size));
+            let pose =
+                Pose::from_parts(Vector::new(aside[0], aside[1], half.z + lowest - depth).into(), rotation);
+            let found = penetration_depth(&floor.solid, &cylinder.solid, &pose, 0.0, &mut scratch).unwrap();
+            assert!(
+                (found.upper - depth).abs() <= 1e-6 * depth + slack && found.direction.z > 0.99,
+                "{size} {depth} {tilt}: {found:?}"
+            );
+            assert!(found.lower <= depth + slack, "{size} {depth} {tilt}: {found:?}");
+        }
+    }
+}
+
+#[test]
+fn the_deepest_voxel_need_not_have_the_deepest_centre() {
+    let mut scratch = Scratch::default();
+    let ball = Body::of(Shape::Primitive(Primitive::Sphere { radius: 0.2 }));
+    let centres = [[0.22_f32, 0.0, 0.0], [0.23 / 3.0_f32.sqrt(); 3]];
+    let depth_of = |centres: &[[f32; 3]], scratch: &mut Scratch| {
+        let cubes = centres.iter().map(|&centre| Cube { centre, half_edge: 0.05 }).collect();
+        let voxels = Body::of(Shape::Voxels(Arc::new(Voxels::new(cubes).unwrap())));
+        penetration_depth(&ball.solid, &voxels.solid, &Pose::identity(), 0.0, scratch).unwrap()
+    };
+    let [first, second] = centres.map(|centre| depth_of(&[centre], &mut scratch));
+    assert!((first.upper - 0.03).abs() < 1e-6 && second.upper > 0.055, "{first:?} {second:?}");
+    assert_eq!(depth_of(&centres, &mut scratch), second);
+}
+
 /// Points whose balls have the convex hull of the shape.
 fn points_of(shape: &Shape) -> Vec<(Point, f64)> {
     match shape {

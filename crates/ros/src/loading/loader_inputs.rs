@@ -56,8 +56,9 @@ impl LoaderInputs {
             clouds: used,
         });
         let evaluation = current.clone();
-        let robots_at_stamps =
-            robots_at_stamps(&clouds, &joint_state_history.lock().unwrap_or_else(PoisonError::into_inner));
+        let history = joint_state_history.lock().unwrap_or_else(PoisonError::into_inner);
+        let robots_at_stamps = robots_at_stamps(&clouds, &history, parameters.stale_after);
+        drop(history);
         drop(current);
         Pass {
             update_context: SceneUpdateContext {

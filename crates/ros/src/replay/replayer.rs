@@ -221,12 +221,14 @@ impl Replay {
             let (received_at, since) = (received_at.into(), Instant::now());
             read.insert(topic, CloudMessage { cloud, received_at, since, is_shared });
         }
+        let parameters = parameters_from_json(parameters)?;
+        let robots_at_stamps = robots_at_stamps(&read, &self.joint_state_history, parameters.stale_after);
         let update_context = SceneUpdateContext {
             now: now.into(),
-            parameters: parameters_from_json(parameters)?,
+            parameters,
             transforms: self.transforms.clone(),
             evaluation: self.evaluation.clone(),
-            robots_at_stamps: robots_at_stamps(&read, &self.joint_state_history),
+            robots_at_stamps,
         };
         Ok(Pass { update_context, commands, clouds: read })
     }

@@ -238,7 +238,11 @@ impl Cell {
         let update_context = SceneUpdateContext {
             transforms: self.transforms.clone(),
             evaluation: self.evaluation.clone(),
-            robots_at_stamps: robots_at_stamps(&clouds, &self.joint_state_history),
+            robots_at_stamps: robots_at_stamps(
+                &clouds,
+                &self.joint_state_history,
+                self.parameters.stale_after,
+            ),
             ..SceneUpdateContext::first(&self.parameters, now)
         };
         let pass = Pass { update_context, commands, clouds };

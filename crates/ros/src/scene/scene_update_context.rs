@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use clearance_monitor::{CheckedState, Evaluation, JointStateHistory, Now};
+use clearance_monitor::{CheckedState, Coverage, Evaluation, JointStateHistory, Now};
 use clearance_robot::{Configuration, LinkPoses, RobotModel};
 use clearance_scene::TransformTree;
 
@@ -20,25 +20,30 @@ pub struct RobotAtStamp {
     /// The oldest known configuration if the stamp is older.
     configuration: Configuration,
     /// Whether the configuration at the stamp is known.
-    is_known: bool,
+    coverage: Coverage,
 }
 
 /// Poses of the links at the stamp of a point cloud.
 pub(super) struct PosesAtStamp {
     pub poses: LinkPoses,
-    /// Whether they are those at the stamp, not the nearest known ones.
-    pub are_known: bool,
+    /// Whether they are those at the stamp.
+    pub coverage: Coverage,
 }
 
-/// Configuration of the robot at the stamps of point clouds.
+/// Configuration of the robot at the stamps of point clouds. In a gap of the joint states longer than `stale_after` (s) it is unknown.
 #[must_use]
 pub fn robots_at_stamps(
     clouds: &BTreeMap<String, CloudMessage>,
     joint_state_history: &JointStateHistory,
+    stale_after: f64,
 ) -> RobotsAtStamps {
     let at = |stamp| {
         let (robot, configuration) = joint_state_history.at(stamp)?;
-        Some(RobotAtStamp { robot, configuration, is_known: joint_state_history.reaches(stamp) })
+        Some(RobotAtStamp {
+            robot,
+            configuration,
+            coverage: joint_state_history.coverage(stamp, stale_after),
+        })
     };
     clouds.iter().filter_map(|(topic, cloud)| Some((topic.clone(), at(cloud.stamp())?))).collect()
 }
@@ -80,10 +85,10 @@ impl SceneUpdateContext {
         let now = self.checked_state(robot)?;
         let then = self.robots_at_stamps.get(topic).filter(|then| Arc::ptr_eq(&then.robot, robot));
         let Some(then) = then else {
-            return Some(PosesAtStamp { poses: now.poses.clone(), are_known: false });
+            return Some(PosesAtStamp { poses: now.poses.clone(), coverage: Coverage::Before });
         };
         let mut poses = LinkPoses::new(robot);
         robot.forward_kinematics(&then.configuration, &mut poses);
-        Some(PosesAtStamp { poses, are_known: then.is_known })
+        Some(PosesAtStamp { poses, coverage: then.coverage })
     }
 }

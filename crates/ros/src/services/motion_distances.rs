@@ -87,7 +87,8 @@ fn event(checker: &CollisionChecker, trajectory: &Trajectory, report: &Trajector
         MotionVerdict::Contact { t, pair, .. } => (DistanceEvent::REACHED, t, Some(pair), None),
         MotionVerdict::Undecided { t, pair, reason, .. } => (DistanceEvent::UNDECIDED, t, pair, Some(reason)),
     };
-    let [time_farther, time_reached] = t.map(|t| trajectory.time(report.segment, t).unwrap_or(f64::NAN));
+    let time = |t| trajectory.time(report.segment, t).unwrap_or(f64::NAN);
+    let [time_farther, time_reached] = report.time.unwrap_or_else(|| t.map(time));
     let [(segment, t_farther), (_, t_reached)] = t.map(|t| trajectory.origin(report.segment, t));
     DistanceEvent {
         result,

@@ -370,7 +370,8 @@ fn response(
             t = found;
         }
     }
-    let [time_free, time_contact] = t.map(|t| trajectory.time(report.segment, t).unwrap_or(f64::NAN));
+    let time = |t| trajectory.time(report.segment, t).unwrap_or(f64::NAN);
+    let [time_free, time_contact] = report.time.unwrap_or_else(|| t.map(time));
     // moving obstacles may have split segments of the request
     let [(segment, t_free), (_, t_contact)] = t.map(|t| trajectory.origin(report.segment, t));
     [motion.t_free, motion.t_contact] = [t_free, t_contact];

@@ -56,7 +56,8 @@ impl Cell {
         commands: Vec<LoaderCommand>,
         clouds: BTreeMap<String, CloudMessage>,
     ) {
-        let robots_at_stamps = robots_at_stamps(&clouds, &self.joint_state_history);
+        let robots_at_stamps =
+            robots_at_stamps(&clouds, &self.joint_state_history, self.parameters.stale_after);
         let evaluation = self.evaluation.clone();
         let update_context = SceneUpdateContext {
             evaluation,

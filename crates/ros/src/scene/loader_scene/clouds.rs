@@ -6,7 +6,7 @@ use std::sync::Arc;
 use clearance_geometry::Shape;
 use clearance_geometry::math::{Extremes, Point, Pose, Vector};
 use clearance_monitor::cloud::{CloudFilter, SelfFilter};
-use clearance_monitor::{Now, Observation, Time};
+use clearance_monitor::{Coverage, Now, Observation, Time};
 use clearance_robot::RobotModel;
 use clearance_scene::Obstacle;
 use clearance_scene::SceneContext;
@@ -102,19 +102,30 @@ impl LoaderScene {
     ) -> Result<(Option<Obstacle>, CloudReport), String> {
         let SceneUpdateContext { now, parameters, transforms, .. } = update_context;
         let points = decode(message)?;
-        let PosesAtStamp { poses, are_known } = update_context
+        let PosesAtStamp { poses, coverage } = update_context
             .poses_at(robot, topic)
             .ok_or("without a fresh joint state the points on the robot are not known")?;
         let context = SceneContext::new(robot, Some(&poses), transforms, now.ros, parameters.transform_ttl);
         let frame = &message.header.frame_id;
         let pose_rc =
             context.frame_pose(frame, &self.state).map_err(|why| format!("header.frame_id: {why}"))?;
-        if !are_known && !context.stands_still(frame, &self.state) {
-            let frame = frame.escape_debug();
-            return Err(format!(
-                "header.stamp is older than the joint states that are kept (those of the last 3 s): where frame '{frame}', which moves \
-                 with the robot, was then is not known"
-            ));
+        match coverage {
+            Coverage::Known => {}
+            Coverage::Before if context.stands_still(frame, &self.state) => {}
+            Coverage::Before => {
+                let frame = frame.escape_debug();
+                return Err(format!(
+                    "header.stamp is older than the joint states that are kept (those of the last 3 s): where frame '{frame}', which \
+                     moves with the robot, was then is not known"
+                ));
+            }
+            Coverage::Gap => {
+                return Err(
+                    "header.stamp is in a time without evaluated joint states that is longer than 'stale_after': where the robot was then \
+                     is not known"
+                        .to_owned(),
+                );
+            }
         }
         let pose_rc = pose_rc * Pose::from(Vector::from(points.origin));
         let filter = match self.filter.take().filter(|filter| Arc::ptr_eq(filter.robot(), robot)) {
