@@ -6,7 +6,7 @@ use std::sync::{Arc, Weak};
 use clearance_geometry::math::without_whole_turns;
 use clearance_robot::{Configuration, JointKind, RobotModel};
 
-use super::{Evaluation, Time};
+use super::{Evaluation, JointStateInput, Monitor, Time};
 
 /// Length of the history (s).
 const LONGEST: f64 = 3.0;
@@ -57,6 +57,19 @@ impl JointStateHistory {
         for (history, (index, (position, measured))) in self.positions.iter_mut().zip(values) {
             let stamp_of = measured.or_else(|| Some(placed_at(&index)?.stamp));
             history.note(stamp_of.unwrap_or(*stamp), *position);
+        }
+    }
+
+    /// Stores the positions of a joint state that is received at a time of the clock, but not evaluated. Not those of mimic joints, whose
+    /// leaders are not given, and of stamps in the future.
+    pub fn note_received(&mut self, input: &JointStateInput, monitor: &Monitor, ros: Option<Time>) {
+        let Some((robot, positions)) = monitor.named_positions(input) else { return };
+        let is_of_the_past = ros.is_some_and(|ros| input.stamp <= ros) && input.stamp > Time::default();
+        if !is_of_the_past || self.robot.as_ptr() != Arc::as_ptr(robot) {
+            return;
+        }
+        for (index, position) in positions {
+            self.positions[index].note(input.stamp, position);
         }
     }
 
@@ -152,7 +165,7 @@ mod tests {
     use std::time::Duration;
 
     use super::*;
-    use crate::{JointStateInput, Monitor, MonitorSettings, Now, Revision, SourceId};
+    use crate::{MonitorSettings, Now, Revision, SourceId};
     use clearance_checker::CollisionChecker;
     use clearance_robot::MeshFiles;
     use clearance_scene::Settings;
@@ -194,6 +207,24 @@ mod tests {
     }
 
     #[test]
+    fn joint_states_that_are_passed_over_count() {
+        let (revision, mut history) = (revision(), JointStateHistory::default());
+        let mut monitor = monitor(&revision);
+        let both = |turn: f64| [("turn", turn), ("slide", 0.0)];
+        history.note(&received(&mut monitor, 0, &both(0.0)), None);
+        for (milliseconds, turn) in [(100, 1.0), (200, 1.0), (250, f64::NAN), (5000, 7.0)] {
+            let names = vec!["turn".to_owned(), "none".to_owned()];
+            let (source, stamp) = (SourceId([3; 16]), time(milliseconds));
+            let input =
+                JointStateInput { source, stamp, names, positions: vec![turn, 0.0], velocities: Vec::new() };
+            history.note_received(&input, &monitor, Some(time(300)));
+        }
+        history.note(&received(&mut monitor, 300, &both(0.0)), None);
+        let turn = |milliseconds| history.at(time(milliseconds)).unwrap().1.positions()[0];
+        assert_eq!([0, 50, 100, 150, 200, 250, 300].map(turn), [0.0, 0.5, 1.0, 1.0, 1.0, 0.5, 0.0]);
+    }
+
+    #[test]
     fn nothing_is_known_in_a_long_gap() {
         use Coverage::{Before, Gap, Known};
         let (revision, mut joint_state_history) = (revision(), JointStateHistory::default());
@@ -205,7 +236,7 @@ mod tests {
         let coverage = |milliseconds| joint_state_history.coverage(time(milliseconds), 0.5);
         let found = [-1, 50, 101, 400, 699, 700, 1300, 1301].map(coverage);
         assert_eq!(found, [Before, Known, Gap, Gap, Gap, Known, Known, Gap]);
-        assert_eq!(joint_state_history.coverage(time(400), 0.6), Known);
+        assert_eq!(joint_state_history.coverage(time(400), 0.61), Known);
     }
 
     #[test]

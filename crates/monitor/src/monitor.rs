@@ -6,7 +6,7 @@ mod staleness;
 use std::sync::Arc;
 use std::time::Duration;
 
-use clearance_robot::quoted_list;
+use clearance_robot::{RobotModel, quoted_list};
 use clearance_scene::TransformTree;
 
 use super::between_states::{BetweenStates, StateTime};
@@ -230,6 +230,20 @@ impl Monitor {
             let index_of = |name: &str| evaluator.joint_state_merger.position_index(name);
             self.between_states.note_passed_over(unread, index_of);
         }
+    }
+
+    /// The positions that a joint state gives by name, and their robot; `None` without a robot, or if the joint state is not valid.
+    pub(crate) fn named_positions(
+        &self,
+        input: &JointStateInput,
+    ) -> Option<(&Arc<RobotModel>, PartialState)> {
+        let evaluator = self.evaluator.as_ref()?;
+        let JointStateInput { names, positions, .. } = input;
+        let index_of = |name: &String| evaluator.joint_state_merger.position_index(name);
+        let named = names.iter().zip(positions).filter_map(|(name, q)| Some((index_of(name)?, *q)));
+        let state: PartialState = named.collect();
+        let is_valid = names.len() == positions.len() && state.iter().all(|(_, q)| q.is_finite());
+        is_valid.then(|| (evaluator.revision.checker.robot(), state))
     }
 
     /// Stores a joint state that is not evaluated by itself. Returns whether it contains positions.

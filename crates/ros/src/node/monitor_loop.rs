@@ -241,7 +241,13 @@ impl MonitorLoop {
             message: Box::new(message.clone()),
             source,
         });
-        self.monitor.receive(joint_state_input(message, source), now);
+        let input = joint_state_input(message, source);
+        self.joint_state_history.lock().unwrap_or_else(PoisonError::into_inner).note_received(
+            &input,
+            &self.monitor,
+            now.ros,
+        );
+        self.monitor.receive(input, now);
     }
 
     /// Publishes the evaluation made at `now`, from a joint state if one was received, as it is valid after the check.

@@ -179,7 +179,9 @@ impl Replay {
             RecordStep::Enabled(enabled) => self.monitor.set_enabled(enabled),
             RecordStep::TransformsRead => self.monitor.note_transforms(&self.transforms),
             RecordStep::JointStateReceived { now, source } => {
-                self.monitor.receive(messages.joint_state(&source)?, now.into());
+                let (input, now) = (messages.joint_state(&source)?, Now::from(now));
+                self.joint_state_history.note_received(&input, &self.monitor, now.ros);
+                self.monitor.receive(input, now);
             }
             RecordStep::JointState { now, source, late } => {
                 self.monitor.leave_out(late.into());

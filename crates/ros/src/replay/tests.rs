@@ -142,7 +142,9 @@ impl Cell {
             message: Box::new(message.clone()),
             source: SOURCE,
         });
-        self.monitor.receive(joint_state_input(message, SOURCE), now);
+        let input = joint_state_input(message, SOURCE);
+        self.joint_state_history.note_received(&input, &self.monitor, now.ros);
+        self.monitor.receive(input, now);
     }
 
     fn enable(&mut self, enabled: bool) {
