@@ -8,7 +8,7 @@ use clearance::checker::{CollisionChecker, PairContacts, Question};
 use clearance::geometry::math::{MatrixPose, Point, Pose};
 use clearance::geometry::{Primitive, Shape, TriangleMesh};
 use clearance::proximity::{CollisionBody, Scratch, distance};
-use clearance::robot::{LinkPoses, RobotModel};
+use clearance::robot::{LinkPoses, MeshFiles, RobotModel};
 use clearance::scene::{BodyId, Obstacle, Settings, World};
 use serde_json::{Value, json};
 
@@ -187,4 +187,36 @@ fn a_real_robot_has_contacts_with_itself_and_a_mesh() {
     let checker = CollisionChecker::new(robot, &world, Settings::default()).unwrap();
     let number = verify_contacts(&checker, 10, 34);
     assert!(number > 50, "{number}");
+}
+
+/// A ball that enters a closed mesh, which is a surface for collisions: the depth grows with the way, on both sides of the wall.
+#[test]
+fn padded_bodies_just_inside_a_closed_mesh_leave_it_outward() {
+    let urdf = "<robot name='r'><link name='base'/><link name='ball'><collision><geometry><sphere radius='0.02'/></geometry></collision></link>
+        <joint name='x' type='prismatic'><parent link='base'/><child link='ball'/><axis xyz='1 0 0'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint></robot>";
+    let robot = Arc::new(RobotModel::from_urdf(urdf, &MeshFiles::default()).unwrap());
+    let at = |i: usize, k: usize| if i >> k & 1 == 0 { -0.1 } else { 0.1 };
+    let vertices = (0..8).map(|i| Point::new(at(i, 0), at(i, 1), at(i, 2))).collect();
+    let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let faces = quads.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect();
+    let mesh = Shape::Mesh(Arc::new(TriangleMesh::new(vertices, faces).unwrap()));
+    let mut world = World::default();
+    world.add(Obstacle::of_shape("box", Pose::identity(), mesh)).unwrap();
+    let settings = Settings { padding: 0.015, ..Settings::default() };
+    let checker = CollisionChecker::new(robot, &world, settings).unwrap();
+    let mut workspace = checker.workspace();
+    for x in [0.14, 0.121, 0.119, 0.1, 0.0801, 0.0799, 0.075, 0.07, 0.066] {
+        let q = checker.robot().configuration(&[x]).unwrap();
+        let signed = x - 0.1 - 0.02 - 0.015;
+        let clearance = checker.clearance(&q, 1.0, &mut workspace);
+        let [pair] = &clearance.pairs[..] else { panic!("{clearance:?}") };
+        assert!((pair.upper - signed).abs() < 1e-6 && (pair.lower - signed).abs() < 1e-6, "{x}: {pair:?}");
+        assert!(pair.normal.unwrap().x < -0.999 && clearance.gradient[0] > 0.999, "{x}: {clearance:?}");
+        let contact = checker.contact(&q, (pair.a, pair.b), &mut workspace);
+        assert_eq!(contact.is_some(), signed < 0.0, "{x}");
+        if let Some(contact) = contact {
+            assert!((contact.depth.unwrap() + signed).abs() < 1e-6, "{x}: {contact:?}");
+            assert!(contact.normal.unwrap().x < -0.999, "{x}: {contact:?}");
+        }
+    }
 }

@@ -30,7 +30,7 @@ use super::obstacle_shift::{KnownMotion, ObstacleShift, Surroundings};
 use super::pose_history::LargestDisplacement;
 use super::transform_stamps::TransformStamps;
 use super::unevaluated_states::{PartialState, TolerantLine, UnevaluatedStates};
-use super::{CheckedState, JointStateInput, LeftOut, MonitorSettings, Time};
+use super::{CheckedState, LeftOut, MonitorSettings, Time};
 
 /// Motion (m) within an interval below which it may stay undecided.
 const TOLERANCE: f64 = 1e-5;
@@ -127,10 +127,10 @@ impl BetweenStates {
         }
     }
 
-    /// A joint state is not evaluated; `index_of` gives the index of the position with a name.
-    pub fn note_passed_over(&mut self, input: &JointStateInput, index_of: impl Fn(&str) -> Option<usize>) {
+    /// A joint state with these positions is not evaluated; `None` if it is not valid.
+    pub fn note_passed_over(&mut self, state: Option<PartialState>) {
         if self.previous.is_some() {
-            self.unevaluated_states.add(input, index_of);
+            self.unevaluated_states.add(state);
         }
     }
 

@@ -60,10 +60,10 @@ impl JointStateHistory {
         }
     }
 
-    /// Stores the positions of a joint state that is received at a time of the clock, but not evaluated. Not those of mimic joints, whose
-    /// leaders are not given, and of stamps in the future.
+    /// Stores the measured positions of a joint state that is received at a time of the clock, but not evaluated. A joint state with a stamp
+    /// in the future is left out, and so are mimic joints: their leaders count, if they are given.
     pub fn note_received(&mut self, input: &JointStateInput, monitor: &Monitor, ros: Option<Time>) {
-        let Some((robot, positions)) = monitor.named_positions(input) else { return };
+        let Some((robot, positions)) = monitor.measured_positions(input) else { return };
         let is_of_the_past = ros.is_some_and(|ros| input.stamp <= ros) && input.stamp > Time::default();
         if !is_of_the_past || self.robot.as_ptr() != Arc::as_ptr(robot) {
             return;
@@ -90,7 +90,7 @@ impl JointStateHistory {
     }
 }
 
-/// What a history says about a time.
+/// Coverage of a time by the history of joint states.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Coverage {
     /// The configuration is known.
@@ -123,7 +123,8 @@ impl PositionHistory {
             return;
         }
         self.values.push_back((stamp, value));
-        while self.values.front().is_some_and(|(first, _)| stamp.seconds_since(*first) > LONGEST) {
+        // the last value before the kept time remains: it shows that what follows is a pause
+        while self.values.get(1).is_some_and(|(second, _)| stamp.seconds_since(*second) > LONGEST) {
             self.values.pop_front();
         }
     }
@@ -237,6 +238,13 @@ mod tests {
         let found = [-1, 50, 101, 400, 699, 700, 1300, 1301].map(coverage);
         assert_eq!(found, [Before, Known, Gap, Gap, Gap, Known, Known, Gap]);
         assert_eq!(joint_state_history.coverage(time(400), 0.61), Known);
+        // a pause longer than the history is kept
+        for milliseconds in [8000, 8100] {
+            let joints = [("turn", 0.0), ("slide", 0.0)];
+            joint_state_history.note(&received(&mut monitor, milliseconds, &joints), None);
+        }
+        let found = [700, 801, 7999, 8050].map(|at| joint_state_history.coverage(time(at), 0.5));
+        assert_eq!(found, [Before, Gap, Gap, Known]);
     }
 
     #[test]

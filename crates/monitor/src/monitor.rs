@@ -23,7 +23,7 @@ use super::root_location::RootLocationWatch;
 use super::speed::SpeedGovernor;
 use super::state_evaluator::{CheckResult, EvaluationInput, StateEvaluator, Stopwatch};
 use super::transform_joints::TransformJoints;
-use super::unevaluated_states::{PartialState, are_equal};
+use super::unevaluated_states::{PartialState, are_equal, named_positions};
 use super::world_updates::WorldUpdates;
 use super::{
     Evaluation, JointStateInput, LeftOut, MonitorSettings, MotionSincePrevious, Now, Reason, Revision,
@@ -228,22 +228,31 @@ impl Monitor {
             && let Some(evaluator) = &self.evaluator
         {
             let index_of = |name: &str| evaluator.joint_state_merger.position_index(name);
-            self.between_states.note_passed_over(unread, index_of);
+            self.between_states.note_passed_over(named_positions(unread, index_of));
         }
     }
 
-    /// The positions that a joint state gives by name, and their robot; `None` without a robot, or if the joint state is not valid.
-    pub(crate) fn named_positions(
+    /// The positions that a joint state gives, except those that come from `tf`, and their robot; `None` without a robot, or if the joint
+    /// state is not valid.
+    pub(crate) fn measured_positions(
         &self,
         input: &JointStateInput,
     ) -> Option<(&Arc<RobotModel>, PartialState)> {
-        let evaluator = self.evaluator.as_ref()?;
-        let JointStateInput { names, positions, .. } = input;
-        let index_of = |name: &String| evaluator.joint_state_merger.position_index(name);
-        let named = names.iter().zip(positions).filter_map(|(name, q)| Some((index_of(name)?, *q)));
-        let state: PartialState = named.collect();
-        let is_valid = names.len() == positions.len() && state.iter().all(|(_, q)| q.is_finite());
-        is_valid.then(|| (evaluator.revision.checker.robot(), state))
+        let StateEvaluator { revision, joint_state_merger, .. } = self.evaluator.as_ref()?;
+        let robot = revision.checker.robot();
+        let index_of = |name: &str| {
+            joint_state_merger.position_index(name).filter(|&index| !self.comes_from_transforms(robot, index))
+        };
+        Some((robot, named_positions(input, index_of)?))
+    }
+
+    fn comes_from_transforms(&self, robot: &RobotModel, position: usize) -> bool {
+        let has_position = |id| {
+            let count = robot.joint(id).kind.position_suffixes().len();
+            robot.first_position(id).is_some_and(|first| (first..first + count).contains(&position))
+        };
+        let mut joints = self.settings.transform_joints.iter().filter_map(|name| robot.joint_by_name(name));
+        joints.any(has_position)
     }
 
     /// Stores a joint state that is not evaluated by itself. Returns whether it contains positions.

@@ -28,6 +28,17 @@ pub(super) struct UnevaluatedStates {
 /// Positions (rad, m) by their index; the others are those of the states before.
 pub(super) type PartialState = Vec<(usize, f64)>;
 
+/// The positions that a joint state gives by name; `index_of` gives the index of the position with a name. `None` if it is not valid.
+pub(super) fn named_positions(
+    input: &JointStateInput,
+    index_of: impl Fn(&str) -> Option<usize>,
+) -> Option<PartialState> {
+    let JointStateInput { names, positions, .. } = input;
+    let named = names.iter().zip(positions).filter_map(|(name, q)| Some((index_of(name)?, *q)));
+    let state: PartialState = named.collect();
+    (names.len() == positions.len() && state.iter().all(|(_, q)| q.is_finite())).then_some(state)
+}
+
 /// Whether all states of the same joint are equal.
 pub(super) fn are_equal(states: &[PartialState]) -> bool {
     let index = |state: &PartialState| state.first().map(|(index, _)| *index);
@@ -47,14 +58,10 @@ pub(super) struct TolerantLine<'l> {
 }
 
 impl UnevaluatedStates {
-    /// Adds a joint state; `index_of` gives the index of the position with a name.
-    pub fn add(&mut self, input: &JointStateInput, index_of: impl Fn(&str) -> Option<usize>) {
-        let JointStateInput { names, positions, .. } = input;
-        let named = names.iter().zip(positions).filter_map(|(name, q)| Some((index_of(name)?, *q)));
-        let state: PartialState = named.collect();
-        let is_known = names.len() == positions.len() && state.iter().all(|(_, q)| q.is_finite());
+    /// Adds the positions of a joint state; `None` if it is not valid.
+    pub fn add(&mut self, state: Option<PartialState>) {
         self.end_transforms();
-        self.push(Some(state).filter(|_| is_known));
+        self.push(state);
     }
 
     /// Adds positions from `tf`, in the order of reception; `None` if they are not known. The last ones are part of the next state

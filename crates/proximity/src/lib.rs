@@ -44,7 +44,8 @@ pub use elements::{Element, ElementPair};
 pub use front::{Front, FrontLimits};
 pub use narrow_phase::{Separation, element_contact, element_separation};
 pub use penetration_depth::{
-    PenetrationDepth, SolidBody, UnknownDepth, depth_witnesses, penetration_depth, signed_distance,
+    PenetrationDepth, SolidBody, UnknownDepth, depth_witnesses, is_one_inside, penetration_depth,
+    signed_distance,
 };
 pub use queries::{
     DistanceBounds, DistanceCandidate, collide, distance, distance_bounds, distance_bounds_below,

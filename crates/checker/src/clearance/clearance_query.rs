@@ -8,7 +8,7 @@
 use clearance_geometry::math::{Extremes, MatrixPose};
 use clearance_proximity::{
     PenetrationDepth, Separation, WitnessOptions, WitnessPair, WitnessPairs, depth_witnesses,
-    distance_with_witnesses, penetration_depth,
+    distance_with_witnesses, is_one_inside, penetration_depth,
 };
 use clearance_robot::PointAlong;
 use clearance_scene::BodyId;
@@ -70,14 +70,14 @@ impl ClearanceQuery<'_> {
         let (witnesses, scratch) = (&mut *self.witnesses, &mut *self.state.scratch);
         let nearest = distance_with_witnesses(pair.posed_bodies(), limit, options, witnesses, scratch)?;
         let padding = pair.info.padding;
-        let of_paddings_only = nearest.distance > 0.0;
-        if of_paddings_only && (nearest.distance > padding || pair.comes_apart(&nearest, scratch)) {
-            let count = if witnesses.are_several() { WitnessCount::Several } else { WitnessCount::One };
-            let distance = nearest.distance - pair.info.padding;
-            let first = witnesses.pairs().first();
-            return Some(of_witnesses(pair, [distance, distance], first, &nearest).counted(count, witnesses));
+        if nearest.distance > padding {
+            return Some(of_bodies_apart(pair, &nearest, witnesses));
         }
         let [a, b] = self.state.pairs.solids(index);
+        let of_paddings_only = nearest.distance > 0.0 && !is_one_inside(a, b, &pair.pose_ab, scratch);
+        if of_paddings_only && pair.comes_apart(&nearest, scratch) {
+            return Some(of_bodies_apart(pair, &nearest, witnesses));
+        }
         let depth = penetration_depth(a, b, pair.pose_ab, padding, scratch);
         // the distance changes at most as much as a body is moved; the depth of solids says nothing about surfaces that are apart
         let of_distance = padding - nearest.distance;
@@ -165,6 +165,13 @@ fn of_witnesses(
         witnesses: WitnessCount::Unknown,
         has_all_candidates: false,
     }
+}
+
+/// A pair whose bodies are apart; their paddings may overlap.
+fn of_bodies_apart(pair: &PosedPair, nearest: &Separation, witnesses: &WitnessPairs) -> PairClearance {
+    let count = if witnesses.are_several() { WitnessCount::Several } else { WitnessCount::One };
+    let distance = nearest.distance - pair.info.padding;
+    of_witnesses(pair, [distance, distance], witnesses.pairs().first(), nearest).counted(count, witnesses)
 }
 
 /// A pair that overlaps, without a known translation that separates it.

@@ -65,13 +65,13 @@ pub fn check_stretches(
 type Place = (usize, f64);
 
 /// A place of the trajectory as a fraction of `part`, rounded down.
-fn before(trajectory: &Trajectory, part: usize, place: Place) -> f64 {
+fn fraction_below(trajectory: &Trajectory, part: usize, place: Place) -> f64 {
     let t = trajectory.fraction_in(part, place);
     if place.0 == part { t } else { t - ROUNDING * (1.0 + t.abs()) }
 }
 
-/// As [`before`], rounded up.
-fn after(trajectory: &Trajectory, part: usize, place: Place) -> f64 {
+/// As [`fraction_below`], rounded up.
+fn fraction_above(trajectory: &Trajectory, part: usize, place: Place) -> f64 {
     let t = trajectory.fraction_in(part, place);
     if place.0 == part { t } else { t + ROUNDING * (1.0 + t.abs()) }
 }
@@ -162,7 +162,7 @@ impl<F: FnMut(Stretch) -> MotionReport> StretchSearch<'_, F> {
         };
         if let MotionVerdict::Contact { t, pair, witness } = verdict {
             let from = self.open.as_ref().map_or((segment, t[0]), |open| open.from);
-            let t = [before(self.trajectory, segment, from), t[1]];
+            let t = [fraction_below(self.trajectory, segment, from), t[1]];
             let verdict = MotionVerdict::Contact { t, pair, witness };
             return Some(self.report(verdict, segment, [from, (segment, t[1])]));
         }
@@ -181,7 +181,7 @@ impl<F: FnMut(Stretch) -> MotionReport> StretchSearch<'_, F> {
         };
         let until = open.until(self.trajectory);
         let &OpenStretches { from, pair, distance, reason, .. } = open;
-        let t = [from.1, after(self.trajectory, from.0, until)];
+        let t = [from.1, fraction_above(self.trajectory, from.0, until)];
         self.report(MotionVerdict::Undecided { t, pair, distance, reason }, from.0, [from, until])
     }
 

@@ -4,7 +4,8 @@ use clearance_geometry::PointPair;
 use clearance_geometry::constants::CONTACT_DISTANCE;
 use clearance_geometry::math::{Extremes, Point, Vector};
 use clearance_proximity::{
-    DeepestContact, PenetrationDepth, Scratch, Separation, SolidBody, UnknownDepth, penetration_depth,
+    DeepestContact, PenetrationDepth, Scratch, Separation, SolidBody, UnknownDepth, is_one_inside,
+    penetration_depth,
 };
 
 use crate::pairs::PosedPair;
@@ -40,11 +41,11 @@ impl FoundContact {
     ) -> Option<Self> {
         let padding = pair.info.padding;
         let apart = pair.separation(padding + CONTACT_DISTANCE, scratch)?;
-        let of_paddings_only = apart.distance > 0.0;
+        let [a, b] = solids();
+        let of_paddings_only = apart.distance > 0.0 && !is_one_inside(a, b, &pair.pose_ab, scratch);
         if of_paddings_only && pair.comes_apart(&apart, scratch) {
             return Some(Self::of_paddings(pair, &apart));
         }
-        let [a, b] = solids();
         let depth = penetration_depth(a, b, pair.pose_ab, padding, scratch);
         // the distance changes at most as much as a body is moved; the depth of solids says nothing about surfaces that are apart
         let of_distance = (padding - apart.distance).greater(0.0);

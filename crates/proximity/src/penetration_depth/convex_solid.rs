@@ -24,8 +24,8 @@ pub(crate) trait SupportMap {
     /// Radius (m) of the sphere that is swept over the core.
     fn radius(&self) -> f64;
 
-    /// The outward normals of the flat faces of the core, as far as they are known.
-    fn face_normals(&self) -> Vec<Vector> {
+    /// Directions in which the solid often separates from another one by the shortest translation: normals of faces, axes of primitives.
+    fn likely_normals(&self) -> Vec<Vector> {
         Vec::new()
     }
 }
@@ -70,7 +70,7 @@ impl SupportMap for ConvexSolid {
         }
     }
 
-    fn face_normals(&self) -> Vec<Vector> {
+    fn likely_normals(&self) -> Vec<Vector> {
         match self {
             Self::Primitive(rounded) => {
                 let axes = (0..3).map(|i| rounded.pose.rotation.column(i).into_owned());

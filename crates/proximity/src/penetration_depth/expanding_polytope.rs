@@ -19,7 +19,7 @@ const ROUNDING: f64 = 1e-13;
 /// Largest number of support points. Flat solids need a few dozen; curved ones come within 1e-6 of the depth by then.
 const MOST_POINTS: usize = 400;
 
-/// Most normals of faces that are tested where the search ends early.
+/// Most likely normals that are tested where the search ends early.
 const MOST_NORMALS: usize = 64;
 
 /// Two convex solids, the second posed in the frame of the first. `rounded` solids include their radius in support points.
@@ -104,18 +104,18 @@ impl<A: SupportMap, B: SupportMap> ConvexPair<'_, A, B> {
                 return Some(self.result(&polytope, &face, upper));
             }
             if polytope.supports.len() >= MOST_POINTS || !polytope.expand(&face, support) {
-                let upper = self.least_of_faces(&face.normal, upper)?;
+                let upper = self.least_of_normals(&face.normal, upper)?;
                 return Some(self.result(&polytope, &face, upper));
             }
         }
     }
 
-    /// The shorter of a translation (m, with its direction) and those along normals of faces of the solids: a search that rounding ends
-    /// early misses exact normals. Tests those near an `expected` direction. `None` if a direction separates the solids.
-    fn least_of_faces(&self, expected: &Vector, found: (f64, Vector)) -> Option<(f64, Vector)> {
+    /// The shortest of a translation (m, with its direction) and those along likely normals of the solids: a search that rounding ends
+    /// early misses exact ones. Tests those nearest to an `expected` direction. `None` if a direction separates the solids.
+    fn least_of_normals(&self, expected: &Vector, found: (f64, Vector)) -> Option<(f64, Vector)> {
         let rotation = self.pose_ab.rotation;
-        let of_b = self.b.face_normals().into_iter().map(|n| -(rotation * n));
-        let mut normals: Vec<Vector> = self.a.face_normals().into_iter().chain(of_b).collect();
+        let of_b = self.b.likely_normals().into_iter().map(|n| -(rotation * n));
+        let mut normals: Vec<Vector> = self.a.likely_normals().into_iter().chain(of_b).collect();
         normals.sort_by(|m, n| n.dot(expected).total_cmp(&m.dot(expected)));
         normals.truncate(MOST_NORMALS);
         let mut least = found;

@@ -128,7 +128,7 @@ impl PenetrationDepth {
 /// It is the depth of the bodies enlarged by `margin` together: the length of the shortest translation after which their distance is
 /// larger. Two convex solids (primitives, or meshes without dents) have an exact depth, up to rounding, and so has a plane in a bounded
 /// body. A body of several shapes counts as their union. Each point of a cloud and each voxel is a body of its own; the result is for the
-/// deepest one. Points and voxels of both bodies are compared only if nothing else touches, and without a depth.
+/// deepest one, of the 64 that may be deepest. Points and voxels of both bodies are compared only if nothing else touches, and without a depth.
 #[must_use]
 pub fn penetration_depth(
     a: &SolidBody,
@@ -138,6 +138,12 @@ pub fn penetration_depth(
     scratch: &mut Scratch,
 ) -> Option<PenetrationDepth> {
     deepest(a, b, &pose_ab.into(), margin, scratch)
+}
+
+/// Whether two bodies overlap where closed meshes are solids, although their surfaces are apart: one is inside a mesh of the other.
+#[must_use]
+pub fn is_one_inside(a: &SolidBody, b: &SolidBody, pose_ab: &MatrixPose, scratch: &mut Scratch) -> bool {
+    (a.has_closed_meshes() || b.has_closed_meshes()) && deepest(a, b, pose_ab, 0.0, scratch).is_some()
 }
 
 fn deepest(

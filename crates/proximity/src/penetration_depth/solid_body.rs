@@ -100,6 +100,12 @@ impl SolidBody {
         Self { union: Union::new(&of_union, body), sets, all_sets: OnceLock::new() }
     }
 
+    /// Whether it has a mesh with an inside.
+    pub(super) fn has_closed_meshes(&self) -> bool {
+        let interior = self.union.as_ref().and_then(|union| union.whole.interior());
+        interior.is_some_and(|interior| !interior.closed_meshes().is_empty())
+    }
+
     /// All points and voxels as one body; `None` if there are none.
     pub(super) fn all_sets(&self) -> Option<&CollisionBody> {
         let build = || {
