@@ -296,3 +296,14 @@ def test_options_without_effect_are_rejected(tmp_path):
     with pytest.raises(cl.Error, match="unknown_is_occupied has no effect"):
         cl.World.from_file(cloud, point_radius=0.5, unknown_is_occupied=True)
     assert cl.World.from_file(cloud, point_radius=0.5).names
+
+
+def test_a_world_without_a_held_object_releases_it_with_a_warning(ball):
+    world = cl.World()
+    world.add_box("can", (0.1, 0.1, 0.1), AHEAD)
+    held = cl.Checker(ball, world).attach("can", "ball", pose=(0, 0, 0.3))
+    with pytest.warns(cl.InputWarning, match="'can' is not attached in the new world: link 'ball'"):
+        assert held.with_world(world).world.attached == {}
+    kept = held.world.copy()
+    kept.add_box("shelf", (0.1, 0.1, 0.1), (0, 3, 0))
+    assert held.with_world(kept).world.attached == {"can": "ball"}

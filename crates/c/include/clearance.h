@@ -805,8 +805,8 @@ clearance_status clearance_checker_new(const clearance_robot *robot,
 
 // Makes the same checker for another world. Hierarchies of links and of obstacles that do not change are shared.
 //
-// Paddings, scales and pairs of objects that the world does not have are dropped, also in checkers that are made from that one.
-// Rejected: a world in which a pair of `checked_collisions` cannot be checked.
+// Paddings, scales and pairs of objects that the world does not have are dropped, also in checkers that are made from that one. Links hold
+// what is attached in that world, and nothing else. Rejected: a world in which a pair of `checked_collisions` cannot be checked.
 clearance_status clearance_checker_with_world(const clearance_checker *checker,
                                               const clearance_world *world,
                                               clearance_checker **with_world);

@@ -877,7 +877,8 @@ class Checker {
   Workspace workspace() const { return Workspace(*this); }
 
   // The same checker in another world. Hierarchies of links and of obstacles that do not change are shared. Paddings, scales and pairs
-  // of objects that the world does not have are dropped, also in checkers that are made from that one.
+  // of objects that the world does not have are dropped, also in checkers that are made from that one. Links hold what is attached in
+  // that world, and nothing else.
   Checker with_world(const World &world) const {
     return Checker(detail::make<clearance_checker>(
         [&](clearance_checker **made) {

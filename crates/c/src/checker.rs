@@ -121,8 +121,8 @@ pub extern "C" fn clearance_checker_new(
 
 /// Makes the same checker for another world. Hierarchies of links and of obstacles that do not change are shared.
 ///
-/// Paddings, scales and pairs of objects that the world does not have are dropped, also in checkers that are made from that one.
-/// Rejected: a world in which a pair of `checked_collisions` cannot be checked.
+/// Paddings, scales and pairs of objects that the world does not have are dropped, also in checkers that are made from that one. Links hold
+/// what is attached in that world, and nothing else. Rejected: a world in which a pair of `checked_collisions` cannot be checked.
 #[unsafe(no_mangle)]
 pub extern "C" fn clearance_checker_with_world(
     checker: *const clearance_checker,

@@ -17,7 +17,7 @@ use self::construction::Grasp;
 use crate::arrays::{Rows, array};
 use crate::checker_core::CheckerCore;
 use crate::edge_queries::{self, EdgeArguments};
-use crate::error::error;
+use crate::error::{error, warn};
 use crate::memory::collected;
 use crate::motion_options::{ClearanceSettings, MotionSettings};
 use crate::options;
@@ -187,10 +187,12 @@ impl Checker {
 
     /// The same checker in another world. Hierarchies of links and of obstacles that do not change are shared.
     ///
-    /// Paddings, scales and pairs of objects that the world does not have are dropped, also in checkers that are made from that one.
+    /// Paddings, scales and pairs of objects that the world does not have are dropped, also in checkers that are made from that one. Links
+    /// hold what is attached in that world: for objects that are held no longer there is an `InputWarning`.
     fn with_world(&self, py: Python<'_>, world: PyRef<'_, World>) -> PyResult<Self> {
         let scene = world.scene.clone();
         drop(world);
+        warn(py, self.released_in(&scene))?;
         self.with_scene(py, scene)?.warned(py)
     }
 

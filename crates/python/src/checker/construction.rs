@@ -66,6 +66,20 @@ impl Checker {
         Ok(Self { core, robot, scene, settings, group, fixed })
     }
 
+    /// Warnings about attached objects that are not attached in another scene.
+    pub(super) fn released_in(&self, scene: &Scene) -> Vec<String> {
+        let held = self.scene.world.attached().iter();
+        let released = held.filter(|object| scene.world.attached_by_name(&object.name).is_none());
+        let text = |object: &Arc<AttachedObject>| {
+            format!(
+                "'{}' is not attached in the new world: link '{}' no longer holds it. To keep it, change a copy of the checker's 'world'; \
+                 to release it, call 'detach'",
+                object.name, object.link
+            )
+        };
+        released.map(text).collect()
+    }
+
     /// This checker, after a warning if it checks nothing.
     pub(super) fn warned(self, py: Python<'_>) -> PyResult<Self> {
         let text = "the checker has no pair of bodies to check, so that every state counts as free: the robot or the world has no \
