@@ -301,6 +301,7 @@ def test_options_without_effect_are_rejected(tmp_path):
 def test_a_world_without_a_held_object_releases_it_with_a_warning(ball):
     world = cl.World()
     world.add_box("can", (0.1, 0.1, 0.1), AHEAD)
+    world.add_box("wall", (0.1, 0.1, 0.1), (0, -3, 0))
     held = cl.Checker(ball, world).attach("can", "ball", pose=(0, 0, 0.3))
     with pytest.warns(cl.InputWarning, match="'can' is not attached in the new world: link 'ball'"):
         assert held.with_world(world).world.attached == {}
