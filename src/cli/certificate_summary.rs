@@ -173,8 +173,8 @@ impl<'c> Summary<'c> {
     fn obstacle_lines(&self) -> Vec<String> {
         let count = self.moves().count();
         if count == 0 {
-            let none = self.limit_text().unwrap_or_else(|| "none moves".to_owned());
-            return vec![format!("obstacles   {none}")];
+            let limits = self.limit_lines();
+            return if limits.is_empty() { vec!["obstacles   none moves".to_owned()] } else { limits };
         }
         let line = |(segment, mover): (usize, &MovingObstacle)| {
             let MovingObstacle { name, linear, angular, centre, start } = mover;
@@ -193,21 +193,31 @@ impl<'c> Summary<'c> {
         if count > MOST_LINES {
             lines.push(format!("obstacles   and {} more", count - MOST_LINES));
         }
-        lines.extend(self.limit_text().map(|text| format!("obstacles   {text}")));
+        lines.extend(self.limit_lines());
         lines
     }
 
-    /// Limits of the unknown motion of obstacles, if there are any.
-    fn limit_text(&self) -> Option<String> {
-        let UncertaintyText { time: [_, time], limits } = self.limits()?;
-        let SpeedLimit { speed, acceleration } = limits.default;
-        let others = match limits.by_name.len() {
-            0 => String::new(),
-            count => format!("; {count} of them have other limits"),
+    /// Limits of the unknown motion of obstacles, if there are any: of those without limits of their own, then of the others.
+    fn limit_lines(&self) -> Vec<String> {
+        let Some(UncertaintyText { time: [_, time], limits }) = self.limits() else { return Vec::new() };
+        let of = |SpeedLimit { speed, acceleration }: &SpeedLimit| {
+            format!("v = {speed:?} m/s and a = {acceleration:?} m/s²")
         };
-        Some(format!(
-            "may move by v t + a t² / 2 with v = {speed:?} m/s and a = {acceleration:?} m/s², for up to {time:?} s{others}"
-        ))
+        let mut lines = vec![format!(
+            "obstacles   may move by v t + a t² / 2 with {}, for up to {time:?} s",
+            of(&limits.default)
+        )];
+        let single = limits.by_name.iter().take(MOST_LINES);
+        lines.extend(
+            single.map(|(name, limit)| format!("obstacles   '{}' with {}", on_one_line(name), of(limit))),
+        );
+        if limits.by_name.len() > MOST_LINES {
+            lines.push(format!(
+                "obstacles   and {} more with their own limits",
+                limits.by_name.len() - MOST_LINES
+            ));
+        }
+        lines
     }
 
     /// Limits of obstacles in the last segment, in which their poses have been unknown for the longest time.

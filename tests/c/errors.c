@@ -127,8 +127,10 @@ static void check_warnings_of_checkers(void) {
   clearance_checker *nothing = NULL, *something = NULL, *again = NULL;
   clearance_world *empty = NULL;
   clearance_checker_options options = clearance_checker_options_default();
+  const clearance_checker_options zeros = {0};
   options.check_self = 0;
   CHECK_OK(clearance_world_new(&empty));
+  CHECK_FAILS(clearance_checker_new(robot, world, &zeros, &nothing), REJECTED, "clearance_checker_options_default");
   CHECK_OK(clearance_checker_new(robot, empty, &options, &nothing));
   CHECK(clearance_checker_pair_count(nothing) == 0 && clearance_checker_warning_count(nothing) == 1);
   CHECK_TEXT(clearance_checker_warning(nothing, 0), "no pair of bodies to check");

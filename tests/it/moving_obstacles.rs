@@ -257,6 +257,10 @@ fn a_certificate_with_limits_is_for_these_or_lower_ones() {
         let moving = case.write(name, &format!("obstacle_limits: [{{name: ball, speed: {speed}}}]"));
         let verified = case.run("verify", &[&STILL[..], &["--moving", &moving, &certificate]].concat());
         assert_eq!(verified.status.success(), is_covered, "{name}: {verified:?}");
+        let text = String::from_utf8(verified.stdout).unwrap();
+        let limits = "with v = 0.0 m/s and a = 0.0 m/s², for up to";
+        let of_ball = "obstacles   'ball' with v = 1.5 m/s and a = 0.0 m/s²\n";
+        assert_eq!(text.contains(limits) && text.contains(of_ball), is_covered, "{text}");
     }
 }
 

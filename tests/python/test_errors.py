@@ -172,6 +172,10 @@ def test_calls(arm, home, call, kind, words):
         call(arm, home)
 
 
+LOST_MESH = """<robot name='r'><link name='a'><collision><geometry>
+  <mesh filename='package://lost/a.stl'/></geometry></collision></link></robot>"""
+
+
 @pytest.mark.parametrize(
     "arguments, kind, words",
     [
@@ -180,6 +184,7 @@ def test_calls(arm, home, call, kind, words):
         (("<robot name='r'><link name='a'/></robot>", "<srdf/>"), cl.Error, None),
         ((3,), TypeError, "urdf must be a path or XML text"),
         ((URDF, None, "/tmp"), TypeError, "package_paths is '/tmp', but must be a list of paths"),
+        ((LOST_MESH,), cl.Error, "package 'lost' was not found.*as DIR in package_paths, so that DIR/lost is the package"),
         (("",), cl.Error, "urdf is empty: give a path or XML text"),
         (("<robot name='r'><link name='a'/></robot>", " \n"), cl.Error, "srdf is empty: give a path or XML text"),
     ],

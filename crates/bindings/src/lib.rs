@@ -3,7 +3,7 @@
 //! | content | file |
 //! |---|---|
 //! | joints of a checker's states: all of the robot, or those of a group | `joint_space` |
-//! | names of joints and objects in arguments | `names` |
+//! | names of joints, objects and arguments | `names` |
 //! | pairs that are allowed to collide, or checked all the same | `pair_selection` |
 //! | threads of batches | `thread_pools` |
 
@@ -15,6 +15,6 @@ mod pair_selection;
 mod thread_pools;
 
 pub use joint_space::{JointSpace, JointSpaceError};
-pub use names::{find_joint, why_no_obstacle};
+pub use names::{find_joint, why_no_obstacle, with_package_paths};
 pub use pair_selection::{NameError, PairSelection};
 pub use thread_pools::{default_threads, pool};

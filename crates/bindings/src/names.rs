@@ -1,4 +1,4 @@
-//! Lookup of joints by name, and error messages for unknown joints and objects.
+//! Lookup of joints by name, and error messages: of unknown joints and objects, and with names of arguments.
 
 use clearance::robot::{JointId, RobotModel};
 use clearance::scene::Scene;
@@ -26,6 +26,13 @@ pub fn why_no_obstacle(scene: &Scene, name: &str) -> String {
         }
         None => format!("there is no object '{name}'"),
     }
+}
+
+/// The text of an error of the library, with an argument of a binding instead of the option of the command line.
+#[must_use]
+pub fn with_package_paths(text: &str, argument: &str) -> String {
+    let text = text.replace("with --package-path DIR", &format!("as DIR in {argument}"));
+    text.replace("with --package-path", &format!("in {argument}"))
 }
 
 #[cfg(test)]

@@ -155,7 +155,8 @@ typedef struct {
   const char *b;
 } clearance_pair;
 
-// Options of a checker. Start with `clearance_checker_options_default`. Flags are 0 or 1. Arrays are copied.
+// Options of a checker. Start with `clearance_checker_options_default`: options of zeros are rejected, because they check
+// nothing. Flags are 0 or 1. Arrays are copied.
 typedef struct {
   // Group of the SRDF whose positions are those of a state, in the order of the robot, which `clearance_checker_joint_name` gives;
   // null for all joints of the robot. A mimic joint of the group has no position; without its leader in the group, it stays in place.

@@ -13,7 +13,8 @@ use crate::arguments::Arguments;
 use crate::status::{Failure, Outcome};
 use crate::structs::{clearance_named_value, clearance_pair, named_values};
 
-/// Options of a checker. Start with `clearance_checker_options_default`. Flags are 0 or 1. Arrays are copied.
+/// Options of a checker. Start with `clearance_checker_options_default`: options of zeros are rejected, because they check
+/// nothing. Flags are 0 or 1. Arrays are copied.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct clearance_checker_options {
@@ -108,6 +109,12 @@ impl CheckSettings {
     /// Reads options; null is the default.
     pub fn read(arguments: Arguments<'_>, options: *const clearance_checker_options) -> Outcome<Self> {
         let given = arguments.object_or_none(options, "options")?.copied().unwrap_or_default();
+        if given.check_self == 0 && given.check_world == 0 {
+            return Err(Failure::rejected(
+                "check_self and check_world of the options are 0, so that nothing is checked: start with \
+                 clearance_checker_options_default",
+            ));
+        }
         let by_name = |values, count, what: &str| -> Outcome<HashMap<String, f64>> {
             let mut read = HashMap::new();
             for (name, value) in named_values(arguments, values, count, what)? {

@@ -8,14 +8,14 @@ use std::sync::Arc;
 
 use clearance::geometry::math::Pose;
 use clearance::robot::{Configuration, LinkPoses, MeshFiles, RobotModel, RobotText, check_package_path};
-use clearance_bindings::JointSpace;
+use clearance_bindings::{JointSpace, with_package_paths};
 use clearance_files::input_files::{self, DESCRIPTION_LIMIT};
 
 use crate::arguments::Arguments;
 use crate::rows;
 use crate::status::{Failure, Outcome, call, call_for, clearance_status};
 use crate::structs::{clearance_named_value, clearance_pose, clearance_state, named_values, texts};
-use crate::texts::{Names, c_text, with_package_paths};
+use crate::texts::{Names, c_text};
 
 /// A robot: links and joints from URDF, groups and allowed collisions from SRDF, with the meshes. Immutable: any number of threads may
 /// use it.
@@ -89,7 +89,7 @@ pub fn link_pose(robot: &RobotModel, link: &str, q: &Configuration) -> Outcome<P
 
 /// A rejection, perhaps of a mesh that is not found.
 pub fn mesh_failure(why: impl Display) -> Failure {
-    Failure::rejected(with_package_paths(&why.to_string()))
+    Failure::rejected(with_package_paths(&why.to_string(), "package_paths of clearance_robot_from_urdf"))
 }
 
 /// A text of a robot's description, and its path if it is a file.

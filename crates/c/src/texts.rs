@@ -8,13 +8,6 @@ pub fn c_text(text: &str) -> CString {
     CString::new(text.replace('\0', "\u{fffd}")).unwrap_or_default()
 }
 
-/// The text of an error of the library, with the argument of this interface instead of the option of the command line.
-pub fn with_package_paths(text: &str) -> String {
-    let text =
-        text.replace("with --package-path DIR", "as DIR in package_paths of clearance_robot_from_urdf");
-    text.replace("with --package-path", "in package_paths of clearance_robot_from_urdf")
-}
-
 /// Names by number.
 #[derive(Debug, Default)]
 pub struct Names(Vec<CString>);

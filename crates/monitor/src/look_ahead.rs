@@ -78,9 +78,10 @@ impl LookAheadEvaluator {
         if input.is_late {
             return (None, vec!["the time to contact is not known: check_deadline has passed".to_owned()]);
         }
-        let mut warnings = Vec::from_iter(limits_without_effect(checker, settings));
-        let found = self.look(checker, input, settings);
-        (found.map_err(|why| warnings.push(why)).ok(), warnings)
+        match self.look(checker, input, settings) {
+            Ok(found) => (Some(found), Vec::new()),
+            Err(why) => (None, vec![why]),
+        }
     }
 
     /// Proven time without contact after an evaluated state, or why it is unknown.
@@ -204,7 +205,10 @@ pub(super) fn obstacles_may_move(checker: &CollisionChecker, settings: &MonitorS
 }
 
 /// Warning about limits of obstacles that the world does not have.
-fn limits_without_effect(checker: &CollisionChecker, settings: &MonitorSettings) -> Option<String> {
+pub(super) fn limits_without_effect(
+    checker: &CollisionChecker,
+    settings: &MonitorSettings,
+) -> Option<String> {
     let names = settings.obstacle_limits.by_name.keys();
     let unknown: Vec<String> = names.filter(|name| checker.world().id(name).is_none()).cloned().collect();
     (!unknown.is_empty())

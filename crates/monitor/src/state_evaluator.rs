@@ -14,7 +14,7 @@ use super::between_states::{BetweenStates, CurrentState, StateTime};
 use super::check_budget::CheckBudget;
 use super::distance_bounds::DistanceBounds;
 use super::joint_state_merger::{JointStateMerger, MergedState};
-use super::look_ahead::{LookAheadEvaluator, LookAheadInput, obstacles_may_move};
+use super::look_ahead::{LookAheadEvaluator, LookAheadInput, limits_without_effect, obstacles_may_move};
 use super::obstacle_motion::ObstacleMotion;
 use super::obstacle_shift::KnownMotion;
 use super::past_states::PastStates;
@@ -142,6 +142,7 @@ impl StateEvaluator {
         left_out = left_out.max(ahead.left_out(settings));
         let (look_ahead, of_look_ahead) = self.look_ahead.look_in_time(checker, &ahead, settings);
         warnings.extend(of_look_ahead);
+        warnings.extend(limits_without_effect(checker, settings));
         warnings.extend(speeds_without_effect(checker, settings));
         let contacts = ContactQuery {
             checker,

@@ -2,6 +2,7 @@
 
 use std::fmt::Display;
 
+use clearance_bindings::with_package_paths;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -14,7 +15,7 @@ pyo3::create_exception!(
 
 /// The exception with the text of an error of the library.
 pub fn error(text: impl Display) -> PyErr {
-    Error::new_err(text.to_string())
+    Error::new_err(with_package_paths(&text.to_string(), "package_paths"))
 }
 
 /// Emits one Python warning of the class `clearance.InputWarning` per text.

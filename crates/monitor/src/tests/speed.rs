@@ -91,6 +91,25 @@ fn an_obstacle_that_may_move_counts_as_nearer() {
     }
 }
 
+/// A wrong name is reported whatever the limits are used for: here neither a look-ahead nor slowing down is on.
+#[test]
+fn limits_of_obstacles_that_do_not_exist_are_a_warning() {
+    let mut monitor = governed(SpeedSettings::default());
+    monitor.set_checker(beside_a_ball(0.4));
+    let limit = SpeedLimit { speed: 1.0, acceleration: 2.0 };
+    let mut warnings = |names: &[&str]| {
+        let by_name = names.iter().map(|name| ((*name).to_owned(), limit)).collect();
+        let limits = ObstacleLimits { by_name, ..ObstacleLimits::default() };
+        monitor.set_settings(MonitorSettings {
+            obstacle_limits: Arc::new(limits),
+            ..MonitorSettings::default()
+        });
+        monitor.on_joint_state(moving(0.0, FREE, &[0.0, 0.0]), at(0.0)).warnings.to_vec()
+    };
+    assert_eq!(warnings(&["cart"]), [""; 0]);
+    assert_eq!(warnings(&["cart", "card"]), ["obstacle_limits: the world has no obstacle 'card'"]);
+}
+
 /// A robot that moves away from an obstacle is not slowed down, also if the obstacle may follow.
 #[test]
 fn moving_away_from_what_may_follow_is_not_slowed() {

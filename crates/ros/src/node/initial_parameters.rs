@@ -22,7 +22,7 @@ pub fn initial_parameters(arguments: &RosArguments) -> Result<Parameters, NodeEr
         parameter_files::initial(Parameters::default(), &arguments.parameters, &names)
             .map_err(|error| NodeError::Input(error.to_string()))?;
     for parameter in passed_over {
-        log::warn!("passed over, for this node has no such parameter: {parameter}");
+        log::warn!("parameters that are not of this node are skipped: {parameter}");
     }
     Ok(parameters)
 }

@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 
 use clearance_files::input_files::{self, DESCRIPTION_LIMIT};
 use clearance_files::yaml;
-use serde_json::{Map, Value as Yaml};
+use indexmap::IndexMap;
+use serde::Deserialize;
+use serde_json::Value as Yaml;
 
 use crate::names::Names;
 use crate::parameters::assignment::assign;
@@ -26,10 +28,11 @@ pub enum ParameterFault {
     Together(String),
 }
 
-/// Initial values: defaults, then the files in order, then the single parameters; later values replace earlier ones.
+/// Initial values: defaults, then the files and the single parameters in their order; later values replace earlier
+/// ones, as in other nodes.
 ///
-/// Also returns the ignored parameters: those from wildcard sections that this node does not have, but other nodes may
-/// have.
+/// Also returns the ignored parameters: those for other nodes, and those from wildcard sections that this node does not
+/// have, but other nodes may have.
 pub fn initial(
     mut parameters: Parameters,
     sources: &[ParameterSource],
@@ -37,18 +40,20 @@ pub fn initial(
 ) -> Result<(Parameters, Vec<String>), ParameterFault> {
     let mut passed_over = Vec::new();
     for source in sources {
-        if let ParameterSource::File(file) = source {
-            let fault = |why| ParameterFault::File { file: file.clone(), why };
-            let text = input_files::read_text(file, DESCRIPTION_LIMIT).map_err(|e| fault(e.reason))?;
-            apply_text(&mut parameters, &text, file, names, &mut passed_over).map_err(fault)?;
-        }
-    }
-    for source in sources {
-        if let ParameterSource::Single { node, name, value } = source
-            && node.as_deref().is_none_or(|node| is_this_node(node, names))
-        {
-            assign(&mut parameters, name, value)
-                .map_err(|why| ParameterFault::Single { name: name.clone(), why })?;
+        match source {
+            ParameterSource::File(file) => {
+                let fault = |why| ParameterFault::File { file: file.clone(), why };
+                let text = input_files::read_text(file, DESCRIPTION_LIMIT).map_err(|e| fault(e.reason))?;
+                apply_text(&mut parameters, &text, file, names, &mut passed_over).map_err(fault)?;
+            }
+            ParameterSource::Single { node: Some(node), name, .. } if !is_this_node(node, names) => {
+                let own = names.full_node_name();
+                passed_over.push(format!("{name}: it is for {node}, and this node is {own}"));
+            }
+            ParameterSource::Single { name, value, .. } => {
+                let fault = |why| ParameterFault::Single { name: name.clone(), why };
+                assign(&mut parameters, name, value).map_err(fault)?;
+            }
         }
     }
     parameters.check_together().map_err(ParameterFault::Together)?;
@@ -68,9 +73,8 @@ fn apply_text(
 ) -> Result<(), String> {
     let text = yaml::only_document(text).map_err(|error| error.to_string())?;
     // in this YAML version `yes` and `on` are booleans, as in other nodes
-    let document: Yaml =
-        serde_saphyr::from_str(&text).map_err(|error| clearance_files::yaml::in_words(&error))?;
-    let Yaml::Object(document) = document else {
+    let document: Node = serde_saphyr::from_str(&text).map_err(|error| yaml::in_words(&error))?;
+    let Node::Map(document) = document else {
         return Err("it must map node names to ros__parameters".to_owned());
     };
     let mut sections = Vec::new();
@@ -83,8 +87,6 @@ fn apply_text(
         passed_over
             .push(format!("all of {}: it is for {known}, and this node is {full_name}", file.display()));
     }
-    // sections with the name of this node have priority over wildcards
-    sections.sort_by_key(|section| (section.names_node(), !section.is_wildcard()));
     for section in sections {
         for (name, value) in &section.values {
             if !section.names_node() && declaration_of(name).is_none() {
@@ -99,6 +101,14 @@ fn apply_text(
     Ok(())
 }
 
+/// A part of a parameter file. The order of its names matters.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Node {
+    Map(IndexMap<String, Node>),
+    Value(Yaml),
+}
+
 /// Parameters for all nodes that match a name pattern.
 struct Section {
     /// Absolute name, with `*` for one part of the name and `**` for any number of parts.
@@ -111,20 +121,16 @@ impl Section {
     fn names_node(&self) -> bool {
         self.pattern.rsplit('/').next().is_some_and(|node| !node.contains('*'))
     }
-
-    fn is_wildcard(&self) -> bool {
-        self.pattern.contains('*')
-    }
 }
 
 /// Collects the sections. Node names may be nested: `/cell: {left: {ros__parameters: ...}}` is `/cell/left`.
 fn collect_sections(
-    map: &Map<String, Yaml>,
+    map: &IndexMap<String, Node>,
     prefix: &str,
     sections: &mut Vec<Section>,
 ) -> Result<(), String> {
     for (key, value) in map {
-        let Yaml::Object(inner) = value else {
+        let Node::Map(inner) = value else {
             return Err(format!("'{key}' must hold ros__parameters, or node names that do"));
         };
         if key == "ros__parameters" {
@@ -140,11 +146,11 @@ fn collect_sections(
 }
 
 /// Flattens nested parameters: the parts of their names are joined with dots.
-fn flatten(map: &Map<String, Yaml>, prefix: &str, values: &mut Vec<(String, Value)>) {
+fn flatten(map: &IndexMap<String, Node>, prefix: &str, values: &mut Vec<(String, Value)>) {
     for (key, value) in map {
         match value {
-            Yaml::Object(inner) => flatten(inner, &format!("{prefix}{key}."), values),
-            other => values.push((format!("{prefix}{key}"), parameter_value::from_node(other))),
+            Node::Map(inner) => flatten(inner, &format!("{prefix}{key}."), values),
+            Node::Value(value) => values.push((format!("{prefix}{key}"), parameter_value::from_node(value))),
         }
     }
 }
@@ -213,11 +219,14 @@ mod tests {
     }
 
     #[test]
-    fn the_own_name_wins_over_wildcards() {
-        let text = "clearance: {ros__parameters: {padding: 0.25}}\n/**: {ros__parameters: {padding: 0.5}}\n";
-        assert_eq!(apply(text, "/").unwrap().0.padding, 0.25);
-        let text = "clearance: {ros__parameters: {padding: 0.25}}\n/**/clearance: {ros__parameters: {padding: 0.5}}\n";
-        assert_eq!(apply(text, "/").unwrap().0.padding, 0.25);
+    fn later_sections_win() {
+        let section = |key: &str, padding| format!("{key}: {{ros__parameters: {{padding: {padding}}}}}\n");
+        for other in ["/**", "/**/clearance"] {
+            for [first, last] in [["clearance", other], [other, "clearance"]] {
+                let text = section(first, 0.25) + &section(last, 0.5);
+                assert_eq!(apply(&text, "/").unwrap().0.padding, 0.5, "{text}");
+            }
+        }
     }
 
     #[test]
@@ -244,27 +253,32 @@ mod tests {
         ] {
             assert!(apply(bad, "/").is_err(), "{bad}");
         }
+        let twice = "clearance:\n  ros__parameters:\n    padding: 0.1\n    padding: 0.2\n";
+        let error = apply(twice, "/").unwrap_err();
+        assert!(error.contains("padding") && error.contains("line 4"), "{error}");
     }
 
     #[test]
-    fn single_parameters_win_over_files() {
+    fn later_arguments_win() {
         let directory = tempfile::tempdir().unwrap();
-        let file = directory.path().join("p.yaml");
-        std::fs::write(&file, "/**: {ros__parameters: {padding: 0.5, stale_after: 2}}").unwrap();
+        let path = directory.path().join("p.yaml");
+        std::fs::write(&path, "/**: {ros__parameters: {padding: 0.5, stale_after: 2}}").unwrap();
         let single = |node: Option<&str>, name: &str, value| ParameterSource::Single {
             node: node.map(str::to_owned),
             name: name.to_owned(),
             value,
         };
-        let sources = [
-            single(None, "padding", Value::Double(0.125)),
-            ParameterSource::File(file),
-            single(Some("other"), "heartbeat_rate", Value::Double(99.0)),
-        ];
-        let (parameters, _) = initial(Parameters::default(), &sources, &names("/")).unwrap();
+        let padding = single(None, "padding", Value::Double(0.125));
+        let file = ParameterSource::File(path);
+        let other = single(Some("other"), "heartbeat_rate", Value::Double(99.0));
+        let sources = [file.clone(), padding.clone(), other];
+        let (parameters, passed_over) = initial(Parameters::default(), &sources, &names("/")).unwrap();
         assert_eq!(parameters.padding, 0.125);
         assert_eq!(parameters.stale_after, 2.0);
         assert_eq!(parameters.heartbeat_rate, 10.0);
+        assert_eq!(passed_over, ["heartbeat_rate: it is for other, and this node is /clearance"]);
+        let (parameters, _) = initial(Parameters::default(), &[padding, file], &names("/")).unwrap();
+        assert_eq!(parameters.padding, 0.5);
         // inconsistent values are rejected after all values are known, in any order
         let crop = |end, x| single(None, end, Value::Doubles(vec![x, -9.0, -9.0]));
         let beyond = single(None, "cloud_crop_max", Value::Doubles(vec![20.0; 3]));
