@@ -67,7 +67,7 @@ const HOME_CRATES: [(&str, &str); 11] = [
 ];
 
 /// A foreign crate and the one file or folder of its crate that names it.
-const HOMES: [(&str, &str); 21] = [
+const HOMES: [(&str, &str); 20] = [
     ("base64", "crates/robot/src/mesh_formats/"),
     ("libc", "crates/files/src/input_files.rs"),
     ("fearless_simd", "crates/geometry/src/simd/"),
@@ -81,7 +81,6 @@ const HOMES: [(&str, &str); 21] = [
     ("mcap", "crates/ros/src/recording/"),
     ("hdrhistogram", "crates/ros/src/topics/latencies.rs"),
     ("strsim", "crates/ros/src/parameters/"),
-    ("indexmap", "crates/ros/src/parameters/"),
     ("sysinfo", "crates/ros/src/node/memory_limit.rs"),
     ("cdr_encoding", "crates/ros/src/dds/cdr.rs"),
     ("byteorder", "crates/ros/src/dds/cdr.rs"),

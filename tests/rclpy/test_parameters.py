@@ -8,6 +8,7 @@ import pytest
 import yaml
 from clearance_msgs.msg import CollisionState
 from rcl_interfaces.msg import ParameterEvent, ParameterType
+from rclpy.node import Node
 
 import two_link
 from cell import QUICK, STALE_AFTER, Companions
@@ -109,6 +110,45 @@ def test_a_parameter_file_among_the_ros_arguments(start, tmp_path, section):
     namespace = "/cell" if section.startswith("/cell") else ""
     cell = start(ros_arguments=["--params-file", path], name="clearance_of_the_file", namespace=namespace)
     assert cell.parameters.get("influence_distance") == [0.25]
+
+
+NAMED, ALL = "/cell/ordered:\n  ros__parameters: {heartbeat_rate: 20.0}\n", "/**:\n  ros__parameters: {heartbeat_rate: 30.0}\n"
+
+
+@pytest.mark.parametrize(
+    "sources",
+    [
+        [NAMED + ALL],
+        [ALL + NAMED],
+        [NAMED, ALL],
+        [ALL, NAMED],
+        ["heartbeat_rate:=40.0", ALL],
+        ["heartbeat_rate:=40.0", NAMED],
+        [ALL, "heartbeat_rate:=40.0"],
+        [NAMED + ALL, "heartbeat_rate:=40.0"],
+        ["ordered:heartbeat_rate:=50.0", "heartbeat_rate:=40.0"],
+        ["heartbeat_rate:=40.0", "other:heartbeat_rate:=60.0"],
+    ],
+)
+def test_the_last_value_applies_as_in_other_nodes(start, peer, tmp_path, sources):
+    words = []
+    for number, source in enumerate(sources):
+        path = tmp_path / f"{number}.yaml"
+        path.write_text(source)
+        words += ["-p", source] if ":=" in source else ["--params-file", str(path)]
+    arguments = {"cli_args": ["--ros-args", *words], "use_global_arguments": False, "start_parameter_services": False}
+    overrides = {"automatically_declare_parameters_from_overrides": True}
+    other = Node("ordered", context=peer.node.context, namespace="/cell", **arguments, **overrides)
+    expected = other.get_parameter("heartbeat_rate").value
+    other.destroy_node()
+    cell = start(ros_arguments=words, name="ordered", namespace="/cell")
+    assert cell.parameters.get("heartbeat_rate") == [expected]
+
+
+def test_parameters_of_other_nodes_may_have_any_name(start, tmp_path):
+    path = tmp_path / "parameters.yaml"
+    path.write_text("/**:\n  ros__parameters: {target: {x: 1.0, y: 2.0, on: 3.0, 7: true}, influence_distance: 0.25}\n")
+    assert start(ros_arguments=["--params-file", path]).parameters.get("influence_distance") == [0.25]
 
 
 def test_a_parameter_file_for_another_node_changes_nothing(start, tmp_path):

@@ -4,14 +4,12 @@ use std::path::{Path, PathBuf};
 
 use clearance_files::input_files::{self, DESCRIPTION_LIMIT};
 use clearance_files::yaml;
-use indexmap::IndexMap;
-use serde::Deserialize;
-use serde_json::Value as Yaml;
 
 use crate::names::Names;
 use crate::parameters::assignment::assign;
 use crate::parameters::declarations::declaration_of;
 use crate::parameters::declarations::similar;
+use crate::parameters::parameter_document::{Entries, Node};
 use crate::parameters::parameter_set::Parameters;
 use crate::parameters::parameter_source::ParameterSource;
 use crate::parameters::parameter_value;
@@ -29,7 +27,8 @@ pub enum ParameterFault {
 }
 
 /// Initial values: defaults, then the files and the single parameters in their order; later values replace earlier
-/// ones, as in other nodes.
+/// ones, as in other nodes. (In rcl, a section with the name of the node that follows one of all nodes also replaces a
+/// later single parameter.)
 ///
 /// Also returns the ignored parameters: those for other nodes, and those from wildcard sections that this node does not
 /// have, but other nodes may have.
@@ -101,14 +100,6 @@ fn apply_text(
     Ok(())
 }
 
-/// A part of a parameter file. The order of its names matters.
-#[derive(Deserialize)]
-#[serde(untagged)]
-enum Node {
-    Map(IndexMap<String, Node>),
-    Value(Yaml),
-}
-
 /// Parameters for all nodes that match a name pattern.
 struct Section {
     /// Absolute name, with `*` for one part of the name and `**` for any number of parts.
@@ -124,11 +115,7 @@ impl Section {
 }
 
 /// Collects the sections. Node names may be nested: `/cell: {left: {ros__parameters: ...}}` is `/cell/left`.
-fn collect_sections(
-    map: &IndexMap<String, Node>,
-    prefix: &str,
-    sections: &mut Vec<Section>,
-) -> Result<(), String> {
+fn collect_sections(map: &Entries, prefix: &str, sections: &mut Vec<Section>) -> Result<(), String> {
     for (key, value) in map {
         let Node::Map(inner) = value else {
             return Err(format!("'{key}' must hold ros__parameters, or node names that do"));
@@ -146,7 +133,7 @@ fn collect_sections(
 }
 
 /// Flattens nested parameters: the parts of their names are joined with dots.
-fn flatten(map: &IndexMap<String, Node>, prefix: &str, values: &mut Vec<(String, Value)>) {
+fn flatten(map: &Entries, prefix: &str, values: &mut Vec<(String, Value)>) {
     for (key, value) in map {
         match value {
             Node::Map(inner) => flatten(inner, &format!("{prefix}{key}."), values),
