@@ -141,8 +141,8 @@ impl StateEvaluator {
         };
         left_out = left_out.max(ahead.left_out(settings));
         let (look_ahead, of_look_ahead) = self.look_ahead.look_in_time(checker, &ahead, settings);
-        warnings.extend(of_look_ahead);
         warnings.extend(limits_without_effect(checker, settings));
+        warnings.extend(of_look_ahead);
         warnings.extend(speeds_without_effect(checker, settings));
         let contacts = ContactQuery {
             checker,
