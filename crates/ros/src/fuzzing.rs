@@ -180,7 +180,13 @@ impl OfflineNode {
                 self.monitor.set_settings(self.parameters.get().monitor_settings());
                 self.process(LoaderCommand::Parameters);
             }
-            _ => self.respond(kind, bytes)?,
+            MessageKind::CheckMotion
+            | MessageKind::CheckMotions
+            | MessageKind::CheckTrajectory
+            | MessageKind::CheckStates
+            | MessageKind::GetDistances
+            | MessageKind::GetStateValidity
+            | MessageKind::FindFreeState => self.respond(kind, bytes)?,
         }
         let evaluation = self.monitor.on_heartbeat(self.now());
         self.joint_state_history.note(&evaluation, now.ros);
@@ -221,7 +227,8 @@ impl OfflineNode {
                 limit_time(&mut request.timeout);
                 cdr::encode(&search_free_state(&request, evaluation, workspace)).map(drop)
             }
-            _ => self.respond_validity(&cdr::decode(bytes)?),
+            MessageKind::GetStateValidity => self.respond_validity(&cdr::decode(bytes)?),
+            topic => unreachable!("{topic:?} is not a request"),
         }
     }
 

@@ -7,7 +7,7 @@
 //! parameter services, /clock ──> services ───────┘ settings │   ~/speed_scale; markers ──> ~/markers
 //!                                                           │   retreat ──> ~/retreat_direction
 //! ~/enable ──> services ──> monitor loop
-//! ~/check_motion, ~/check_trajectory ──> services ──> motions <─┘ the robot, the world, the current joint state
+//! ~/check_motion(s), ~/check_trajectory ─> services ─> motions <┘ the robot, the world, the current joint state
 //!                                     responses <── services <──┘ └──> ~/certificates, ~/swept_volume
 //! ~/check_states, ~/get_distances, ~/find_free_state ──> services ──> states ──> services ──> responses
 //! planning scenes, octomaps, clouds, tf, services about them ──> world ──> loader

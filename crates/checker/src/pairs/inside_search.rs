@@ -53,16 +53,19 @@ impl InsideSearch<'_> {
         }
         let frames = |chain_body: usize, _: usize| frame(chain_body);
         let mut visit = |pair, _: usize| visit(pair);
-        let in_meshes = self.points().chunks(LANES).any(|eight| {
+        // a loop: a closure would not be compiled for the SIMD level
+        for eight in self.points().chunks(LANES) {
             let point = |lane: usize| &eight[lane.min(eight.len() - 1)];
             let points = PlacedPoints {
                 points: std::array::from_fn(|lane| point(lane).in_root(&frame(point(lane).chain_body))),
                 among: u8::MAX >> (LANES - eight.len()),
                 part: |lane| point(lane).part,
             };
-            self.visit_points(simd, &points, &frames, &mut visit)
-        });
-        in_meshes || self.visit_cubes(1, &frames, &mut visit)
+            if self.visit_points(simd, &points, &frames, &mut visit) {
+                return true;
+            }
+        }
+        self.visit_cubes(1, &frames, &mut visit)
     }
 
     /// As [`Self::in_state`], for those of eight states that have a bit in `among`; the visitor is called with the number
@@ -78,15 +81,17 @@ impl InsideSearch<'_> {
         if among == 0 || self.pairs.world().inside().is_empty() {
             return false;
         }
-        let in_meshes = self.points().iter().any(|point| {
+        for point in self.points() {
             let points = PlacedPoints {
                 points: std::array::from_fn(|lane| point.in_root(&frames(point.chain_body, lane))),
                 among,
                 part: |_| point.part,
             };
-            self.visit_points(simd, &points, frames, &mut visit)
-        });
-        in_meshes || self.visit_cubes(among, frames, &mut visit)
+            if self.visit_points(simd, &points, frames, &mut visit) {
+                return true;
+            }
+        }
+        self.visit_cubes(among, frames, &mut visit)
     }
 
     /// The points of the bodies that are searched for.

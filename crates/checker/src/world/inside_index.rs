@@ -138,12 +138,7 @@ impl PlacedGrid {
         if !is_within {
             return in_box;
         }
-        let [x, y, z] = points;
-        let cell = |i: usize| -> [f32; LANES] {
-            let [a, b, c] = self.to_cells[i].map(|value| f32x8::splat(simd, value));
-            (*x * a + *y * b + *z * c + f32x8::splat(simd, self.offset[i])).into()
-        };
-        let cells = [cell(0), cell(1), cell(2)];
+        let cells = [self.cells(simd, points, 0), self.cells(simd, points, 1), self.cells(simd, points, 2)];
         let (mut near, mut left) = (0, in_box);
         while left != 0 {
             let lane = left.trailing_zeros() as usize;
@@ -151,6 +146,13 @@ impl PlacedGrid {
             near |= u8::from(self.grid.may_contain([0, 1, 2].map(|i| cells[i][lane]))) << lane;
         }
         near
+    }
+
+    /// Coordinates of the points along an axis of the grid, in cells.
+    #[inline(always)]
+    fn cells<S: Simd>(&self, simd: S, [x, y, z]: &[f32x8<S>; 3], axis: usize) -> [f32; LANES] {
+        let [a, b, c] = self.to_cells[axis].map(|value| f32x8::splat(simd, value));
+        (*x * a + *y * b + *z * c + f32x8::splat(simd, self.offset[axis])).into()
     }
 }
 

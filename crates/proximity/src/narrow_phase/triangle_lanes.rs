@@ -84,6 +84,12 @@ fn span<S: Simd>([p, q, r]: [Vectors<S>; 3], direction: &[f32; 3]) -> [f32x8<S>;
     [p.min(q).min(r), p.max(q).max(r)]
 }
 
+/// Squared lengths of edges, but at least `least`.
+#[inline(always)]
+fn squares<S: Simd>([d, e, f]: &[Vectors<S>; 3], least: f32x8<S>) -> [f32x8<S>; 3] {
+    [d.dot(*d).max(least), e.dot(*e).max(least), f.dot(*f).max(least)]
+}
+
 /// A triangle in every lane, with the values used by the tests.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LaneTriangles<S: Simd> {
@@ -264,9 +270,7 @@ impl<S: Simd> LaneTriangles<S> {
     fn edges_and_edges(&self, simd: S, other: &Self, nearest: &mut Nearest<S>) {
         let (zero, unit) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
         let tiny = f32x8::splat(simd, 1e-36);
-        let squares =
-            |[d, e, f]: &[Vectors<S>; 3]| [d.dot(*d).max(tiny), e.dot(*e).max(tiny), f.dot(*f).max(tiny)];
-        let (squares_d, squares_f) = (squares(&self.edges), squares(&other.edges));
+        let (squares_d, squares_f) = (squares(&self.edges, tiny), squares(&other.edges, tiny));
         // each divisor is inverted only once
         let over = |[a, b, c]: [f32x8<S>; 3]| [unit / a, unit / b, unit / c];
         let (over_d, over_f) = (over(squares_d), over(squares_f));
