@@ -34,6 +34,11 @@ impl Stop {
     pub fn is_requested(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
+
+    /// True once the work has to end.
+    pub fn flag(&self) -> &AtomicBool {
+        &self.0
+    }
 }
 
 /// Runs `work` on a pool, and waits for it without the GIL. A signal whose Python handler raises requests the stop; `on_stop` passes

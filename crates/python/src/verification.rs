@@ -11,6 +11,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use crate::arrays::Rows;
+use crate::batches;
 use crate::certificate::Certificate;
 use crate::error::error;
 use crate::motion_queries::tube_of;
@@ -30,6 +31,8 @@ use crate::world::World;
 /// mimic joints included;
 /// `tolerance` (m) that of the check; `margin` (m) is the least distance that the proof has to keep, besides paddings. The settings are
 /// those of `Checker`, and must be the same as for the check.
+///
+/// Runs without the GIL on one thread; Ctrl-C ends it.
 ///
 /// Returns a `Verification`, which is true only if the proof holds; otherwise its `reason` says why not.
 #[pyfunction]
@@ -76,10 +79,15 @@ pub fn verify<'py>(
     let expected =
         ExpectedMotion { motion, any_obstacle_motion: false, tube: tube.clone(), tolerance, margin };
     let certificate = Arc::clone(&certificate.get().inner);
-    let verified = py.detach(|| {
-        let verifier = Verifier::new(model, &scene.world, &settings, matrix.as_ref())?;
-        verifier.verify_expected(&certificate, &expected)
-    });
+    let verified = batches::run(
+        py,
+        Some(1),
+        || {},
+        |stop| {
+            let verifier = Verifier::new(model, &scene.world, &settings, matrix.as_ref())?;
+            verifier.stopped_by(stop.flag()).verify_expected(&certificate, &expected)
+        },
+    )?;
     let reason = verified.as_ref().err().map(ToString::to_string);
     let counts = verified.unwrap_or_default();
     result!(py, "Verification",

@@ -97,6 +97,8 @@ pub enum Rejection {
     Margin { segment: usize, proof: usize, lower: f64, found: f64, padding: f64 },
     #[error("segment {segment}, proof {proof}: '{}' – '{}' were not found {lower} apart at {at}", pair[0], pair[1])]
     Near { segment: usize, proof: usize, pair: [String; 2], at: f64, lower: f64 },
+    #[error("the verification was stopped")]
+    Stopped,
     #[error("segment {segment}: of '{}' – '{}' one lies inside the other at {at}", pair[0], pair[1])]
     Inside { segment: usize, pair: [String; 2], at: f64 },
 }

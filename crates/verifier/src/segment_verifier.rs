@@ -69,6 +69,7 @@ impl<'p, 'r> SegmentVerifier<'p, 'r> {
         let mut seen = vec![false; self.model.required.pairs.len()];
         let mut last = None;
         for (interval, proof) in order {
+            self.model.check_stop()?;
             if last != Some(interval) {
                 self.go_to(interval);
                 last = Some(interval);

@@ -3,6 +3,7 @@
 use clearance_motion::{Certificate, MotionSegment};
 use clearance_robot::RobotModel;
 use clearance_scene::{AllowedCollisionMatrix, Settings, World};
+use std::sync::atomic::AtomicBool;
 
 use super::segment_kinematics::SegmentKinematics;
 use super::segment_verifier::SegmentVerifier;
@@ -45,6 +46,13 @@ impl<'r> Verifier<'r> {
     ) -> Result<Self, Rejection> {
         let model = VerifierModel::new(robot, world, settings, matrix)?;
         Ok(Self { model })
+    }
+
+    /// Lets another thread end a verification: once `stop` is true, certificates are rejected with [`Rejection::Stopped`].
+    #[must_use]
+    pub fn stopped_by(mut self, stop: &'r AtomicBool) -> Self {
+        self.model.stop = Some(stop);
+        self
     }
 
     /// Accepts a certificate only if all of its claims are proven here again. The caller must check which motion of

@@ -3,6 +3,7 @@
 use clearance_motion::{certificate_parts, model_fingerprint, world_fingerprint};
 use clearance_robot::{LinkId, RobotModel};
 use clearance_scene::{AllowedCollisionMatrix, Settings, World};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::body::Body;
 use super::certificate_content::RequiredContent;
@@ -21,6 +22,8 @@ pub(super) struct VerifierModel<'r> {
     pub carriers: Vec<LinkId>,
     /// By link and attached object: indices of the steps that move it, the root's first.
     pub paths: Vec<Vec<usize>>,
+    /// True once the verification is to end early.
+    pub stop: Option<&'r AtomicBool>,
 }
 
 impl<'r> VerifierModel<'r> {
@@ -38,6 +41,13 @@ impl<'r> VerifierModel<'r> {
         let carriers = body_geometry::carriers(robot, world)?;
         let of_links = link_paths(robot);
         let paths = carriers.iter().map(|link| of_links[link.index()].clone()).collect();
-        Ok(Self { robot, world, required, bodies, carriers, paths })
+        Ok(Self { robot, world, required, bodies, carriers, paths, stop: None })
+    }
+
+    /// # Errors
+    /// If the verification is to end early.
+    pub fn check_stop(&self) -> Result<(), Rejection> {
+        let is_stopped = self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed));
+        if is_stopped { Err(Rejection::Stopped) } else { Ok(()) }
     }
 }

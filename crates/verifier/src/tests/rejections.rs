@@ -13,6 +13,7 @@ use clearance_scene::{AllowedCollisionMatrix, AttachedObject};
 use clearance_scene::{MeshModel, Settings};
 use clearance_scene::{Obstacle, World};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::alterations::ALTERATIONS;
 use super::prover::prove;
@@ -82,6 +83,16 @@ fn what_is_proven_is_accepted() {
     // unless it says so, nobody expects that obstacles make way
     let moves = verifier.verify_expected(&certificate, &ExpectedMotion::default()).unwrap_err().to_string();
     assert!(moves.contains("obstacle 'comes' moves, expected to stand"), "{moves}");
+}
+
+#[test]
+fn a_verification_that_is_stopped_accepts_nothing() {
+    let (robot, world, stop) = (two_link(), balls(), AtomicBool::new(false));
+    let verifier = Verifier::new(&robot, &world, &settings(), None).unwrap().stopped_by(&stop);
+    let certificate = prove(&verifier, &settings(), &tour(&robot)).unwrap();
+    assert!(verifier.verify(&certificate).is_ok());
+    stop.store(true, Ordering::Relaxed);
+    assert!(matches!(verifier.verify(&certificate), Err(Rejection::Stopped)));
 }
 
 #[test]
