@@ -44,6 +44,8 @@ impl<'r> VerifierModel<'r> {
         Ok(Self { robot, world, required, bodies, carriers, paths, stop: None })
     }
 
+    /// Called before each proof.
+    ///
     /// # Errors
     /// If the verification is to end early.
     pub fn check_stop(&self) -> Result<(), Rejection> {

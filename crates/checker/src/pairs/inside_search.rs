@@ -53,7 +53,7 @@ impl InsideSearch<'_> {
         }
         let frames = |chain_body: usize, _: usize| frame(chain_body);
         let mut visit = |pair, _: usize| visit(pair);
-        // a loop: a closure would not be compiled for the SIMD level
+        // a loop: a closure that is not inlined is not compiled for the SIMD level
         for eight in self.points().chunks(LANES) {
             let point = |lane: usize| &eight[lane.min(eight.len() - 1)];
             let points = PlacedPoints {
