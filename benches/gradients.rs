@@ -2,7 +2,8 @@
 //! where the folder `../shared` exists, on real ones.
 //!
 //! Costs: pair distances, and the same with derivatives, in turn in one run, CPU time of the thread, least of the rounds. Errors:
-//! derivatives of smooth pairs against differences of distances; `-- --pairs N` sets their number for each robot.
+//! derivatives of smooth pairs against differences of distances; `-- --pairs N` sets their number for each robot. Arguments that are names
+//! select robots.
 
 #[allow(dead_code)]
 #[path = "../tests/it/gradients/differences.rs"]
@@ -126,9 +127,15 @@ fn main() {
     let arguments: Vec<String> = std::env::args().collect();
     let pairs = arguments.iter().skip_while(|argument| *argument != "--pairs").nth(1);
     let pairs: Option<usize> = pairs.map(|count| count.parse().expect("--pairs takes a number"));
-    for (name, robot) in robots::all(&["ur5e", "panda", "pr2"]) {
+    let all = robots::all(&["ur5e", "panda", "pr2"]);
+    let is_selected = |name: &&str| arguments.iter().any(|argument| argument == name);
+    let is_any_selected = all.iter().any(|(name, _)| is_selected(name));
+    for (name, robot) in &all {
+        if is_any_selected && !is_selected(name) {
+            continue;
+        }
         let mut random = Random::new(7);
-        let checker = robots::checker(&robot, &mut random);
+        let checker = robots::checker(robot, &mut random);
         if let Some(pairs) = pairs {
             errors(&checker, pairs, &mut random);
             continue;

@@ -211,6 +211,9 @@ fn what_cannot_be_done_has_a_name() {
     assert_eq!(none.reason(), "not_movable");
     let (a, b) = none.unmoved.unwrap();
     assert_eq!([checker.body_name(a), checker.body_name(b)], ["first", "ball0"]);
+    let too_far = RecoveryOptions { clearance: 10.0, ..RecoveryOptions::default() };
+    let Recovery::NoneFound(none) = recover(&checker, [0.0, 0.0], &too_far) else { panic!() };
+    assert!(none.reason() == "not_movable" && none.checks < 1000, "no ball can be 10 m away: {none:?}");
     let few = RecoveryOptions { most_checks: 10, clearance: 0.3, ..RecoveryOptions::default() };
     let Recovery::NoneFound(none) = recover(&checker, [0.0, 0.0], &few) else { panic!() };
     assert_eq!(none.reason(), "unfinished");

@@ -543,7 +543,7 @@ typedef struct {
 typedef struct {
   // Largest Euclidean norm of all changes (rad, m). Default 0.5.
   double max_distance;
-  // Distance (m) that the free state keeps from every collision. Default 0.001.
+  // Distance (m) that the free state keeps from every collision. Default 0.0001.
   double clearance;
   // Number of checked states after which the search ends. Default 20 000.
   uint64_t max_checks;

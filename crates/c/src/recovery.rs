@@ -20,7 +20,7 @@ use crate::workspace::{Memory, clearance_workspace, query_state};
 pub struct clearance_recovery_options {
     /// Largest Euclidean norm of all changes (rad, m). Default 0.5.
     pub max_distance: f64,
-    /// Distance (m) that the free state keeps from every collision. Default 0.001.
+    /// Distance (m) that the free state keeps from every collision. Default 0.0001.
     pub clearance: f64,
     /// Number of checked states after which the search ends. Default 20 000.
     pub max_checks: u64,

@@ -118,6 +118,15 @@ impl Workspace {
         ClearanceQuery { state, options, witnesses, result }
     }
 
+    /// One state, queried without a stream's memory.
+    pub(crate) fn queried_state<'a>(
+        &'a mut self,
+        pairs: &'a CheckedPairs,
+        q: &'a Configuration,
+    ) -> QueriedState<'a> {
+        self.state_memory(pairs, q, false).state
+    }
+
     fn state_memory<'a>(
         &'a mut self,
         pairs: &'a CheckedPairs,
@@ -145,6 +154,7 @@ impl Workspace {
             priority: &mut self.priority,
             obstacles: &mut self.obstacles,
             scratch: &mut self.scratch,
+            start: None,
         }
     }
 

@@ -234,7 +234,8 @@ impl<'a, 'w> Prover<'a, 'w> {
         }
         let MotionWorkspace { robot, priority, obstacles, scratch, motion, .. } = &mut *self.workspace;
         segment.positions_at(t, &mut motion.positions);
-        Some(ContactSearch { pairs, robot, priority, obstacles, scratch }.any_contact_at(&motion.positions))
+        let mut search = ContactSearch { pairs, robot, priority, obstacles, scratch, start: None };
+        Some(search.any_contact_at(&motion.positions))
     }
 
     /// Evaluates a pair until nothing of the interval before the cutoff is left, the earliest part first.

@@ -6,6 +6,7 @@
 //! | one pair at its poses | `posed_pair` |
 //! | points of two bodies that are near each other | `near_points` |
 //! | one pair with the memory of earlier states | `pair_memory` |
+//! | self pairs around a start | `pairs_around_start` |
 //! | candidates for the nearest pair | `measured_pair` |
 //! | results that are the same in all states | `state_independent` |
 //! | poses of the robot, and level 0 of self pairs, in one state | `placed_robot` |
@@ -17,6 +18,7 @@ mod measured_pair;
 mod near_points;
 mod obstacle_contacts;
 mod pair_memory;
+mod pairs_around_start;
 mod placed_robot;
 mod posed_pair;
 mod state_independent;
@@ -27,6 +29,7 @@ pub use measured_pair::{MeasuredPair, PostponedPair};
 pub use near_points::{NearPoints, hardly_less_than};
 pub use obstacle_contacts::{ObstacleContacts, ObstacleScratch, StatesInLanes};
 pub use pair_memory::{PairMemory, RememberedPair};
+pub use pairs_around_start::PairsAroundStart;
 pub use placed_robot::PlacedRobot;
 pub use posed_pair::{PosedPair, RoughDistance};
 pub use state_independent::NearestToFixed;

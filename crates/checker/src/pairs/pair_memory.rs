@@ -166,10 +166,7 @@ impl PairMemory {
     /// Lower bound (m) on the bodies' distance at another pose, from the motion of either body in the frame of the
     /// other.
     pub fn lower_at(&self, pair: &PosedPair) -> f64 {
-        let (from, to) = (&self.pose_ab, &pair.pose_ab);
-        let of_b = pair.bodies.1.bounding_sphere().displacement(from, to);
-        let of_a = pair.bodies.0.bounding_sphere().displacement(&from.inverse(), &to.inverse());
-        self.lower - of_a.lesser(of_b) - CONTACT_DISTANCE
+        self.lower - pair.displacement_to(&self.pose_ab) - CONTACT_DISTANCE
     }
 
     /// Whether elements are known that touched in the last state.

@@ -35,10 +35,24 @@ impl PosedPair<'_> {
         BodyPair { a: self.bodies.0, b: self.bodies.1, pose_ab: &self.pose_ab }
     }
 
+    /// Upper bound (m) on the change of the distance if the pose of b in the frame of a becomes `pose_ab`: the motion of
+    /// either body in the frame of the other.
+    pub fn displacement_to(&self, pose_ab: &MatrixPose) -> f64 {
+        let (from, to) = (&self.pose_ab, pose_ab);
+        let of_b = self.bodies.1.bounding_sphere().displacement(from, to);
+        let of_a = self.bodies.0.bounding_sphere().displacement(&from.inverse(), &to.inverse());
+        of_a.lesser(of_b)
+    }
+
     /// True if the padded bodies touch; otherwise they are proven apart.
     pub fn touches(&self, scratch: &mut Scratch) -> bool {
+        self.comes_within(0.0, scratch)
+    }
+
+    /// True if the padded bodies come within a margin (m); otherwise they are proven farther apart.
+    pub fn comes_within(&self, margin: f64, scratch: &mut Scratch) -> bool {
         let (a, b) = self.bodies;
-        query::within_margin(a, b, self.pose_ab, self.info.padding, scratch).is_some()
+        query::within_margin(a, b, self.pose_ab, self.info.padding + margin, scratch).is_some()
     }
 
     /// As [`Self::touches`], for some pieces of b.

@@ -11,6 +11,7 @@ use clearance_robot::Configuration;
 use clearance_scene::BodyId;
 
 use super::free_state::{FreeState, NoFreeState, Recovery};
+use super::neighbourhood::Neighbourhood;
 use super::recovery_options::RecoveryOptions;
 use super::search_space::{SearchSpace, normalized};
 use crate::collision_checker::CollisionChecker;
@@ -44,6 +45,9 @@ const BISECTIONS: usize = 8;
 /// Budget of the proof that a state which was found is reached, if the search has a deadline: some 10 ms, by which it may end later.
 const BUDGET: u64 = 5000;
 
+/// Number of random states in which a pair is tried that no state near the start moves apart.
+const ANYWHERE: usize = 64;
+
 /// Number of states that are checked together.
 const AT_ONCE: usize = 8;
 
@@ -53,6 +57,7 @@ pub struct FreeStateSearch<'s> {
     options: &'s RecoveryOptions,
     workspace: &'s mut Workspace,
     random: fastrand::Rng,
+    near: Neighbourhood<'s>,
     checks: u64,
 }
 
@@ -70,7 +75,8 @@ impl<'s> FreeStateSearch<'s> {
         options: &'s RecoveryOptions,
         workspace: &'s mut Workspace,
     ) -> Self {
-        Self { checker, q, options, workspace, random: fastrand::Rng::with_seed(SEED), checks: 0 }
+        let near = Neighbourhood::new(checker, q, options.clearance, workspace);
+        Self { checker, q, options, workspace, random: fastrand::Rng::with_seed(SEED), near, checks: 0 }
     }
 
     pub fn run(mut self) -> Recovery {
@@ -80,20 +86,28 @@ impl<'s> FreeStateSearch<'s> {
         }
         let allowed = self.options.movable(self.checker.robot());
         let mut movable = vec![false; allowed.len()];
-        for pair in near {
-            let moving: Vec<usize> = self.checker.positions_between(pair).filter(|i| allowed[*i]).collect();
+        for pair in &near {
+            let moving: Vec<usize> = self.checker.positions_between(*pair).filter(|i| allowed[*i]).collect();
             if moving.is_empty() {
-                return self.none_found(Some(pair));
+                return self.none_found(Some(*pair));
             }
             for position in moving {
                 movable[position] = true;
             }
         }
+        self.near.restrict(&movable, self.workspace);
         let space = SearchSpace::new(self.checker.robot(), self.q, &movable);
-        match self.sweep(&space) {
-            Some(found) => Recovery::Found(FreeState { checks: self.checks, ..found }),
-            None => self.none_found(None),
+        for (sweep, count) in DIRECTIONS.into_iter().enumerate() {
+            if let Some(found) = self.sweep(&space, count) {
+                return Recovery::Found(FreeState { checks: self.checks, ..found });
+            }
+            if sweep == 0
+                && let Some(pair) = self.never_apart(&space, &near)
+            {
+                return self.none_found(Some(pair));
+            }
         }
+        self.none_found(None)
     }
 
     fn none_found(&self, unmoved: Option<(BodyId, BodyId)>) -> Recovery {
@@ -105,6 +119,9 @@ impl<'s> FreeStateSearch<'s> {
     fn near_pairs(&mut self) -> Vec<(BodyId, BodyId)> {
         self.checks += 1;
         let limit = self.options.clearance;
+        if limit == 0.0 {
+            return self.checker.check(self.q, Question::Pairs, self.workspace).colliding_pairs;
+        }
         let report = self.checker.check(self.q, Question::PairDistances { limit }, self.workspace);
         let near =
             report.pair_distances.iter().filter(|pair| pair.distance < limit).map(|pair| (pair.a, pair.b));
@@ -118,29 +135,36 @@ impl<'s> FreeStateSearch<'s> {
             || self.options.deadline.is_some_and(|deadline| Instant::now() >= deadline)
     }
 
-    /// Searches more and more directions, at growing distances, until a free state is found.
-    fn sweep(&mut self, space: &SearchSpace) -> Option<FreeState> {
-        for count in DIRECTIONS {
-            let mut distance = FIRST_DISTANCE;
-            loop {
-                if self.is_over() {
-                    return None;
-                }
-                let last = distance >= self.options.largest_distance;
-                let at = if last { self.options.largest_distance } else { distance };
-                let directions = self.directions(space.dimension(), count);
-                let hits = self.hits(space, &directions, at);
-                let best = self.best_exit(space, hits, at).map(|exit| self.turned(space, exit));
-                if let Some(found) = best.and_then(|exit| self.with_first_exit(space, &exit)) {
-                    return Some(found);
-                }
-                if last {
-                    break;
-                }
-                distance *= NEXT_DISTANCE;
+    /// Searches so many random directions, at growing distances, until a free state is found.
+    fn sweep(&mut self, space: &SearchSpace, count: usize) -> Option<FreeState> {
+        let mut distance = FIRST_DISTANCE;
+        while !self.is_over() {
+            let last = distance >= self.options.largest_distance;
+            let at = if last { self.options.largest_distance } else { distance };
+            let directions = self.directions(space.dimension(), count);
+            let hits = self.hits(space, &directions, at);
+            let best = self.best_exit(space, hits, at).map(|exit| self.turned(space, exit));
+            if let Some(found) = best.and_then(|exit| self.with_first_exit(space, &exit)) {
+                return Some(found);
             }
+            if last {
+                return None;
+            }
+            distance *= NEXT_DISTANCE;
         }
         None
+    }
+
+    /// One of the pairs that keeps the clearance in none of many random states, however far away; `None` if the search is over.
+    fn never_apart(&mut self, space: &SearchSpace, pairs: &[(BodyId, BodyId)]) -> Option<(BodyId, BodyId)> {
+        if self.is_over() {
+            return None;
+        }
+        let states: Vec<Configuration> = (0..ANYWHERE).map(|_| space.anywhere(&mut self.random)).collect();
+        let keeps = |pair: (BodyId, BodyId), workspace: &mut Workspace| {
+            states.iter().any(|state| self.near.pair_keeps_clearance(pair, state, workspace))
+        };
+        pairs.iter().copied().find(|pair| !keeps(*pair, self.workspace))
     }
 
     /// Directions along single positions, and random ones.
@@ -168,7 +192,7 @@ impl<'s> FreeStateSearch<'s> {
                 directions.iter().map(|way| space.state(way, distance)).collect();
             let free = self.are_free(&states);
             for ((state, direction), _) in states.iter().zip(directions).zip(free).filter(|(_, free)| *free) {
-                if self.has_clearance(state) {
+                if self.near.keeps_clearance(state, self.workspace) {
                     hits.push(direction.clone());
                 }
             }
@@ -186,26 +210,21 @@ impl<'s> FreeStateSearch<'s> {
             if self.is_over() {
                 break;
             }
-            self.checks += states.len() as u64;
-            self.checker.are_free_with(states, self.workspace, free);
+            for (state, free) in states.iter().zip(free) {
+                *free = self.is_free(state);
+            }
         }
         free
     }
 
-    /// Whether a state is free, with the clearance.
-    fn is_clear(&mut self, state: &Configuration) -> bool {
+    fn is_free(&mut self, state: &Configuration) -> bool {
         self.checks += 1;
-        self.checker.is_free(state, self.workspace) && self.has_clearance(state)
+        self.near.is_free(state, self.workspace)
     }
 
-    /// Whether a free state has the clearance.
-    fn has_clearance(&mut self, state: &Configuration) -> bool {
-        let clearance = self.options.clearance;
-        if clearance == 0.0 {
-            return true;
-        }
-        let report = self.checker.check(state, Question::Distance { limit: clearance }, self.workspace);
-        report.is_free() && report.nearest.is_none_or(|nearest| nearest.distance >= clearance)
+    /// Whether a state is free, with the clearance.
+    fn is_clear(&mut self, state: &Configuration) -> bool {
+        self.is_free(state) && self.near.keeps_clearance(state, self.workspace)
     }
 
     /// The nearest exit along the mean of the directions, and along one of them.
@@ -268,10 +287,7 @@ impl<'s> FreeStateSearch<'s> {
         let steps = steps as u32;
         let at = |i: u32| f64::from(i) / f64::from(steps);
         let states: Vec<Configuration> = (0..=steps).map(|i| space.between(at(i), end)).collect();
-        let mut free = vec![false; states.len()];
-        self.checks += states.len() as u64;
-        self.checker.are_free_with(&states, self.workspace, &mut free);
-        let first = u32::try_from(free.iter().position(|free| *free)?).ok()?;
+        let first = u32::try_from(states.iter().position(|state| self.is_free(state))?).ok()?;
         let exit = space.between(at(first), end);
         let segment = MotionSegment::straight(self.checker.robot(), &exit, &found.state);
         let budget = if self.options.deadline.is_some() { BUDGET } else { MotionOptions::default().budget };

@@ -5,11 +5,13 @@
 //! | what may move, and how far | `recovery_options` |
 //! | results | `free_state` |
 //! | the joints that matter, and their ranges | `search_space` |
+//! | contact and clearance near a start | `neighbourhood` |
 //! | search of a near free state | `free_state_search` |
 //! | joint velocities that reduce the penetration fastest | `retreat` |
 
 mod free_state;
 mod free_state_search;
+mod neighbourhood;
 mod recovery_options;
 mod retreat;
 mod search_space;

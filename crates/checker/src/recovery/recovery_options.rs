@@ -26,8 +26,8 @@ impl RecoveryOptions {
     /// Largest distance (rad, m) unless another one is given.
     pub const LARGEST_DISTANCE: f64 = 0.5;
 
-    /// Clearance (m) unless another one is given.
-    pub const CLEARANCE: f64 = 0.001;
+    /// Clearance (m) unless another one is given: links of real robots are nearer to each other than a millimetre by design.
+    pub const CLEARANCE: f64 = 0.0001;
 
     /// Number of checked states unless another one is given.
     pub const MOST_CHECKS: u64 = 20_000;

@@ -1,5 +1,7 @@
 //! Search space of a recovery: the positions that may change, and their ranges.
 
+use std::f64::consts::PI;
+
 use clearance_geometry::math::Extremes;
 use clearance_robot::{Configuration, RobotModel};
 
@@ -43,6 +45,17 @@ impl<'r> SearchSpace<'r> {
             positions[range.position] = moved.clamp(range.low, range.high);
         }
         // a mimic joint may exceed the largest allowed position
+        self.robot.configuration(&positions).unwrap_or_else(|_| self.between(0.0, &positions))
+    }
+
+    /// A random state anywhere within the limits; joints without limits turn by up to half a turn.
+    pub fn anywhere(&self, random: &mut fastrand::Rng) -> Configuration {
+        let mut positions = self.start.clone();
+        for range in &self.movable {
+            let start = positions[range.position];
+            let (low, high) = (range.low.greater(start - PI), range.high.lesser(start + PI));
+            positions[range.position] = (low + random.f64() * (high - low)).clamp(range.low, range.high);
+        }
         self.robot.configuration(&positions).unwrap_or_else(|_| self.between(0.0, &positions))
     }
 

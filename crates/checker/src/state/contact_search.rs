@@ -4,7 +4,7 @@ use clearance_geometry::simd::{LANES, dispatch};
 use clearance_proximity::Scratch;
 use clearance_robot::Configuration;
 
-use crate::pairs::{CheckedPairs, ObstacleContacts, ObstacleScratch, PlacedRobot};
+use crate::pairs::{CheckedPairs, ObstacleContacts, ObstacleScratch, PairsAroundStart, PlacedRobot};
 use crate::robot::{PairPriority, set_bits};
 
 /// One state, with the memory that the search uses.
@@ -14,6 +14,8 @@ pub struct ContactSearch<'a> {
     pub priority: &'a mut PairPriority,
     pub obstacles: &'a mut ObstacleScratch,
     pub scratch: &'a mut Scratch,
+    /// What is known of self pairs from a start near the state.
+    pub start: Option<&'a mut PairsAroundStart>,
 }
 
 impl ContactSearch<'_> {
@@ -42,18 +44,21 @@ impl ContactSearch<'_> {
     /// True if parts touch, given placed bodies and screened pairs; pairs that are likely to collide are tested first.
     #[inline(never)]
     fn any_self_contact(&mut self) -> bool {
-        let Self { pairs, robot, priority, scratch, .. } = self;
+        let Self { pairs, robot, priority, scratch, start, .. } = self;
         let (near, frames) = (robot.near(), robot.frames());
         let is_near = |i: usize| near[i / LANES] & (1 << (i % LANES)) != 0;
+        let mut touches = |i: usize| match start {
+            Some(start) => start.come_within(0.0, (*pairs, i), frames, scratch),
+            None => pairs.pair(i, frames).touches(scratch),
+        };
         for rank in 0.. {
             let Some(i) = priority.get(rank) else { break };
-            if is_near(i) && pairs.pair(i, frames).touches(scratch) {
+            if is_near(i) && touches(i) {
                 priority.hit(i);
                 return true;
             }
         }
-        let other =
-            set_bits(near).find(|i| !priority.contains(*i) && pairs.pair(*i, frames).touches(scratch));
+        let other = set_bits(near).find(|i| !priority.contains(*i) && touches(*i));
         if let Some(hit) = other {
             priority.hit(hit);
         }

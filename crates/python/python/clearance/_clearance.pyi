@@ -364,7 +364,7 @@ class Checker:
         q: ArrayLike,
         *,
         max_distance: float = 0.5,
-        clearance: float = 0.001,
+        clearance: float = 0.0001,
         max_checks: int = 20000,
         timeout: float | None = None,
         locked: Sequence[str] = ...,

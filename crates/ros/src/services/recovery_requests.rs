@@ -139,7 +139,9 @@ fn reason(checker: &CollisionChecker, none: &NoFreeState) -> String {
     match none.unmoved {
         Some((a, b)) => {
             let pair = quoted_list(&[a, b].map(|body| checker.body_name(body).to_owned()));
-            format!("no joint that may move moves {pair} apart: change group or locked_joints, or the world")
+            format!(
+                "no joint that may move moves {pair} apart: change group, locked_joints or clearance, or the world"
+            )
         }
         None if none.is_unfinished => {
             format!("the timeout ended the search after {checks} checked states: allow a longer timeout")
