@@ -133,7 +133,7 @@ impl RecoverArgs {
     fn options(&self, robot: &RobotModel) -> Result<RecoveryOptions, Failure> {
         for (option, value) in [("--max-distance", self.max_distance), ("--clearance", self.clearance)] {
             if !(value >= 0.0 && value.is_finite()) {
-                return Err(Failure::Input(format!("{option} must be zero or more")));
+                return Err(Failure::Input(format!("{option} must be a finite number, zero or more")));
             }
         }
         let of_group = |name: &String| {
@@ -210,6 +210,17 @@ fn time_passes(
     })
 }
 
+/// Which part of the way is proven free.
+fn proven_part(exit: f64) -> String {
+    if exit == 0.0 {
+        return "the whole way is proven free".to_owned();
+    }
+    if exit >= 1.0 {
+        return "collides on the way, only its end is proven free".to_owned();
+    }
+    format!("collides on the way, proven free from t = {} on", at_most(exit, 4))
+}
+
 impl RecoverResult {
     fn new(recovery: &Recovery, checker: &CollisionChecker) -> Self {
         let none = Self {
@@ -245,16 +256,22 @@ impl RecoverResult {
         let checks = self.checks;
         let (Some(state), Some(distance), Some(exit)) = (&self.state, self.distance, self.exit) else {
             let why = match (&self.pair, self.reason) {
-                (Some([a, b]), _) => format!("no joint that may move moves {a} and {b} apart"),
-                (None, Some("unfinished")) => format!("the search was not finished after {checks} checks"),
-                (None, Some(_)) => format!("none found within the limits, after {checks} checks"),
+                (Some([a, b]), _) => format!(
+                    "no joint that may move moves {a} and {b} apart by the clearance: let other joints move, or choose less --clearance"
+                ),
+                (None, Some("unfinished")) => format!(
+                    "--max-checks or --deadline ended the search after {checks} checks: allow more, or a larger --max-distance"
+                ),
+                (None, Some(_)) => format!(
+                    "none found within --max-distance, after {checks} checks: allow a larger one, or less --clearance"
+                ),
                 (None, None) => "already free".to_owned(),
             };
             return vec![format!("state {index}: {why}")];
         };
         let first = format!(
-            "state {index}: free state at a distance of {distance:.4}; proven free from t = {}; {checks} checks",
-            at_most(exit, 4)
+            "state {index}: free state at a distance of {distance:.4}; {}; {checks} checks",
+            proven_part(exit)
         );
         let changes = joints.iter().zip(from.positions()).zip(state).filter(|((_, from), to)| from != to);
         let changes = changes.map(|((joint, from), to)| format!("  {joint}: {from:.4} to {to:.4}"));

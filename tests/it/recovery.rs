@@ -185,10 +185,10 @@ fn locked_joints_limits_and_groups_hold() {
     assert_eq!(by_elbow.state.positions()[0], 0.0);
     assert_eq!(by_shoulder.state.positions()[1], 0.0);
     assert!(both.distance <= by_elbow.distance && both.distance <= by_shoulder.distance);
-    // 0.03 m over an arm of 1.5 m and 0.5 m, plus the clearance
-    assert!((by_shoulder.distance - 0.031 / 1.5).abs() < 0.002, "{by_shoulder:?}");
-    assert!((by_elbow.distance - 0.031 / 0.5).abs() < 0.006, "{by_elbow:?}");
-    assert!((both.distance - 0.031 / 1.5_f64.hypot(0.5)).abs() < 0.002, "{both:?}");
+    // 0.03 m over an arm of 1.5 m and 0.5 m; the clearance is much smaller
+    assert!((by_shoulder.distance - 0.03 / 1.5).abs() < 0.002, "{by_shoulder:?}");
+    assert!((by_elbow.distance - 0.03 / 0.5).abs() < 0.006, "{by_elbow:?}");
+    assert!((both.distance - 0.03 / 1.5_f64.hypot(0.5)).abs() < 0.002, "{both:?}");
     // at its upper limit the shoulder can only turn down, through the ball
     let listed = RecoveryOptions { joints: Some(vec![joint("shoulder")]), ..options };
     let ball = [1.5 * 0.4_f64.cos(), 1.5 * 0.4_f64.sin()];
@@ -200,6 +200,29 @@ fn locked_joints_limits_and_groups_hold() {
         recover(&above, [0.4, 0.0], &wide),
         Recovery::NoneFound(NoFreeState { unmoved: None, .. })
     ));
+}
+
+/// Right at a contact there is no room for a proof: the free state is a little farther away.
+#[test]
+fn states_that_hardly_touch_have_a_way_out_without_clearance() {
+    let checker = finger(&[[0.5, 0.05], [1.5, 0.05]]);
+    let options = RecoveryOptions { clearance: 0.0, ..RecoveryOptions::default() };
+    let mut workspace = checker.workspace();
+    // the border of the positions of the shoulder that collide
+    let (mut free, mut touches) = (0.4, 0.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (free + touches);
+        if checker.is_free(&state(&checker, [middle, 0.0]), &mut workspace) {
+            free = middle;
+        } else {
+            touches = middle;
+        }
+    }
+    for depth in [1e-12, 1e-9, 1e-7, 1e-5] {
+        let found = recover(&checker, [touches - depth, 0.0], &options);
+        let Recovery::Found(found) = found else { panic!("{depth}: {found:?}") };
+        assert!(found.distance < depth + 2e-5, "{depth}: {found:?}");
+    }
 }
 
 #[test]

@@ -569,7 +569,7 @@ typedef struct {
   double distance;
   // The straight motion to the free state is proven free from this t in [0, 1] on; NaN without a free state.
   double exit;
-  // A pair that no movable joint moves apart, if the reason is `not_movable`; names are valid as long as the checker.
+  // A pair that no movable joint moves apart by the clearance, if the reason is `not_movable`; names are valid as long as the checker.
   clearance_pair pair;
   // Number of states that were checked.
   uint64_t checks;

@@ -846,7 +846,7 @@ struct FreeState {
   double distance = 0.0;
   // The straight motion is proven free from this t on.
   double exit = 0.0;
-  // A pair that no movable joint moves apart.
+  // A pair that no movable joint moves apart by the clearance.
   std::optional<Pair> pair;
   std::uint64_t checks = 0;
 };

@@ -67,7 +67,7 @@ pub struct clearance_free_state {
     pub distance: f64,
     /// The straight motion to the free state is proven free from this t in [0, 1] on; NaN without a free state.
     pub exit: f64,
-    /// A pair that no movable joint moves apart, if the reason is `not_movable`; names are valid as long as the checker.
+    /// A pair that no movable joint moves apart by the clearance, if the reason is `not_movable`; names are valid as long as the checker.
     pub pair: clearance_pair,
     /// Number of states that were checked.
     pub checks: u64,

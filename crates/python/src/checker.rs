@@ -447,7 +447,7 @@ impl Checker {
     ///
     /// `max_distance`: Euclidean norm of all changes (rad, m). `clearance` (m): distance that the free state keeps from every collision.
     /// `max_checks` and `timeout` (s) limit the search. Nothing proves that no free state is nearer.
-    #[pyo3(signature = (q, *, max_distance=0.5, clearance=0.0001, max_checks=20_000, timeout=None, locked=Vec::new()))]
+    #[pyo3(signature = (q, *, max_distance=0.5, clearance=0.0001, max_checks=30_000, timeout=None, locked=Vec::new()))]
     #[allow(clippy::too_many_arguments)] // one for each keyword
     fn find_free_state<'py>(
         &self,

@@ -6,7 +6,7 @@
 //! | one pair at its poses | `posed_pair` |
 //! | points of two bodies that are near each other | `near_points` |
 //! | one pair with the memory of earlier states | `pair_memory` |
-//! | self pairs around a start | `pairs_around_start` |
+//! | memory of self pairs for states near a start | `pairs_around_start` |
 //! | candidates for the nearest pair | `measured_pair` |
 //! | results that are the same in all states | `state_independent` |
 //! | poses of the robot, and level 0 of self pairs, in one state | `placed_robot` |

@@ -1,5 +1,5 @@
-//! What is known of self pairs around a start: distances at the start, which prove pairs apart in the states near it, and
-//! elements that touched.
+//! Memory of self pairs for states near a start: distances at the start, which prove pairs apart near it, and elements that
+//! touched.
 //!
 //! A pair that is d apart at the start is apart in all states in which one body has moved by less than d in the frame of
 //! the other. Pairs that no joint moves need no search at all. Elements that touch in one state often do in others.
@@ -12,37 +12,37 @@ use clearance_robot::PlacedFrame;
 use super::checked_pairs::CheckedPairs;
 use super::posed_pair::PosedPair;
 
-/// A distance is searched up to this multiple of what is needed, and at least up to `SHORTEST` (m), so that it lasts for
-/// some farther states.
+/// A distance is searched up to this multiple of the distance that proves the present state apart, so that the result lasts
+/// for states farther away.
 const LOOK_AHEAD: f64 = 2.0;
-const SHORTEST: f64 = 1e-4;
 
-/// A distance is known when its bounds differ by at most this share of it: half of it costs much less than all.
+/// A distance is searched at least up to this (m).
+const SHORTEST_LIMIT: f64 = 1e-4;
+
+/// Relative tolerance of distances: a bound that is half as large costs much less.
 const TOLERANCE: f64 = 0.5;
 
 /// Number of contacts that are remembered.
 const MOST_CONTACTS: usize = 16;
 
-/// Self pairs around a start.
+/// Memory of self pairs for states near a start.
 #[derive(Clone, Debug)]
 pub struct PairsAroundStart {
     /// Poses of the chain's bodies in the root frame, at the start.
     frames: Vec<PlacedFrame>,
-    /// By self pair, at the start.
+    /// By self pair.
     known: Vec<KnownDistance>,
-    /// Self pairs that touched in other states, with elements that did; those that did last come first.
+    /// Numbers of self pairs and two of their elements that touched in another state; the latest first.
     contacts: Vec<(usize, ElementPair)>,
 }
 
-/// What is known of the distance of a pair, without padding.
+/// Lower bound (m) on the distance of a pair, without padding.
 #[derive(Clone, Copy, Debug)]
 enum KnownDistance {
-    /// At least this (m); a longer search may give more.
+    /// A search up to a larger limit may give a larger bound.
     AtLeast(f64),
-    /// About this lower bound (m); another search is useless.
+    /// Another search is useless; infinite for a pair that is apart in all states.
     About(f64),
-    /// The pair is as far apart in all states as at the start.
-    Constant,
 }
 
 impl PairsAroundStart {
@@ -52,17 +52,18 @@ impl PairsAroundStart {
         Self { frames: frames.to_vec(), known, contacts: Vec::new() }
     }
 
-    /// Leaves out the pairs that do not move: at the start, they must be farther apart than any margin.
+    /// Counts the pairs that do not move as apart in all states. At the start they must be farther apart than the margins of
+    /// [`Self::are_within`].
     pub fn leave_out_unless(&mut self, moves: impl Fn(usize) -> bool) {
         for (index, known) in self.known.iter_mut().enumerate() {
             if !moves(index) {
-                *known = KnownDistance::Constant;
+                *known = KnownDistance::About(f64::INFINITY);
             }
         }
     }
 
     /// True if elements that touched in another state touch at these poses of the bodies.
-    pub fn still_touch(
+    pub fn known_elements_touch(
         &mut self,
         pairs: &CheckedPairs,
         frames: &[PlacedFrame],
@@ -80,14 +81,14 @@ impl PairsAroundStart {
 
     /// True if a self pair comes within a margin (m; 0: touches) at these poses of the bodies, padding subtracted; otherwise
     /// it is proven farther apart.
-    pub fn come_within(
+    pub fn are_within(
         &mut self,
         margin: f64,
         (pairs, index): (&CheckedPairs, usize),
         frames: &[PlacedFrame],
         scratch: &mut Scratch,
     ) -> bool {
-        if matches!(self.known[index], KnownDistance::Constant) {
+        if matches!(self.known[index], KnownDistance::About(f64::INFINITY)) {
             return false;
         }
         let pair = pairs.pair(index, frames);
@@ -105,7 +106,7 @@ impl PairsAroundStart {
     fn lower_bound(&mut self, index: usize, needed: f64, at_start: &PosedPair, scratch: &mut Scratch) -> f64 {
         let known = &mut self.known[index];
         if matches!(known, KnownDistance::AtLeast(lower) if *lower <= needed) {
-            let limit = (LOOK_AHEAD * needed).greater(SHORTEST);
+            let limit = (LOOK_AHEAD * needed).greater(SHORTEST_LIMIT);
             let effort = Effort { relative_tolerance: TOLERANCE, ..Effort::default() };
             let found = at_start.separation_bounds(limit, &effort, scratch);
             *known = match found.upper {
@@ -113,10 +114,8 @@ impl PairsAroundStart {
                 None => KnownDistance::AtLeast(found.lower),
             };
         }
-        match *known {
-            KnownDistance::AtLeast(lower) | KnownDistance::About(lower) => lower,
-            KnownDistance::Constant => f64::INFINITY,
-        }
+        let (KnownDistance::AtLeast(lower) | KnownDistance::About(lower)) = *known;
+        lower
     }
 
     /// True if a pair touches; its elements are remembered.

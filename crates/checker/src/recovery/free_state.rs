@@ -40,7 +40,7 @@ impl FreeState {
 #[derive(Clone, Debug, PartialEq)]
 pub struct NoFreeState {
     /// A pair that the joints that may move do not move apart: none of them moves one body relative to the other, or the pair kept the
-    /// clearance in none of 64 random states within the limits of these joints.
+    /// clearance in none of many random states.
     pub unmoved: Option<(BodyId, BodyId)>,
     /// True if the search ended at its deadline or after the largest number of checks, before all distances were searched.
     pub is_unfinished: bool,

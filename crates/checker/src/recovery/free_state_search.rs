@@ -39,16 +39,25 @@ const NEARER: f64 = 0.92;
 /// Number of free directions at a distance that are enough.
 const MOST_HITS: usize = 6;
 
+/// Ways (rad, m) are not made shorter than this: where the rounding of poses decides, directions say nothing.
+const SHORTEST_WAY: f64 = 1e-6;
+
 /// How often the distance of an exit is bisected.
 const BISECTIONS: usize = 8;
 
 /// Budget of the proof that a state which was found is reached, if the search has a deadline: some 10 ms, by which it may end later.
 const BUDGET: u64 = 5000;
 
-/// Number of random states in which a pair is tried that no state near the start moves apart.
-const ANYWHERE: usize = 64;
+/// Numbers of random states, within the largest distance and anywhere, in none of which a pair that is not apart by the
+/// clearance ends the search.
+const NEAR_STATES: usize = 64;
+const STATES_ANYWHERE: usize = 512;
 
-/// Number of states that are checked together.
+/// Lengths (rad, m) by which a way is extended beyond its first free state, in turn, until its end is proven free: right
+/// at a contact, the proof may have no room.
+const EXTENSIONS: [f64; 5] = [0.0, 1e-6, 1e-5, 1e-4, 1e-3];
+
+/// Number of states between two looks at the limits of the search.
 const AT_ONCE: usize = 8;
 
 pub struct FreeStateSearch<'s> {
@@ -57,14 +66,15 @@ pub struct FreeStateSearch<'s> {
     options: &'s RecoveryOptions,
     workspace: &'s mut Workspace,
     random: fastrand::Rng,
-    near: Neighbourhood<'s>,
+    neighbourhood: Neighbourhood<'s>,
     checks: u64,
 }
 
-/// A free state, and the direction from the start to it.
+/// The way from the start to a free state.
 struct Exit {
     direction: Vec<f64>,
-    state: Configuration,
+    /// Length (rad, m) of the way along the direction; longer than the distance where the state is on a limit.
+    length: f64,
     distance: f64,
 }
 
@@ -75,8 +85,9 @@ impl<'s> FreeStateSearch<'s> {
         options: &'s RecoveryOptions,
         workspace: &'s mut Workspace,
     ) -> Self {
-        let near = Neighbourhood::new(checker, q, options.clearance, workspace);
-        Self { checker, q, options, workspace, random: fastrand::Rng::with_seed(SEED), near, checks: 0 }
+        let neighbourhood = Neighbourhood::new(checker, q, options.clearance, workspace);
+        let random = fastrand::Rng::with_seed(SEED);
+        Self { checker, q, options, workspace, random, neighbourhood, checks: 0 }
     }
 
     pub fn run(mut self) -> Recovery {
@@ -95,7 +106,7 @@ impl<'s> FreeStateSearch<'s> {
                 movable[position] = true;
             }
         }
-        self.near.restrict(&movable, self.workspace);
+        self.neighbourhood.restrict(&movable, self.workspace);
         let space = SearchSpace::new(self.checker.robot(), self.q, &movable);
         for (sweep, count) in DIRECTIONS.into_iter().enumerate() {
             if let Some(found) = self.sweep(&space, count) {
@@ -144,7 +155,7 @@ impl<'s> FreeStateSearch<'s> {
             let directions = self.directions(space.dimension(), count);
             let hits = self.hits(space, &directions, at);
             let best = self.best_exit(space, hits, at).map(|exit| self.turned(space, exit));
-            if let Some(found) = best.and_then(|exit| self.with_first_exit(space, &exit)) {
+            if let Some(found) = best.and_then(|exit| self.with_room(space, &exit)) {
                 return Some(found);
             }
             if last {
@@ -155,16 +166,18 @@ impl<'s> FreeStateSearch<'s> {
         None
     }
 
-    /// One of the pairs that keeps the clearance in none of many random states, however far away; `None` if the search is over.
+    /// One of the pairs that keeps the clearance in none of many random states, within the largest distance and anywhere.
     fn never_apart(&mut self, space: &SearchSpace, pairs: &[(BodyId, BodyId)]) -> Option<(BodyId, BodyId)> {
-        if self.is_over() {
-            return None;
-        }
-        let states: Vec<Configuration> = (0..ANYWHERE).map(|_| space.anywhere(&mut self.random)).collect();
-        let keeps = |pair: (BodyId, BodyId), workspace: &mut Workspace| {
-            states.iter().any(|state| self.near.pair_keeps_clearance(pair, state, workspace))
-        };
-        pairs.iter().copied().find(|pair| !keeps(*pair, self.workspace))
+        let near = self.directions(space.dimension(), NEAR_STATES).into_iter();
+        let mut states: Vec<Configuration> =
+            near.map(|way| space.state(&way, self.random.f64() * self.options.largest_distance)).collect();
+        states.extend((0..STATES_ANYWHERE).map(|_| space.anywhere(&mut self.random)));
+        pairs.iter().copied().find(|pair| {
+            states.iter().all(|state| {
+                self.checks += 1;
+                !self.is_over() && !self.neighbourhood.pair_keeps_clearance(*pair, state, self.workspace)
+            })
+        })
     }
 
     /// Directions along single positions, and random ones.
@@ -192,7 +205,7 @@ impl<'s> FreeStateSearch<'s> {
                 directions.iter().map(|way| space.state(way, distance)).collect();
             let free = self.are_free(&states);
             for ((state, direction), _) in states.iter().zip(directions).zip(free).filter(|(_, free)| *free) {
-                if self.near.keeps_clearance(state, self.workspace) {
+                if self.neighbourhood.keeps_clearance(state, self.workspace) {
                     hits.push(direction.clone());
                 }
             }
@@ -219,12 +232,12 @@ impl<'s> FreeStateSearch<'s> {
 
     fn is_free(&mut self, state: &Configuration) -> bool {
         self.checks += 1;
-        self.near.is_free(state, self.workspace)
+        self.neighbourhood.is_free(state, self.workspace)
     }
 
     /// Whether a state is free, with the clearance.
     fn is_clear(&mut self, state: &Configuration) -> bool {
-        self.is_free(state) && self.near.keeps_clearance(state, self.workspace)
+        self.is_free(state) && self.neighbourhood.keeps_clearance(state, self.workspace)
     }
 
     /// The nearest exit along the mean of the directions, and along one of them.
@@ -235,26 +248,31 @@ impl<'s> FreeStateSearch<'s> {
         [of_mean, of_first].into_iter().flatten().min_by(|a, b| a.distance.total_cmp(&b.distance))
     }
 
-    /// A free state along a direction, as near as bisection finds it; `None` if the state at the largest distance is not free.
+    /// A free state along a direction, as near as bisection finds it; `None` if the state at the largest length is not free.
     fn exit_along(&mut self, space: &SearchSpace, direction: Vec<f64>, largest: f64) -> Option<Exit> {
-        let mut state = Some(space.state(&direction, largest)).filter(|state| self.is_clear(state))?;
+        if !self.is_clear(&space.state(&direction, largest)) {
+            return None;
+        }
         let (mut low, mut high) = (0.0, largest);
         for _ in 0..BISECTIONS {
+            if high <= SHORTEST_WAY {
+                break;
+            }
             let middle = 0.5 * (low + high);
-            let nearer = space.state(&direction, middle);
-            if self.is_clear(&nearer) {
-                (high, state) = (middle, nearer);
+            if self.is_clear(&space.state(&direction, middle)) {
+                high = middle;
             } else {
                 low = middle;
             }
         }
-        Some(Exit { distance: space.distance(&state), direction, state })
+        let distance = space.distance(&space.state(&direction, high));
+        Some(Exit { direction, length: high, distance })
     }
 
     /// Turns the direction of an exit such that the exit comes nearer.
     fn turned(&mut self, space: &SearchSpace, mut best: Exit) -> Exit {
         for turn in TURNS {
-            while !self.is_over() {
+            while best.distance > SHORTEST_WAY && !self.is_over() {
                 let directions = self.turned_directions(&best.direction, turn);
                 let hits = self.hits(space, &directions, NEARER * best.distance);
                 match self.best_exit(space, hits, NEARER * best.distance) {
@@ -277,10 +295,26 @@ impl<'s> FreeStateSearch<'s> {
         turned.collect()
     }
 
+    /// As [`Self::with_first_exit`], of a state a little farther along the direction where there is no room for a proof.
+    fn with_room(&mut self, space: &SearchSpace, found: &Exit) -> Option<FreeState> {
+        EXTENSIONS.into_iter().find_map(|extension| {
+            let state = space.state(&found.direction, found.length + extension);
+            let distance = space.distance(&state);
+            let is_within =
+                extension == 0.0 || (distance <= self.options.largest_distance && self.is_clear(&state));
+            if is_within { self.with_first_exit(space, &state, distance) } else { None }
+        })
+    }
+
     /// The free state with its first exit from collision; `None` if the motion from there on is not proven free. The limits of the
     /// search do not end this: a state that was found would be lost.
-    fn with_first_exit(&mut self, space: &SearchSpace, found: &Exit) -> Option<FreeState> {
-        let end = found.state.positions();
+    fn with_first_exit(
+        &mut self,
+        space: &SearchSpace,
+        state: &Configuration,
+        distance: f64,
+    ) -> Option<FreeState> {
+        let end = state.positions();
         let travel = self.checker.travel(self.q.positions(), end);
         let steps = (travel / FreeState::LONGEST_STEP).ceil().clamp(1.0, FreeState::MOST_STEPS);
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // at most MOST_STEPS
@@ -289,16 +323,11 @@ impl<'s> FreeStateSearch<'s> {
         let states: Vec<Configuration> = (0..=steps).map(|i| space.between(at(i), end)).collect();
         let first = u32::try_from(states.iter().position(|state| self.is_free(state))?).ok()?;
         let exit = space.between(at(first), end);
-        let segment = MotionSegment::straight(self.checker.robot(), &exit, &found.state);
+        let segment = MotionSegment::straight(self.checker.robot(), &exit, state);
         let budget = if self.options.deadline.is_some() { BUDGET } else { MotionOptions::default().budget };
         let options = MotionOptions { budget, ..MotionOptions::default() };
         let report = self.checker.check_motion_with(&segment, &options, self.workspace);
         let is_proven = report.verdict == MotionVerdict::Free;
-        is_proven.then(|| FreeState {
-            state: found.state.clone(),
-            distance: found.distance,
-            exit: at(first),
-            checks: self.checks,
-        })
+        is_proven.then(|| FreeState { state: state.clone(), distance, exit: at(first), checks: self.checks })
     }
 }

@@ -1,4 +1,4 @@
-//! Contact and clearance in the states near a start, with what is known from the start and from earlier states.
+//! Contact and clearance in the states near a start: reuses distances at the start, and elements that touched in earlier states.
 
 use clearance_robot::Configuration;
 use clearance_scene::BodyId;
@@ -42,7 +42,7 @@ impl<'c> Neighbourhood<'c> {
     pub fn is_free(&mut self, q: &Configuration, workspace: &mut Workspace) -> bool {
         let pairs = self.checker.begin(workspace);
         let (robot, scratch) = workspace.place(pairs, q);
-        if self.self_pairs.still_touch(pairs, robot.frames(), scratch) {
+        if self.self_pairs.known_elements_touch(pairs, robot.frames(), scratch) {
             return false;
         }
         let mut search = workspace.contact_search(pairs);
@@ -62,7 +62,7 @@ impl<'c> Neighbourhood<'c> {
         let (robot, scratch) = (&*state.robot, &mut *state.scratch);
         !state.candidates.iter().any(|pair| {
             if pairs.is_self_pair(pair.index) {
-                self.self_pairs.come_within(clearance, (pairs, pair.index), robot.frames(), scratch)
+                self.self_pairs.are_within(clearance, (pairs, pair.index), robot.frames(), scratch)
             } else {
                 pairs.pair(pair.index, robot.frames()).comes_within(clearance, scratch)
             }

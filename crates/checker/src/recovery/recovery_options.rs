@@ -30,7 +30,7 @@ impl RecoveryOptions {
     pub const CLEARANCE: f64 = 0.0001;
 
     /// Number of checked states unless another one is given.
-    pub const MOST_CHECKS: u64 = 20_000;
+    pub const MOST_CHECKS: u64 = 30_000;
 
     /// The joints of a group of the SRDF may move.
     ///

@@ -48,12 +48,13 @@ impl<'r> SearchSpace<'r> {
         self.robot.configuration(&positions).unwrap_or_else(|_| self.between(0.0, &positions))
     }
 
-    /// A random state anywhere within the limits; joints without limits turn by up to half a turn.
+    /// A random state anywhere within the limits; a position without limits changes by up to π (rad, m).
     pub fn anywhere(&self, random: &mut fastrand::Rng) -> Configuration {
         let mut positions = self.start.clone();
         for range in &self.movable {
             let start = positions[range.position];
-            let (low, high) = (range.low.greater(start - PI), range.high.lesser(start + PI));
+            let low = if range.low.is_finite() { range.low } else { start - PI };
+            let high = if range.high.is_finite() { range.high } else { start + PI };
             positions[range.position] = (low + random.f64() * (high - low)).clamp(range.low, range.high);
         }
         self.robot.configuration(&positions).unwrap_or_else(|_| self.between(0.0, &positions))

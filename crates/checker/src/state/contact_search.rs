@@ -14,7 +14,7 @@ pub struct ContactSearch<'a> {
     pub priority: &'a mut PairPriority,
     pub obstacles: &'a mut ObstacleScratch,
     pub scratch: &'a mut Scratch,
-    /// What is known of self pairs from a start near the state.
+    /// Memory of self pairs, if the state is near a start.
     pub start: Option<&'a mut PairsAroundStart>,
 }
 
@@ -48,7 +48,7 @@ impl ContactSearch<'_> {
         let (near, frames) = (robot.near(), robot.frames());
         let is_near = |i: usize| near[i / LANES] & (1 << (i % LANES)) != 0;
         let mut touches = |i: usize| match start {
-            Some(start) => start.come_within(0.0, (*pairs, i), frames, scratch),
+            Some(start) => start.are_within(0.0, (*pairs, i), frames, scratch),
             None => pairs.pair(i, frames).touches(scratch),
         };
         for rank in 0.. {

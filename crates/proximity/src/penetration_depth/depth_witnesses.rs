@@ -113,7 +113,7 @@ impl OverlappingSolids<'_> {
         self.b.support_set(self.pose_ab, &-normal, tolerance, &mut set_b);
         if set_a.points().len() > 1 && set_b.points().len() > 1 {
             let gap = normal * (q - p).dot(normal);
-            let facing = FacingSets::new([&set_a, &set_b], gap, found.resolution());
+            let facing = FacingSets::new([&mut set_a, &mut set_b], gap, found.resolution());
             facing.each_extreme_pair(|pair| {
                 self.offer(pair, normal, found);
                 found.wants_more()

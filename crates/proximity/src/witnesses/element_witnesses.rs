@@ -79,7 +79,7 @@ fn of_convex(a: &RoundedShape, b: &RoundedShape, points: PointPair, found: &mut 
         set_b.set_to_core(&b.core, &b.pose, &-normal, tolerance);
         if set_b.points().len() > 1 {
             let gap = cores[1] - cores[0];
-            let facing = FacingSets::new([&set_a, &set_b], gap, found.resolution());
+            let facing = FacingSets::new([&mut set_a, &mut set_b], gap, found.resolution());
             facing.each_extreme_pair(|pair| {
                 found.offer(on_surfaces(pair));
                 found.wants_more()

@@ -2,6 +2,7 @@
 
 use clearance_geometry::math::{Extremes, MatrixPose, Point, UnitVector, Vector};
 
+use super::facing_sets::edges;
 use crate::elements::CoreShape;
 
 /// Number of points that represent a circle.
@@ -11,6 +12,16 @@ const CIRCLE: u8 = 32;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SupportSet {
     points: Vec<Point>,
+    sides: Vec<Side>,
+}
+
+/// A half-space that contains the set; its boundary is parallel to an edge.
+#[derive(Clone, Copy, Debug)]
+struct Side {
+    /// Unit vector in the plane of the polygon, out of the half-space.
+    outward: Vector,
+    /// Largest height (m) of a point of the set along that vector.
+    height: f64,
 }
 
 impl SupportSet {
@@ -61,6 +72,25 @@ impl SupportSet {
         self.points.clear();
         self.of_corners(corners, n, tolerance);
         self.sort_around(n);
+    }
+
+    /// Computes the half-spaces of [`Self::is_beyond`] for the present points; a segment has none.
+    pub fn bound_sides(&mut self) {
+        let Self { points, sides } = self;
+        let from = points.first().copied().unwrap_or_else(Point::origin);
+        let area: Vector = points.windows(2).map(|edge| (edge[0] - from).cross(&(edge[1] - from))).sum();
+        sides.clear();
+        sides.extend(edges(points).filter_map(|[p, q]| {
+            let outward = (q - p).cross(&area).try_normalize(0.0)?;
+            let heights = points.iter().map(|p| p.coords.dot(&outward));
+            Some(Side { outward, height: heights.fold(f64::NEG_INFINITY, f64::greater) })
+        }));
+    }
+
+    /// True if all these points are proven farther from the set than `distance` (m): they are outside of one of its half-spaces.
+    pub fn is_beyond(&self, distance: f64, points: &[Point]) -> bool {
+        let is_outside = |side: &Side, x: &Point| x.coords.dot(&side.outward) > side.height + distance;
+        self.sides.iter().any(|side| points.iter().all(|x| is_outside(side, x)))
     }
 
     /// Transforms the points from a frame posed in another to that frame.

@@ -365,7 +365,7 @@ class Checker:
         *,
         max_distance: float = 0.5,
         clearance: float = 0.0001,
-        max_checks: int = 20000,
+        max_checks: int = 30000,
         timeout: float | None = None,
         locked: Sequence[str] = ...,
     ) -> FreeState: ...

@@ -297,7 +297,7 @@ class FreeState:
     reason: str
     """``already_free``, ``found``, ``not_movable``, ``unfinished`` or ``beyond_limits``."""
     pair: Optional[Pair]
-    """The pair that no joint moves apart, for ``not_movable``."""
+    """The pair that no joint moves apart by the clearance, for ``not_movable``."""
     checks: int
     """Number of states that were checked."""
 

@@ -140,7 +140,7 @@ fn reason(checker: &CollisionChecker, none: &NoFreeState) -> String {
         Some((a, b)) => {
             let pair = quoted_list(&[a, b].map(|body| checker.body_name(body).to_owned()));
             format!(
-                "no joint that may move moves {pair} apart: change group, locked_joints or clearance, or the world"
+                "no joint that may move moves {pair} apart by the clearance: change group, locked_joints or clearance, or the world"
             )
         }
         None if none.is_unfinished => {
