@@ -48,8 +48,8 @@ const BISECTIONS: usize = 8;
 /// Budget of the proof that a state which was found is reached, if the search has a deadline: some 10 ms, by which it may end later.
 const BUDGET: u64 = 5000;
 
-/// Numbers of random states, within the largest distance and anywhere, in none of which a pair that is not apart by the
-/// clearance ends the search.
+/// The search ends when a pair keeps the clearance in none of so many random states: within the largest distance, and
+/// anywhere.
 const NEAR_STATES: usize = 64;
 const STATES_ANYWHERE: usize = 512;
 
@@ -57,7 +57,7 @@ const STATES_ANYWHERE: usize = 512;
 /// at a contact, the proof may have no room.
 const EXTENSIONS: [f64; 5] = [0.0, 1e-6, 1e-5, 1e-4, 1e-3];
 
-/// Number of states between two looks at the limits of the search.
+/// Number of states after which the limits of the search are tested.
 const AT_ONCE: usize = 8;
 
 pub struct FreeStateSearch<'s> {
@@ -146,7 +146,7 @@ impl<'s> FreeStateSearch<'s> {
             || self.options.deadline.is_some_and(|deadline| Instant::now() >= deadline)
     }
 
-    /// Searches so many random directions, at growing distances, until a free state is found.
+    /// Searches `count` random directions at growing distances, until a free state is found.
     fn sweep(&mut self, space: &SearchSpace, count: usize) -> Option<FreeState> {
         let mut distance = FIRST_DISTANCE;
         while !self.is_over() {
