@@ -545,7 +545,7 @@ typedef struct {
   double max_distance;
   // Distance (m) that the free state keeps from every collision. Default 0.0001.
   double clearance;
-  // Number of checked states after which the search ends. Default 20 000.
+  // Number of checked states after which the search ends. Default 30 000.
   uint64_t max_checks;
   // Time (s) after which the search ends. Default infinity.
   double timeout;

@@ -22,7 +22,7 @@ pub struct clearance_recovery_options {
     pub max_distance: f64,
     /// Distance (m) that the free state keeps from every collision. Default 0.0001.
     pub clearance: f64,
-    /// Number of checked states after which the search ends. Default 20 000.
+    /// Number of checked states after which the search ends. Default 30 000.
     pub max_checks: u64,
     /// Time (s) after which the search ends. Default infinity.
     pub timeout: f64,
